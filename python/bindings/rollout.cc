@@ -47,7 +47,7 @@ void BindItemResult(nb::module_& m) {
       .def_ro("undecided", &ItemResult::undecided,
               "Attempts that the stop flag ended; they count nowhere else.")
       .def_ro("accepted", &ItemResult::accepted, "Attempts whose start the sampler accepted.")
-      .def_ro("refusals", &ItemResult::refusals, "Reason -> count, of refused starts.")
+      .def_ro("refusals", &ItemResult::refusals, "'stage: reason' -> count, of refused starts.")
       .def_ro("advice", &ItemResult::advice,
               "What most starts were refused for, and from where the robot would reach its "
               "object; '' when a start was accepted.")

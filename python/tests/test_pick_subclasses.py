@@ -159,10 +159,10 @@ def test_refusals_of_a_stage_are_counted_with_the_places_tried(tmp_path: Path):
             return rc.tasks.Refusal(rc.tasks.RefusalReason.BASE_IN_COLLISION, "as told")
 
     run = load(tmp_path, max_attempts=2)
-    result = rc.generate.Runner(run, sampler=Picky).run(rc.generate.make_plan(run)[0])
-    reason = "no base pose is free of collisions"
-    assert (result.attempts, result.accepted, dict(result.refusals)) == (2, 0, {reason: 2})
-    assert dict(result.redrawn) == {reason: 2 * 7}  # of 8 places each, the last is the refusal
+    report = rc.generate.Runner(run, sampler=Picky).run(rc.generate.make_plan(run)[0])
+    reason = "base: no base pose is free of collisions"
+    assert (report.attempts, report.accepted, dict(report.refusals)) == (2, 0, {reason: 2})
+    assert dict(report.redrawn) == {reason: 2 * 7}  # of 8 places each, the last is the refusal
 
 
 def test_the_scripted_expert_can_be_extended(tmp_path: Path):

@@ -34,8 +34,7 @@ TEST(CheckRun, WhatWorksAndMayNotBeMeantIsReturned) {
   AtomicWrite(folder / "table.xml",
               "<mujoco><option cone='elliptic'/><worldbody><body><geom type='box' size='.4 .4 .01' "
               "pos='0 0 -.01'/><site name='table_top'/></body></worldbody></mujoco>");
-  run.scenes.files = {(folder / "table.xml").string()};
-  run.scenes.source = SceneSourceKind::kFiles;
+  run.scenes = FilesScenes{.files = {(folder / "table.xml").string()}};
   run.cameras.resolution = {4, 4};
   run.options.cone = FrictionCone::kPyramidal;  // the table and the robot want another one
   EXPECT_THAT(CheckRun(run),

@@ -1,6 +1,6 @@
 #include "robocell/diagnose/findings.h"
 
-#include "robocell/spec/split_place.h"
+#include "robocell/spec/locations.h"
 
 namespace robocell {
 

@@ -13,7 +13,8 @@
 #include "robocell/robot/validate_config.h"
 #include "robocell/scenes/catalogue.h"
 #include "robocell/spec/pick_task_config.h"
-#include "robocell/spec/problem_lines.h"
+#include "robocell/spec/problems.h"
+#include "robocell/task/base_placement.h"
 #include "robocell/task/grasp_candidates.h"
 
 namespace robocell {
@@ -82,7 +83,7 @@ class PickRunValidator {
     }
     const std::optional<PickRun> pick = PickRunOf(run_.task);
     if (!pick) return;
-    ValidateReach(*pick, robot_, problems_);
+    ValidateReach(*pick, BaseRangeOf(run_.start, {}), robot_, problems_);
     Problems::Scope scope(problems_, "task");
     AsProblem(problems_, [&] { ValidateGraspable(pick->objects); });
   }

@@ -10,14 +10,15 @@
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
-#include "robocell/base/folder_names.h"
+#include "robocell/base/files.h"
 #include "robocell/base/io_error.h"
 #include "robocell/base/log.h"
 #include "robocell/base/ratio.h"
 #include "robocell/data/dataset.h"
+#include "robocell/data/dataset_folder.h"
 #include "robocell/data/dataset_lock.h"
 #include "robocell/data/episode_files.h"
-#include "robocell/data/require_dataset.h"
+#include "robocell/features/chosen_features.h"
 #include "robocell/rollout/engine_record.h"
 #include "robocell/rollout/env_of_episode.h"
 #include "robocell/rollout/episode_cameras.h"
@@ -137,7 +138,8 @@ class EnvEpisode {
       : env_(env),
         nu_(static_cast<size_t>(env.scene().model()->nu)),
         generation_(env.scene().generation()),
-        features_(FeaturesOfCell(env.scene(), RobotsOf(env.scene()), env.task(), {})),
+        features_(FeaturesOfCell(env.scene(), RobotsOf(env.scene()), env.task(),
+                                 OwnAmong(env.config().features.names))),
         state_columns_(schema_, features_.observed()),
         command_columns_(schema_, features_.commanded()),
         seen_columns_(schema_, env.layout().observed),
@@ -359,7 +361,7 @@ void PrepareFolder(const fs::path& dataset) {
   }
 }
 
-void CheckRecorderOptions(const EnvRecorderOptions& options) {
+void RequireRecorderOptions(const EnvRecorderOptions& options) {
   if (!IsEpisodeId(options.prefix))
     throw ArgumentError(fmt::format(
         "'{}' cannot begin the ids of episodes, which are visible folders", options.prefix));
@@ -372,7 +374,7 @@ void CheckRecorderOptions(const EnvRecorderOptions& options) {
 struct EnvRecorder::State : public EnvObserver {
   State(Env& its_env, fs::path its_dataset, EnvRecorderOptions its_options)
       : env(&its_env), dataset(std::move(its_dataset)), options(std::move(its_options)) {
-    CheckRecorderOptions(options);
+    RequireRecorderOptions(options);
     PrepareFolder(dataset);
     lock = DatasetLock::Numbering(dataset, options.prefix);
     next = NextNumber(dataset, options.prefix);

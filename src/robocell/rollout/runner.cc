@@ -16,7 +16,7 @@
 #include "robocell/rollout/earlier_attempts.h"
 #include "robocell/rollout/rollout.h"
 #include "robocell/rollout/run_files_watch.h"
-#include "robocell/rollout/validate_run.h"
+#include "robocell/task/sampler_kind.h"
 #include "robocell/task/task_kind.h"
 
 namespace robocell {
@@ -120,9 +120,7 @@ Runner::Runner(RunConfig run, RunnerParts parts) : state_(std::make_unique<State
   state_->parts = std::move(parts);
   state_->own_sampler = static_cast<bool>(state_->parts.sampler);
   if (!state_->own_sampler) {
-    state_->parts.sampler = [](const RunConfig& of) {
-      return FindTaskKind(of.task.kind())->MakeSampler(of);
-    };
+    state_->parts.sampler = &MakeSampler;
   }
   if (!state_->parts.expert) {
     state_->parts.expert = [kind = ExpertKindOf(state_->run)](const RunConfig& of,
@@ -158,7 +156,7 @@ std::string ObjectKindOf(const Episode& episode) {
   return kinds.empty() ? "" : kinds.front().get<std::string>();
 }
 
-// An attempt that an earlier process kept counts like one of now: a report is about the item.
+// An attempt that an earlier process kept counts like one of now: a result is about the item.
 void AddKept(ItemResult& result, const Episode& episode, EarlierAttempts& earlier) {
   result.object_kind = ObjectKindOf(episode);
   result.committed = true;
@@ -213,8 +211,9 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopRequest
     count_redrawn();
     count_kind();
     ++result.attempts;
-    earlier.push_back({sample.object_kind(), true, sample.refusal.reason});
-    const int count = ++result.refusals[sample.refusal.reason];
+    const std::string refused = sample.refusal.counted_as();
+    earlier.push_back({sample.object_kind(), true, refused});
+    const int count = ++result.refusals[refused];
     if (count >= MostFrequent(result.refusals)) result.advice = sample.refusal.detail;
     return;
   }
@@ -272,7 +271,7 @@ ItemResult Runner::Run(const PlanItem& item, const StopRequest& stop) {
   }
   result.complete = is_made();
   if (result.accepted > 0) result.advice.clear();
-  if (result.accepted > 0 || !result.refusals.contains(Refusal::kNoReachableBasePose))
+  if (result.accepted > 0 || !HasReason(result.refusals, Refusal::kNoReachableBasePose))
     return result;
   if (const std::string& where = state_->Advice(); !where.empty())
     result.advice += (result.advice.empty() ? "" : "; ") + where;

@@ -17,8 +17,10 @@
 #include "robocell/rollout/validate_streams.h"
 #include "robocell/scenes/scene_source.h"
 #include "robocell/scenes/support.h"
-#include "robocell/spec/problem_lines.h"
+#include "robocell/spec/problems.h"
+#include "robocell/spec/spec_bytes.h"
 #include "robocell/spec/validate.h"
+#include "robocell/task/sampler_kind.h"
 #include "robocell/task/task_kind.h"
 
 namespace robocell {
@@ -35,13 +37,28 @@ void ValidateOwnFeatures(const RunConfig& run, Problems& problems) {
   }
 }
 
+void ValidateSampler(const RunConfig& run, Problems& problems) {
+  if (run.sampler.empty()) return;
+  try {
+    FindSamplerKind(run.sampler);
+  } catch (const NotFoundError& error) {
+    problems.AddAt("sampler", error.what());
+  }
+}
+
 // Problems of the fields alone.
 Problems FieldProblems(const RunConfig& run) {
   Problems problems(run.locations);
   ValidateFields(run, problems);
   ValidateStreams(run, problems);
   FindTaskKind(run.task.kind())->ValidateRun(run, problems);
+  try {
+    ValidateHouses(run, problems);
+  } catch (const Error& error) {  // of a source that cannot be made
+    problems.AddAt("scenes", error.what());
+  }
   ValidateOwnFeatures(run, problems);
+  ValidateSampler(run, problems);
   return problems;
 }
 
@@ -59,8 +76,9 @@ class SceneValidator {
 
   void Run() {
     std::vector<SceneSpec> bases;
+    if (!Try("scenes", [&] { source_ = MakeSceneSource(run_); })) return;
     for (const int scene : SceneIndices(run_)) {
-      if (!Try("scenes", [&] { bases.push_back(MakeBaseScene(run_, scene)); })) return;
+      if (!Try("scenes", [&] { bases.push_back(MakeBaseScene(run_, *source_, scene)); })) return;
     }
     if (!ValidateSupports(bases)) return;
     std::optional<Scene> scene;
@@ -94,9 +112,13 @@ class SceneValidator {
   bool ValidateSupports(const std::vector<SceneSpec>& bases) {
     bool good = true;
     std::set<std::string> checked;
-    for (const SceneSpec& base : bases) {
-      if (!checked.insert(base.base.value_or("")).second) continue;
-      good &= Try("scenes", [&] { RequireSteady(base, FindSupport(base)); });
+    const std::vector<int> indices = SceneIndices(run_);
+    for (size_t i = 0; i < bases.size(); ++i) {
+      if (!checked.insert(SpecBytes(bases[i])).second) continue;
+      good &= Try("scenes", [&] {
+        for (const Support& support : SupportsOf(*source_, indices[i], bases[i]))
+          RequireSteady(bases[i], support);
+      });
     }
     return good;
   }
@@ -123,6 +145,10 @@ class SceneValidator {
       const CameraConfig& stream = run_.cameras.streams[i];
       Try(stream.follow.empty() ? "camera" : "follow", [&] { ViewOfStream(scene, stream); });
     }
+    for (const std::string& camera : run_.start.visible_from) {
+      Try("start.visible_from",
+          [&] { ViewOfStream(scene, {.name = "start.visible_from", .camera = camera}); });
+    }
   }
 
   void ValidateForTask(const Scene& scene, Robot& robot) {
@@ -138,6 +164,7 @@ class SceneValidator {
 
   const RunConfig& run_;
   const std::shared_ptr<const TaskKind> task_ = FindTaskKind(run_.task.kind());
+  std::shared_ptr<SceneSource> source_;
   const RunDemands& demands_;
   Problems& problems_;
   std::vector<std::string> warnings_;

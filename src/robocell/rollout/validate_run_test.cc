@@ -97,8 +97,7 @@ TEST(ValidateRun, ASceneWithoutATableIsTold) {
   RunConfig run = Demo();
   TempDir folder;
   AtomicWrite(folder / "bare.xml", "<mujoco><worldbody><site name='floor'/></worldbody></mujoco>");
-  run.scenes.files = {(folder / "bare.xml").string()};
-  run.scenes.source = SceneSourceKind::kFiles;
+  run.scenes = FilesScenes{.files = {(folder / "bare.xml").string()}};
   ExpectThrow<SpecError>([&] { ValidateRun(run); }, "nowhere to put objects");
 }
 
@@ -112,9 +111,10 @@ TEST(ValidateRun, EverySceneNeedsATable) {
   AtomicWrite(folder / "beside.xml",
               begin + "<geom type='box' size='.4 .4 .01' pos='1 0 -.01'/>" + site + end);
   AtomicWrite(folder / "bare.xml", begin + "<geom type='sphere' size='.4'/>" + site + end);
+  FilesScenes scenes;
   for (const char* name : {"good.xml", "beside.xml", "bare.xml"})
-    run.scenes.files.push_back((folder / name).string());
-  run.scenes.source = SceneSourceKind::kFiles;
+    scenes.files.push_back((folder / name).string());
+  run.scenes = scenes;
   ExpectThrow<SpecError>([&] { ValidateRun(run); }, "so that it is beside the box");
   ExpectThrow<SpecError>([&] { ValidateRun(run); }, "bare.xml': site 'table_top' needs a box geom");
 }
@@ -128,9 +128,8 @@ TEST(ValidateRun, ATableThatFallsIsTold) {
                             "pos='0 0 {}'><freejoint/><geom type='box' size='.4 .4 .2'/><site "
                             "name='table_top' pos='0 0 .2'/></body></worldbody></mujoco>",
                             height));
-    run.scenes.files = {(folder / name).string()};
+    run.scenes = FilesScenes{.files = {(folder / name).string()}};
   };
-  run.scenes.source = SceneSourceKind::kFiles;
   table("stands.xml", 0.2);
   EXPECT_NO_THROW(ValidateRun(run));
   table("falls.xml", 1);
@@ -167,21 +166,22 @@ TEST(ValidateRun, ADistanceThatTheGripperDoesNotHaveIsRefused) {
 
 TEST(ValidateRun, DistancesOutOfReachAreToldWithTheReach) {
   RunConfig run = Demo();
-  run.task.As<PickTaskConfig>().base_distance = {0.3, 60};
+  run.start.base_distance = {0.3, 60};
   const std::string text = ExpectThrow<SpecError>([&] { ValidateRun(run); },
-                                                  "task.base_distance: [0.3, 60] m goes beyond");
+                                                  "start.base_distance: [0.3, 60] m goes beyond");
   EXPECT_THAT(text, HasSubstr("of which 95 % is used"));
   EXPECT_NO_THROW(ValidateRun(run, {.scripted_expert = false, .on_this_machine = false}))
       << "a sampler of the user's own may mean something else by it";
   // What is told as the most there is, is accepted: it is not rounded up.
   const size_t at = text.find("goes beyond ") + 12;
-  run.task.As<PickTaskConfig>().base_distance[1] = std::stod(text.substr(at));
-  EXPECT_NO_THROW(ValidateRun(run)) << run.task.As<PickTaskConfig>().base_distance[1];
-  run.task.As<PickTaskConfig>().base_distance[1] += 0.001;
+  (*run.start.base_distance)[1] = std::stod(text.substr(at));
+  EXPECT_NO_THROW(ValidateRun(run)) << (*run.start.base_distance)[1];
+  (*run.start.base_distance)[1] += 0.001;
   ExpectThrow<SpecError>([&] { ValidateRun(run); }, "] m goes beyond " + text.substr(at, 5));
   run = Demo();
-  run.task.As<PickTaskConfig>().base_height_offset = -25;
-  ExpectThrow<SpecError>([&] { ValidateRun(run); }, "task.base_height_offset: -25 m puts the base");
+  run.start.base_height_offset = -25;
+  ExpectThrow<SpecError>([&] { ValidateRun(run); },
+                         "start.base_height_offset: -25 m puts the base");
 }
 
 TEST(ValidateRun, ALiftThatNoArmHasIsRefused) {
@@ -243,7 +243,7 @@ TEST_F(ValidateRobotFile, ControllersThatTakeNoJointPositionsAreToldWithThoseTha
         [&] { ValidateRun(run); },
         fmt::format("{}robot.control.arm: the scripted expert sends the arm joint positions, and "
                     "'{}' takes {}; choose joint_position, relative_joint_position or "
-                    "joint_impedance (an expert of your own may command other things)",
+                    "joint_impedance (an expert of your own may use other commands)",
                     PlaceOf(control), control, takes));
     EXPECT_NO_THROW(ValidateRun(run, {.scripted_expert = false}));
   }

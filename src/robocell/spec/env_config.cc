@@ -112,9 +112,6 @@ class TaskValidator {
     RequireObject(task.object);
     const T plain;
     ValidateOfRuns("objects", task.objects == plain.objects);
-    ValidateOfRuns("base_distance", task.base_distance == plain.base_distance);
-    ValidateOfRuns("base_height_offset", task.base_height_offset == plain.base_height_offset);
-    ValidateOfRuns("base_height_noise", task.base_height_noise == plain.base_height_noise);
     if constexpr (requires { task.goal_object; }) ValidateGoal(task);
   }
 
@@ -278,7 +275,7 @@ void EnvConfig::Validate(Problems& problems) const {
     ValidateNamePart(robot, "robots", problems);
     ValidateNotEmpty(robot, "robots", "a name for each robot, found ''", problems);
   }
-  for (const char* taken : {"frames", "objects", "task"}) {
+  for (const char* taken : {"features", "frames", "objects", "task"}) {
     if (robots.contains(taken))
       problems.AddAt("robots", fmt::format("'{}' is a part of observations; give the robot another "
                                            "name",
