@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from robocell.cli.robot_checks import trial
 
 import robocell
 from command_line import (
@@ -22,7 +23,6 @@ from command_line import (
 )
 from menagerie import require_menagerie
 from robocell.cli import reach_map
-from robocell.cli.robot_checks import trial
 from robocell.cli.robot_scene import load_robot
 
 
@@ -266,7 +266,7 @@ def test_check_and_runs_say_the_same_of_a_group_that_nothing_commands(tmp_path: 
     assert unfit in reasons[0]
     config = robocell.RunConfig.load(run)
     config.cameras.streams = []  # which are of rc7's cameras
-    robocell.generate.check_run(
+    robocell.diagnose.check_run(
         config, scripted_expert=False, on_this_machine=False
     )  # is recorded without
 
