@@ -9,7 +9,7 @@
 namespace robocell {
 namespace {
 
-// Unset for a folder that holds other things.
+// Unset for a folder that is not a dataset.
 std::optional<Dataset> DatasetIn(const std::string& folder) {
   try {
     return Dataset(folder);

@@ -9,8 +9,9 @@
 
 namespace robocell {
 
-// What the episodes in the run's dataset were made with that is different now, as RunOrigin says
-// it; nothing when the manifest can be written again. Unset when there are no generated episodes.
+// Differences between the present inputs and those of the episodes in the run's dataset, as
+// RunOrigin returns them; empty if the manifest can be written again. Unset without generated
+// episodes.
 std::optional<std::vector<std::string>> ChangesSinceEpisodes(const RunConfig& run);
 
 }  // namespace robocell

@@ -1,4 +1,4 @@
-// What was found, one text for each: for warnings, which are listed and not thrown.
+// Lists problems as one text each, for warnings, which are listed and not thrown.
 #pragma once
 
 #include <string>
