@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "robocell/data/isolated_reader.h"
-#include "robocell/data/problem.h"
+#include "robocell/data/verify.h"
 
 namespace robocell {
 

@@ -13,7 +13,7 @@
 #include "robocell/mujoco/tree.h"
 #include "robocell/scene/element_lookup.h"
 #include "robocell/scene/servo_stability.h"
-#include "robocell/spec/split_place.h"
+#include "robocell/spec/locations.h"
 
 namespace robocell {
 namespace {

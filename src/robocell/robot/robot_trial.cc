@@ -21,7 +21,7 @@
 #include "robocell/robot/tcp_place.h"
 #include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/hold_ctrl.h"
-#include "robocell/spec/problem_lines.h"
+#include "robocell/spec/problems.h"
 
 namespace robocell {
 namespace {

@@ -24,9 +24,9 @@
 #include "robocell/data/episode_reader.h"
 #include "robocell/data/model_store.h"
 #include "robocell/rollout/check_run.h"
-#include "robocell/rollout/lost_manifest.h"
 #include "robocell/rollout/run_inputs.h"
-#include "robocell/spec/split_place.h"
+#include "robocell/rollout/run_origin.h"
+#include "robocell/spec/locations.h"
 
 namespace robocell {
 namespace {

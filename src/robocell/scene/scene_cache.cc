@@ -18,7 +18,7 @@
 #include "robocell/assets/scene_models.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
-#include "robocell/base/fingerprint.h"
+#include "robocell/base/hash.h"
 #include "robocell/base/log.h"
 #include "robocell/base/version.h"
 #include "robocell/mujoco/compile.h"
