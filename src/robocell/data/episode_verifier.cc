@@ -237,7 +237,7 @@ EpisodeVerifier::EpisodeVerifier(bool decode)
     : decode_(decode),
       columns_([](const std::string& folder) { return ColumnsOfWrongLength(folder); }) {}
 
-std::vector<VerifyProblem> EpisodeVerifier::Check(const fs::path& folder) {
+std::vector<VerifyProblem> EpisodeVerifier::Verify(const fs::path& folder) {
   return EpisodeVerification(folder, decode_, columns_).Run();
 }
 

@@ -16,7 +16,7 @@ class EpisodeVerifier {
  public:
   explicit EpisodeVerifier(bool decode);
 
-  std::vector<VerifyProblem> Check(const std::filesystem::path& folder);
+  std::vector<VerifyProblem> Verify(const std::filesystem::path& folder);
 
  private:
   bool decode_;
