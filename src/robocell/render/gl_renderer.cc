@@ -8,6 +8,7 @@
 #include "robocell/render/drawn_scene.h"
 #include "robocell/render/gl_context.h"
 #include "robocell/render/gl_drawing.h"
+#include "robocell/render/depth_conversion.h"
 #include "robocell/render/image_convert.h"
 
 namespace robocell {

@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/scene/check_model_file.h"
 #include "robocell/scene/prefixed_config.h"

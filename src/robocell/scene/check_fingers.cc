@@ -8,7 +8,7 @@
 #include <optional>
 #include <Eigen/Geometry>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/scene/check_robot.h"

@@ -6,7 +6,7 @@
 #include <mutex>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/spec/pick_task_config.h"
 #include "robocell/spec/validate.h"
 
