@@ -30,7 +30,7 @@ def make_dataset(folder: Path) -> Path:
     shutil.rmtree(folder, ignore_errors=True)
     run = rc.RunConfig(run="example", output=str(folder))
     run.robot = rc.RobotConfig.load(rc.models.robot_file("rc7"))
-    run.task = rc.PickTaskConfig(base_distance=[0.35, 0.5], base_height_offset=-0.25)
+    run.start = rc.tasks.StartConfig(base_distance=[0.35, 0.5], base_height_offset=-0.25)
     run.cameras.resolution = [320, 240]
     run.cameras.streams.append(rc.render.CameraConfig(name="exo", camera="exo_camera"))
     rc.generate.prepare_dataset(run)

@@ -30,6 +30,7 @@ NB_MODULE(_core, m) {
   BindTask(m);
   BindSampler(m);
   BindPick(m);
+  BindSceneSources(m);
   BindTaskKinds(m);
   BindFeatures(m);
   BindRunEnv(m);

@@ -17,6 +17,7 @@ import pytest
 import robocell as rc
 import robocell.gym
 from robocell.data import EnvRecorder, env_of_episode, replay_actions
+from robocell.dataset_run import run_of_dataset
 from robocell.gym import VectorGymEnv, pick_cube_config
 
 DOWN = {"robot": {"tquat": [0, 0.02, -0.02, 0, 0, 0, 1], "gripper": 1}}
@@ -212,6 +213,17 @@ def test_a_killed_process_leaves_whole_episodes_only(tmp_path: Path):
     assert recorder.episodes == ["episode-000001"]
     assert sorted(rc.Dataset(tmp_path).ids) == ["episode-000000", "episode-000001"]
     env.close()
+
+
+def test_an_environment_may_be_closed_first(tmp_path: Path):
+    env = rc.Env(config())
+    with EnvRecorder(env, tmp_path) as recorder:
+        env.reset(seed=1)
+        env.step(DOWN)
+        env.close()
+    assert recorder.episodes == ["episode-000000"]
+    with pytest.raises(rc.ArgumentError, match="recorded from an environment, not made by a run"):
+        run_of_dataset(tmp_path)
 
 
 def test_a_full_disk_costs_the_episode_and_says_so(tmp_path: Path):

@@ -33,7 +33,7 @@ IDS = ["s0000_e0000", "s0000_e0001"]
 STREAM = {"name": "wrist", "camera": "wrist_camera", "depth": True}
 LONGER = {
     "episodes_per_scene": 7,
-    "task": {**RUN["task"], "base_distance": [0.4, 0.62]},
+    "start": {**RUN["start"], "base_distance": [0.4, 0.62]},
     "cameras": {"resolution": [64, 48], "streams": [STREAM]},
 }
 

@@ -160,7 +160,7 @@ def test_refusals_of_a_stage_are_counted_with_the_places_tried(tmp_path: Path):
 
     run = load(tmp_path, max_attempts=2)
     report = rc.generate.Runner(run, sampler=Picky).run(rc.generate.make_plan(run)[0])
-    reason = "no base pose is free of collisions"
+    reason = "base: no base pose is free of collisions"
     assert (report.attempts, report.accepted, dict(report.refusals)) == (2, 0, {reason: 2})
     assert dict(report.redrawn) == {reason: 2 * 7}  # of 8 places each, the last is the refusal
 

@@ -244,7 +244,7 @@ def test_without_a_report_the_disk_still_counts(dataset: Path, tmp_path: Path):
     (copy / "report.json").unlink()
     result = robocell_command("report", copy)
     assert result.returncode == 0
-    assert "no report.json, so only what is on the disk is told" in result.stderr
+    assert "no report.json, so only the contents of the disk are reported" in result.stderr
     assert "a Runner writes none" in result.stderr
     assert "2 episodes, " in result.stdout
     assert " of 2" not in result.stdout, "nobody knows how many were planned"

@@ -293,9 +293,15 @@ def test_what_check_warns_of_runs_warn_of_and_say_from_where_the_robot_would_rea
     robot = write_robot(tmp_path, set_in("force_limit", value=0.01))
     warned = "pushes with all it may, 0.01 N m"
     assert warned in robocell_command("check", robot).stderr
-    task = {"kind": "pick", "objects": ["box"], "base_distance": [0.3, 0.5]}
-    task |= {"base_height_offset": 0.4, "base_height_noise": [0.0, 0.0]}
-    run = write_run(tmp_path, robot=str(robot), task=task, max_attempts=1, episodes_per_scene=1)
+    changes = {
+        "task": {"kind": "pick", "objects": ["box"]},
+        "start": {
+            "base_distance": [0.3, 0.5],
+            "base_height_offset": 0.4,
+            "base_height_noise": [0.0, 0.0],
+        },
+    }
+    run = write_run(tmp_path, robot=str(robot), max_attempts=1, episodes_per_scene=1, **changes)
     result = robocell_command("generate", run)
     assert result.returncode == 1, result.stdout + result.stderr
     assert warned in result.stderr

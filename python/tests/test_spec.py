@@ -111,7 +111,7 @@ class TestFields:
         assert group.actuators == ("servo",)
         group.joints = (name for name in ("a", "b"))
         assert group.joints == ("a", "b")
-        assert rc.SceneSource(houses=range(4)).houses == (0, 1, 2, 3)
+        assert rc.SceneSourceSpec(houses=range(4)).houses == (0, 1, 2, 3)
 
     def test_enums_are_taken_by_value_and_by_name(self):
         spec = cube()

@@ -48,7 +48,7 @@ REFUSED = {
     "size_beyond_memory": "Could not allocate memory",
     "includes_itself": r"includes_itself.xml.*already included",
     "mesh_face_out_of_range": r"in face 0, vertex index 99999999 does not exist",
-    "mesh_with_nan": r"mesh_with_nan.xml:2: vertex=.* nan .* is no number",
+    "mesh_with_nan": r"mesh_with_nan.xml:2: vertex=.* nan .* is not a number",
     "skin_out_of_range": "face vertex index 7777777 out of range in skin",
 }
 # Crashed earlier versions, and are harmless now.

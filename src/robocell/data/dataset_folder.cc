@@ -73,7 +73,7 @@ bool IsOfDataset(const fs::path& folder, const std::string& name) {
          IsReportFile(name) || IsTemporaryName(name) || IsEpisodeFolder(folder / name);
 }
 
-// Where the dataset is that somebody may have meant: around the folder, or one below.
+// Finds the dataset that the user may have meant: around the folder, or one below.
 std::string NearestDataset(const fs::path& folder, const std::vector<std::string>& names) {
   const fs::path path = fs::absolute(folder).lexically_normal();
   const fs::path around = (path.has_filename() ? path : path.parent_path()).parent_path();

@@ -39,7 +39,7 @@ bool IsRealFolder(const fs::path& path) {
   return fs::is_directory(fs::symlink_status(path, ignored));
 }
 
-// What is in the folder of models: "models/rc7-0123456789abcdef", sorted.
+// Lists the folder of models: "models/rc7-0123456789abcdef", sorted.
 std::vector<std::string> NamesInModels(const fs::path& dataset) {
   const fs::path folder = dataset / kModelsFolder;
   if (!IsRealFolder(folder)) return {};
@@ -62,7 +62,7 @@ void Copy(const fs::path& from, const fs::path& to) {
   AtomicWrite(to, ReadFile(from));
 }
 
-// Of a stored model's files: neither its list, nor what was left of writing that.
+// Sums of a stored model's files, without its list and remains of writing that.
 FileSums SumsOfModel(const fs::path& folder) {
   FileSums sums = SumsOfFolder(folder);
   std::erase_if(sums, [](const auto& sum) {

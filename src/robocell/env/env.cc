@@ -105,7 +105,8 @@ Env::Env(EnvConfig config, Scene scene, std::optional<int> copy,
       scene_(std::move(scene)),
       variations_(config_, scene_),
       task_(MakeTask(config_, scene_)),
-      layout_(MakeEnvLayout(config_, ArmsOf(config_, scene_), task_.get())),
+      chosen_(scene_, RobotsOf(scene_), config_.features.names),
+      layout_(MakeEnvLayout(config_, ArmsOf(config_, scene_), task_.get(), chosen_)),
       objects_(ObservedObjects(layout_, scene_)),
       arms_(DriversOf(config_, scene_, layout_)),
       stepper_(scene_, RobotsOfDrivers(arms_), {.control_ticks = 1, .sim_steps = 1}),
@@ -344,6 +345,7 @@ void Env::Observe() {
     for (double& x : out.first(3)) x = std::clamp(x, -kFarthestObject, kFarthestObject);
   }
   ObserveTask();
+  ObserveFeatures();
   if (draws_) cameras_.Draw(TimeSinceReset());
 }
 
@@ -360,6 +362,15 @@ void Env::ObserveTask() {
     observation_[i] =
         std::clamp(observation_[i], layout_.observation.lower[i], layout_.observation.upper[i]);
   }
+}
+
+void Env::ObserveFeatures() {
+  const auto [begin, size] = layout_.all_features;
+  if (size == 0) return;
+  chosen_.Read(std::span(observation_).subspan(begin, size));
+  for (int i = begin; i < begin + size; ++i)
+    observation_[i] =
+        std::clamp(observation_[i], layout_.observation.lower[i], layout_.observation.upper[i]);
 }
 
 void Env::SetOriginToCurrent(const std::string& robot) {

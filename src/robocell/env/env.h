@@ -176,6 +176,7 @@ class Env {
   bool EndsAtCollision() const;
   void Observe();
   void ObserveTask();
+  void ObserveFeatures();
   std::string place() const { return "environment '" + config_.name + "'"; }
   // Warns of arms and grippers that no action reaches.
   void RequireDistances(const ArmDriver& arm) const;
@@ -185,6 +186,7 @@ class Env {
   Scene scene_;
   ObjectVariations variations_;
   std::shared_ptr<Task> task_;
+  ChosenFeatures chosen_;
   EnvLayout layout_;
   std::vector<BodyHandle> objects_;  // of layout_.objects
   std::vector<ArmDriver> arms_;

@@ -246,7 +246,7 @@ void Env::Restore(const std::string& name) {
   const Snapshot& snapshot = RequireSnapshot(name);
   if (snapshot.generation != scene_.generation()) {
     throw Error(
-        fmt::format("{}: the scene was compiled anew since '{}' was saved, so that there "
+        fmt::format("{}: the scene was compiled again since '{}' was saved, so that there "
                     "is no way back to it",
                     place(), name));
   }

@@ -9,6 +9,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/paths.h"
+#include "robocell/base/plugin.h"
 #include "robocell/base/suggestions.h"
 
 namespace robocell {
@@ -43,6 +44,8 @@ OwnFeature FindOwnFeature(const std::string& name) {
 
 void RegisterFeature(const std::string& name, Feature feature, FeatureFunction function,
                      bool replace, FeatureCode code) {
+  if (const std::string& plugin = PluginBeingLoaded(); !code && !plugin.empty())
+    code = [plugin] { return std::vector<std::string>{plugin}; };
   RequireFileName("feature", name);
   if (!function) throw ArgumentError("feature '" + name + "' needs a function that reads it");
   if (feature.column.type != ColumnType::kFloat64)

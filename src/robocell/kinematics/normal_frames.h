@@ -2,7 +2,7 @@
 // configurations at once.
 //
 // A joint's frame may be turned about and shifted along the joint's axis. Here the x axis is the
-// common normal with the next axis, and what is left of an angle is in the reference of a hinge: a
+// common normal with the next axis, and the rest of an angle is in the reference of a hinge: a
 // step is (length, 0, shift) and a twist about x. Not so where two axes are nearly parallel
 // (CommonNormalOf), at the first joint, and at slides, which keep an angle in their step.
 #pragma once

@@ -112,9 +112,6 @@ class TaskCheck {
     RequireObject(task.object);
     const T plain;
     CheckOfRuns("objects", task.objects == plain.objects);
-    CheckOfRuns("base_distance", task.base_distance == plain.base_distance);
-    CheckOfRuns("base_height_offset", task.base_height_offset == plain.base_height_offset);
-    CheckOfRuns("base_height_noise", task.base_height_noise == plain.base_height_noise);
     if constexpr (requires { task.goal_object; }) CheckGoal(task);
   }
 
@@ -278,7 +275,7 @@ void EnvConfig::Validate(Problems& problems) const {
     CheckNamePart(robot, "robots", problems);
     CheckNotEmpty(robot, "robots", "a name for each robot, found ''", problems);
   }
-  for (const char* taken : {"frames", "objects", "task"}) {
+  for (const char* taken : {"features", "frames", "objects", "task"}) {
     if (robots.contains(taken))
       problems.AddAt("robots", fmt::format("'{}' is a part of observations; give the robot another "
                                            "name",

@@ -53,6 +53,7 @@ struct EnvConfig {
   bool add_gravcomp = false;
   bool headless = true;
   std::optional<TaskSpec> task = {};
+  NameList features = {};
   ControlMode control_mode = ControlMode::kJoints;
   RelativeTo relative_to = RelativeTo::kLastStep;
   std::vector<double> max_relative_movement = {};
@@ -109,6 +110,10 @@ struct EnvConfig {
       "Without a window. Else robocell.gym opens one, where there is a display.");
     v("task", &EnvConfig::task,
       "What the robots are to do: the kind of task and its fields; none unless set.");
+    v("features", &EnvConfig::features,
+      "What is observed beside robots, objects and task: registered features by their names, "
+      "sensors and all else of the cell by the names that datasets have; * stands for any part: "
+      "sensors/*.");
     v("control_mode", &EnvConfig::control_mode,
       "What actions are: joints, or the TCP in the shared base frame as cartesian_trpy "
       "(translation, roll pitch yaw) or cartesian_tquat (translation, quaternion xyzw).");

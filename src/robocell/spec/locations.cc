@@ -7,9 +7,9 @@ namespace robocell {
 
 namespace {
 
-// Whether an entry of a list or map that is not in the file was added to it later: the fields
-// around it say nothing of where it came from. A list whose entries have no places of their own is
-// one that stands there in another form.
+// Returns true if an entry of a list or map that is not in the file was added to it later: the
+// fields around it say nothing of where it came from. A list whose entries have no places of their
+// own is one that stands there in another form.
 bool IsAddedLater(const SourceMap& sources, const std::string& list, bool is_index) {
   if (!is_index) return sources.contains(list + std::string(kAnyKey));
   return !sources.contains(list) || sources.contains(list + "[0]");

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
@@ -32,12 +33,6 @@ PickRun RequirePickRun(const RunConfig& run) {
 
 PickTaskSampler::PickTaskSampler(const RunConfig& run)
     : StartSampler(run), pick_(RequirePickRun(run)) {}
-
-BaseRange PickTaskSampler::base_range() const {
-  return {.distance = pick_.base_distance,
-          .height_offset = pick_.base_height_offset,
-          .height_noise = pick_.base_height_noise};
-}
 
 // Of K kinds every one comes once in any K episodes of a scene that follow each other from a
 // multiple of K on, and once in the same episode of K such scenes: a Latin square of scenes and
@@ -83,7 +78,9 @@ StartContents PickTaskSampler::AddContents(const SampleRequest& request, SceneSp
 std::optional<Refusal> PickTaskSampler::CheckBasePose(Scene& scene, Robot& robot,
                                                       const std::string& target_body) {
   if (auto refusal = StartSampler::CheckBasePose(scene, robot, target_body)) return refusal;
-  return CheckGrasps(scene, robot, target_body);
+  if (auto refusal = CheckGrasps(scene, robot, target_body))
+    return std::move(*refusal).MadeBy(Refusal::kTaskStage);
+  return std::nullopt;
 }
 
 // The PickPlanner's question, but for the path. A robot with a gripper of the user's own kind comes

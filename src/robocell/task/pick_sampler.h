@@ -32,7 +32,6 @@ class PickTaskSampler : public StartSampler {
                                  const std::vector<std::string>& objects) override;
 
  protected:
-  BaseRange base_range() const override;
   const PickRun& pick() const { return pick_; }
   // Whether a grasp that is in reach is of use too; the refusal says why not. Of a few grasps one
   // that is has to be among them.
