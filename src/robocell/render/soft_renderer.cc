@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "robocell/render/depth_conversion.h"
 #include "robocell/render/drawn_scene.h"
-#include "robocell/render/image_convert.h"
 #include "robocell/render/soft_kernel.h"
 #include "robocell/render/soft_scene.h"
 
