@@ -38,8 +38,8 @@ int main(int argc, char** argv) try {
   const fs::path folder = argc > 1 ? argv[1] : fs::temp_directory_path() / "robocell_example_02";
   rc::RunConfig run{.run = "example"};
   run.robot.config = rc::RobotConfig::Load(rc::assets::BuiltinRobotFile("rc7"));
-  run.task = rc::PickTaskConfig{
-      .objects = {"box", "mug"}, .base_distance = {0.35, 0.5}, .base_height_offset = -0.25};
+  run.task = rc::PickTaskConfig{.objects = {"box", "mug"}};
+  run.start = {.base_distance = {{0.35, 0.5}}, .base_height_offset = -0.25};
   run.cameras.resolution = {160, 120};
   run.cameras.streams = {{.name = "wrist", .camera = "wrist_camera"}};
   run.episodes_per_scene = 2;

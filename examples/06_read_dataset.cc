@@ -34,7 +34,7 @@ fs::path MakeDataset(const fs::path& folder) {
   rc::RunConfig run{.run = "example"};
   run.output = folder;
   run.robot.config = rc::RobotConfig::Load(rc::assets::BuiltinRobotFile("rc7"));
-  run.task = rc::PickTaskConfig{.base_distance = {.35, .5}, .base_height_offset = -.25};
+  run.start = {.base_distance = {{0.35, 0.5}}, .base_height_offset = -0.25};
   run.cameras.resolution = {320, 240};
   run.cameras.streams = {{.name = "exo", .camera = "exo_camera"}};
   rc::PrepareDataset(run);

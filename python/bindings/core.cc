@@ -2,7 +2,7 @@
 // the package robocell, which re-exports it.
 #include "argument_errors.h"
 #include "bindings.h"
-#include "ik_wishes.h"
+#include "ik_objectives.h"
 #include "scene_cycles.h"
 #include "robocell/mujoco/version.h"
 
@@ -30,6 +30,7 @@ NB_MODULE(_core, m) {
   BindTask(m);
   BindSampler(m);
   BindPick(m);
+  BindSceneSources(m);
   BindTaskKinds(m);
   BindFeatures(m);
   BindRunEnv(m);
@@ -40,5 +41,6 @@ NB_MODULE(_core, m) {
   BindDataset(m);
   BindData(m);
   BindRollout(m);
+  BindEnvRecorder(m);
   ExplainArgumentErrors(m);
 }

@@ -7,13 +7,12 @@
 
 #include "bindings.h"
 #include "robocell/base/error.h"
+#include "robocell/data/dataset_folder.h"
 #include "robocell/data/dataset_lock.h"
+#include "robocell/data/dataset_reports.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/leftovers.h"
-#include "robocell/data/quarantine.h"
-#include "robocell/data/report_origin.h"
-#include "robocell/data/require_dataset.h"
-#include "robocell/data/signed_json.h"
+#include "robocell/data/self_hashed_json.h"
 #include "robocell/data/verify.h"
 
 namespace nb = nanobind;
@@ -77,7 +76,7 @@ void BindLeftovers(nb::module_& m) {
 }
 
 void BindVerify(nb::module_& m) {
-  m.def("sign_json", &SignJson, "text"_a,
+  m.def("sign_json", &InsertSelfHash, "text"_a,
         "A JSON text with its own hash where 64 zeros are: \"json_sha256\": \"000...\".");
   m.def(
       "set_aside",
@@ -89,7 +88,7 @@ void BindVerify(nb::module_& m) {
   m.def("require_dataset", &RequireDataset, "dataset"_a,
         "ArgumentError for a folder that is no dataset; it names the one that is near.");
   m.def("json_damage", &JsonDamage, "text"_a,
-        "Why a text is not exactly what was signed; None when it is.");
+        "Returns why a text does not match the hash that it contains; None when it does.");
   m.def("other_run_of", &OtherRunOf, "report"_a, "dataset"_a,
         "The name of the run that a report (its text) is of when that is another one than "
         "dataset.json describes; None when it is the same, or nothing says so.");

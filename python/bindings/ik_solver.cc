@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "arrays.h"
-#include "ik_wishes.h"
+#include "ik_objectives.h"
 #include "signals.h"
 #include "values.h"
 #include "robocell/base/error.h"

@@ -105,6 +105,12 @@ class PyPickTaskSampler : public PySamplerOf<PickTaskSampler> {
         [&](auto* s) { return s->PickTaskSampler::CheckBasePose(scene, robot, target_body); },
         scene, robot, target_body);
   }
+  std::optional<Refusal> CheckCameras(Scene& scene, const std::string& target_body) override {
+    return CallMethod<std::optional<Refusal>>(
+        nb_trampoline, "check_cameras", own(),
+        [&](auto* s) { return s->PickTaskSampler::CheckCameras(scene, target_body); }, scene,
+        target_body);
+  }
   std::shared_ptr<Task> MakeTask(const std::string& target, const std::string& kind,
                                  const std::vector<std::string>& objects) override {
     const nb::detail::ticket call(nb_trampoline, "make_task", nb::detail::str_hash("make_task"),
@@ -242,7 +248,7 @@ void BindPickSampler(nb::module_& m) {
       "Objects settled on a support, one of them the target, and a robot placed beside it.\n\n"
       "A subclass may replace sample() or any of the stages, which sample() calls in this order: "
       "make_base_scene,\nchoose_kinds, choose_base_placement, place_objects, propose_base_pose, "
-      "check_base_pose, make_task.")
+      "check_base_pose, check_cameras, make_task.")
       .def(nb::init<RunConfig>(), "run"_a)
       .def_prop_ro(
           "run", [](const PickTaskSampler& s) { return s.run(); }, "A copy.")
@@ -308,6 +314,14 @@ void BindPickSampler(nb::module_& m) {
           },
           "scene"_a, "robot"_a, "target_body"_a,
           "None when the robot stands free where it is and reaches a grasp of the target.")
+      .def(
+          "check_cameras",
+          [](PickTaskSampler& s, Scene scene, const std::string& target_body) {
+            const nb::gil_scoped_release release;
+            return s.PickTaskSampler::CheckCameras(scene, target_body);
+          },
+          "scene"_a, "target_body"_a,
+          "None when the cameras of start.visible_from see enough of the target.")
       .def(
           "make_task",
           [](PickTaskSampler& s, const std::string& target, const std::string& kind,

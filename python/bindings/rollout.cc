@@ -48,7 +48,7 @@ void BindReport(nb::module_& m) {
       .def_ro("undecided", &EpisodeReport::undecided,
               "Attempts that the stop flag ended; they count nowhere else.")
       .def_ro("accepted", &EpisodeReport::accepted, "Attempts whose start the sampler accepted.")
-      .def_ro("refusals", &EpisodeReport::refusals, "Reason -> count, of refused starts.")
+      .def_ro("refusals", &EpisodeReport::refusals, "'stage: reason' -> count, of refused starts.")
       .def_ro("advice", &EpisodeReport::advice,
               "What most starts were refused for, and from where the robot would reach its "
               "object; '' when a start was accepted.")

@@ -1,4 +1,4 @@
-"""Ranges of an environment as Gymnasium's spaces."""
+"""Converts the ranges of an environment to Gymnasium's spaces."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from gymnasium import spaces
 
 from robocell._core import CameraConfig, EnvConfig
 
-FAR = 1e6  # nothing is farther, in pixels, metres or seconds
+FAR = 1e6  # upper bound for pixels, metres and seconds
 
 
 def space_of(lower: Any, upper: Any) -> spaces.Space[Any]:
-    """Dictionaries of ranges as a space of the same shape."""
+    """Converts dictionaries of ranges to a space of the same structure."""
     if isinstance(lower, Mapping):
         return spaces.Dict({key: space_of(lower[key], upper[key]) for key in lower})
     return spaces.Box(lower, upper, dtype=np.float64)
@@ -31,7 +31,7 @@ def _image(shape: tuple[int, ...], low: int, high: int, dtype: type) -> spaces.S
 
 
 def _frame_space(config: EnvConfig, stream: CameraConfig) -> spaces.Space[Any]:
-    """What a stream's part of an observation is; ``intrinsics`` are in pixels."""
+    """Returns the space of one stream; ``intrinsics`` are in pixels."""
     wide, high = config.cameras.resolution
     size = (stream.height or int(high), stream.width or int(wide))
     frame: dict[str, spaces.Space[Any]] = {"time": spaces.Box(0, FAR, (1,), np.float64)}
@@ -45,5 +45,5 @@ def _frame_space(config: EnvConfig, stream: CameraConfig) -> spaces.Space[Any]:
 
 
 def frame_space(config: EnvConfig) -> spaces.Space[Any]:
-    """What the streams' part of an observation is."""
+    """Returns the space of all streams."""
     return spaces.Dict({s.name: _frame_space(config, s) for s in config.cameras.streams})

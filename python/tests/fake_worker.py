@@ -22,7 +22,7 @@ from robocell.generate.worker import serve
 
 
 class Stop:
-    """Stands in for robocell.StopFlag."""
+    """Stands in for robocell.generate.StopFlag."""
 
     def __init__(self) -> None:
         self.event = threading.Event()

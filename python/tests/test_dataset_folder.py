@@ -14,10 +14,11 @@ from pathlib import Path
 import pytest
 
 from command_line import write_run
-from robocell import DatasetLock, IoError, RunConfig, _core, make_plan, remove_leftovers
+from robocell import IoError, RunConfig, _core
+from robocell.data import DatasetLock, remove_leftovers
 from robocell.generate import job as jobs
+from robocell.generate import make_plan, resume
 from robocell.generate import report as reports
-from robocell.generate import resume
 from robocell.generate.check import Found
 from robocell.generate.disk import disk_trouble, flush, require_writable
 from robocell.generate.job import Job

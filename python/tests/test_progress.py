@@ -91,7 +91,7 @@ def test_plain_lines_come_seldom_and_say_what_happened():
         "s0000_e0002 is made again: worker 1 (pid 7) was killed by SIGSEGV",
         "s0000_e0003 could not be made: dropped 20",
         "  try it alone: robocell generate r.yaml --shard 3/20",
-        "stopping (Ctrl-C); finished episodes are kept, once more to kill",
+        "stopping (Ctrl-C); finished episodes are kept; interrupt again to kill",
         f"6/20 episodes, {status(totals)}",
     ]
 
@@ -152,7 +152,7 @@ def test_the_summary_counts_from_the_disk_and_leaves_out_what_did_not_happen():
     totals = totals_after_one()
     rows = Summary("demo", Path("out/demo"), on_disk=6, totals=totals).rows()
     assert rows == {
-        "episodes": "6 of 20 (5 were there before)",
+        "episodes": "6 of 20 (5 made before)",
         "success": "50 % of 2 rollouts",
         "starts accepted": "50 % of 4 sampled",
         "places accepted": "20 % of 10 tried",

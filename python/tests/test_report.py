@@ -214,7 +214,7 @@ def test_a_command_with_nothing_to_do_is_not_listed(dataset: Path):
 
 
 def test_a_dataset_with_a_report_is_as_intact_as_one_without(dataset: Path):
-    verified = robocell.verify(dataset)
+    verified = robocell.data.verify(dataset)
     assert (verified.ok, verified.good, verified.others) == (
         True,
         IDS,
@@ -244,7 +244,7 @@ def test_without_a_report_the_disk_still_counts(dataset: Path, tmp_path: Path):
     (copy / "report.json").unlink()
     result = robocell_command("report", copy)
     assert result.returncode == 0
-    assert "no report.json, so only what is on the disk is told" in result.stderr
+    assert "no report.json, so only the contents of the disk are reported" in result.stderr
     assert "a Runner writes none" in result.stderr
     assert "2 episodes, " in result.stdout
     assert " of 2" not in result.stdout, "nobody knows how many were planned"
@@ -332,7 +332,7 @@ def test_a_run_that_fails_says_so_in_its_report(tmp_path: Path):
     (unmade,) = told.totals.unmade
     assert unmade.id == IDS[0]
     kind = reports.load(tmp_path / "out" / "report.json").episodes[IDS[0]].object_kind
-    assert kind in robocell.object_kinds()
+    assert kind in robocell.tasks.object_kinds()
     assert unmade.reason.startswith(f"robot 'rc7', object '{kind}': no success in ")
     assert unmade.reproduce.startswith("robocell generate ")
     assert "given up" in robocell_command("report", tmp_path / "out").stdout

@@ -22,8 +22,8 @@ EPISODES = 6
 RUN = {
     "run": "storm",
     "robot": str(robocell.models.robot_file("rc7")),
-    "task": {
-        "kind": "pick",
+    "task": {"kind": "pick"},
+    "start": {
         "base_distance": [0.3, 0.55],
         "base_height_offset": -0.25,
         "base_height_noise": [-0.15, 0.1],
@@ -90,7 +90,7 @@ class Storm:
         if not self.dataset.exists() or is_blank(self.dataset):
             assert not self.acknowledged
             return
-        report = robocell.verify(self.dataset)
+        report = robocell.data.verify(self.dataset)
         assert report.bad == [], str(report)
         assert self.acknowledged <= set(report.good)
 
@@ -107,7 +107,7 @@ class Storm:
         self.require_nothing_lost()
         logs = "".join(log.read_text(errors="replace") for log in self.dataset.glob(".logs/*.log"))
         assert "leaked" not in said + logs, "nanobind reports what Python does not let go"
-        report = robocell.verify(self.dataset)
+        report = robocell.data.verify(self.dataset)
         assert len(report.good) == EPISODES
         assert report.leftovers == [], "what the dead were writing is gone"
 

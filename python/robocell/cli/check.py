@@ -8,9 +8,10 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from robocell import ArgumentError, EngineError, SpecError, check_config, why_no_picks
+from robocell import ArgumentError, EngineError, SpecError
 from robocell.cli.common import fail, print_warning, print_wide, require_png
 from robocell.cli.robot_scene import RobotScene, load_robot
+from robocell.diagnose import check_config, why_no_picks
 
 
 def check(

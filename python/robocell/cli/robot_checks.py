@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from robocell import MoveGroupKind, try_robot
 from robocell.cli.robot_scene import RobotScene
+from robocell.diagnose import try_robot
+from robocell.robots import MoveGroupKind
 
 
 def compiler_warnings(loaded: RobotScene) -> list[str]:

@@ -9,20 +9,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from robocell import (
-    DatasetLock,
-    Error,
+from robocell import Error
+from robocell.data import DatasetLock, remove_leftovers
+from robocell.generate import (
     check_dataset,
     make_plan,
     parse_shard,
     prepare_dataset,
-    remove_leftovers,
     require_same_run,
     run_identity,
     shard_plan,
+    work,
 )
-from robocell.generate import work
-from robocell.generate.check import Found, check_apart
+from robocell.generate.check import Found, check_in_child
 from robocell.generate.disk import disk_trouble, flush, require_writable
 from robocell.generate.items import Item
 from robocell.generate.observer import Observer, Unfailing
@@ -102,16 +101,16 @@ class Job:
     def check(self, longest_s: float = Limits.item_timeout_s) -> list[str]:
         """SpecError with all that can be known to be wrong before the first episode.
 
-        The run (see `robocell.check_run`), or a dataset that is of another one. Writes nothing.
-        Returns warnings: what works and may yet not be meant, that a model crashed the engine, or
-        that it was not through after `longest_s` seconds.
+        The run (see `robocell.generate.check_run`), or a dataset that is of another one. Writes
+        nothing. Returns warnings: what works and may yet not be meant, that a model crashed the
+        engine, or that it was not through after `longest_s` seconds.
         IoError when the dataset cannot be written, or none of this could be found out.
         """
         return self._look_through(longest_s).warnings
 
     def _look_through(self, longest_s: float) -> Found:
         require_writable(self.dataset, self._place_of_output())
-        found = check_apart(self.source, self.overrides, longest_s)
+        found = check_in_child(self.source, self.overrides, longest_s)
         check_dataset(self.run)
         return found
 

@@ -19,7 +19,8 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from robocell import Dataset, PlanItem, RunConfig, Runner, make_plan, prepare_dataset
+from robocell import Dataset, RunConfig
+from robocell.generate import PlanItem, Runner, make_plan, prepare_dataset
 from robocell.generate.items import recorded_frames
 from robocell.generate.own_process import end_with_asker
 from robocell.generate.procfs import MemoryWatch, age_s, children_peak_bytes, peak_bytes

@@ -96,7 +96,9 @@ class Lines(Observer):
 
     def stopping(self, reason: str, totals: Totals) -> None:
         """Says that the run will end."""
-        self.say(f"stopping ({reason}); finished episodes are kept, once more to kill", "yellow")
+        self.say(
+            f"stopping ({reason}); finished episodes are kept; interrupt again to kill", "yellow"
+        )
 
 
 class PlainLines(Lines):

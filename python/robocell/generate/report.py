@@ -21,7 +21,7 @@ from robocell.generate.totals import Totals, Unmade, one_after_the_other, side_b
 
 FORMAT = "robocell-report"
 FORMAT_VERSION = 1
-UNSIGNED = {"json_sha256": "0" * 64}  # becomes the hash, see data/signed_json.h
+UNSIGNED = {"json_sha256": "0" * 64}  # becomes the hash, see data/self_hashed_json.h
 
 
 class DamagedReportError(Exception):
@@ -63,7 +63,7 @@ class RunReport:
 
     Attributes:
         run: Its name.
-        identity: SHA-256 of what identifies the run (`robocell.run_identity`).
+        identity: SHA-256 of what identifies the run (`robocell.generate.run_identity`).
         shard: (i, N) of 'i/N'.
         versions: Of the parts that make the episodes.
         commands: The oldest first. One that was killed is missing.

@@ -7,7 +7,9 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from robocell import Episode, Error, PlanItem, RunConfig, items_on_disk
+from robocell import Error, RunConfig
+from robocell.data import Episode
+from robocell.generate import PlanItem, items_on_disk
 from robocell.generate.items import Report
 
 

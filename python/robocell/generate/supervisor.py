@@ -7,7 +7,7 @@ An item that a worker could not finish, because it died, raised or took too long
 fresh worker, three times at most; then it is listed with the command that tries it alone. What is
 made is decided by the disk (`on_disk`), so a worker that dies between commit and report loses
 nothing and doubles nothing. A wrong spec is not tried again. When none of the first items works,
-the run ends (`scouts`).
+the run ends (`canaries`).
 
 `request_stop` may be called from any thread or signal handler. Not for: what an item is, and what
 is on the disk; see `robocell.cli.generate`.
@@ -25,11 +25,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from robocell.generate.canaries import Canaries
 from robocell.generate.disk import with_trouble
 from robocell.generate.items import Item, Report
 from robocell.generate.observer import Observer, Unfailing
 from robocell.generate.protocol import Failure, FailureKind, ProtocolError
-from robocell.generate.scouts import Scouts
 from robocell.generate.totals import Again, Death, Totals, Unmade
 from robocell.generate.worker_process import WorkerProcess
 
@@ -115,8 +115,8 @@ class Supervisor:
         tried_once: Collection[str] = (),
         environment: Mapping[str, str] | None = None,
     ) -> None:
-        self._scouts = Scouts(items, any_made=already > 0)
-        self._pending = deque(self._scouts.first(items))
+        self._canaries = Canaries(items, any_made=already > 0)
+        self._pending = deque(self._canaries.first(items))
         self._command = list(command)
         self._count = min(workers, len(items))
         self._logs = logs
@@ -355,8 +355,8 @@ class Supervisor:
 
     def _lose(self, item: Item, reason: str, kind: FailureKind) -> None:
         """Gives an item up for an error; this may be the end of the run."""
-        self._scouts.lost(self._give_up(item, reason), kind)
-        if failure := self._scouts.verdict():
+        self._canaries.lost(self._give_up(item, reason), kind)
+        if failure := self._canaries.verdict():
             self._give_up_run(failure.kind, failure.message)
 
     def _give_up(self, item: Item, reason: str) -> Unmade:

@@ -10,7 +10,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 
-from robocell import Runner, StopFlag, make_plan, require_same_run
+from robocell.generate import Runner, StopFlag, make_plan, require_same_run
 from robocell.generate.items import Item, Report
 from robocell.generate.own_process import own_process
 from robocell.generate.run_source import RunSource

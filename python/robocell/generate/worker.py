@@ -28,7 +28,7 @@ MakeEpisode = Callable[[Item], Report]
 
 
 class Stop(Protocol):
-    """What the runner polls: `robocell.StopFlag`."""
+    """What the runner polls: `robocell.generate.StopFlag`."""
 
     def set(self) -> None:
         """Asks the present episode to end."""

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robocell/base/few_numbers.h"
+#include "robocell/base/small_arrays.h"
 #include "robocell/control/joint_impedance_controller.h"
 #include "robocell/kinematics/link_kernel.h"
 #include "robocell/math/rotation.h"
@@ -32,7 +32,7 @@ constexpr double kUnitLength = 1e-12;
 
 CartesianImpedanceController::CartesianImpedanceController(ArmGroup& arm)
     : arm_(arm),
-      springs_(MakeLeafSprings(kDefaultStiffness.data())),
+      springs_(MakeTcpSprings(kDefaultStiffness.data())),
       posture_(arm.nq()),
       q_(arm.nq()) {
   Reset();
@@ -52,7 +52,7 @@ void CartesianImpedanceController::CheckTarget() {
   const double length2 = target_[3] * target_[3] + target_[4] * target_[4] +
                          target_[5] * target_[5] + target_[6] * target_[6];
   const bool is_pose =
-      std::abs(length2 - 1) < kUnitLength && FewAreFinite(target_.data(), target_.size());
+      std::abs(length2 - 1) < kUnitLength && AllFinite(target_.data(), target_.size());
   if (!is_pose) SetPose(pose());
 }
 
@@ -62,7 +62,7 @@ CartesianImpedanceController::Gains CartesianImpedanceController::stiffness() co
 
 void CartesianImpedanceController::SetStiffness(const Gains& stiffness) {
   PositiveGains(arm_.place(), "stiffness", stiffness, 6);
-  springs_ = MakeLeafSprings(stiffness.data());
+  springs_ = MakeTcpSprings(stiffness.data());
 }
 
 void CartesianImpedanceController::SetDampingRatio(double ratio) {
@@ -106,18 +106,18 @@ void CartesianImpedanceController::Compute(std::span<double> ctrl) {
   internal::ComputeLinks(chain.links(), internal::LinkPart::kAll,
                          {.q = q_.data(), .qd = qd, .gravity = gravity.data()}, &links);
   for (const JointCoupling& c : chain.couplings()) links.mass[c.second][c.first] += c.inertia;
-  LeafAnswer leaf;
-  ComputeLeaf({.n = chain.n_joints(),
-               .arm = &links,
-               .wanted = wanted,
-               .velocity = qd,
-               .springs = &springs_,
-               .goal = {target_.data(), goal.data()},
-               .feedforward = feedforward_.data(),
-               .damping_ratio = damping_ratio_},
-              &leaf);
+  OperationalSpaceResult leaf;
+  ComputeOperationalSpace({.n = chain.n_joints(),
+                           .arm = &links,
+                           .wanted = wanted,
+                           .velocity = qd,
+                           .springs = &springs_,
+                           .goal = {target_.data(), goal.data()},
+                           .feedforward = feedforward_.data(),
+                           .damping_ratio = damping_ratio_},
+                          &leaf);
   // What of the state is no number is in all of them.
-  if (!FewAreFinite(leaf.torques, n)) chain.CheckJointValues("q", q_);
+  if (!AllFinite(leaf.torques, n)) chain.CheckJointValues("q", q_);
   arm_.CtrlForJointTorque({leaf.torques, n}, ctrl);
 }
 

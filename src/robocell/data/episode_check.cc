@@ -8,15 +8,15 @@
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
-#include "robocell/base/folder_names.h"
+#include "robocell/base/files.h"
 #include "robocell/base/io_error.h"
 #include "robocell/base/paths.h"
 #include "robocell/base/real_file.h"
-#include "robocell/data/apart.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_reader.h"
+#include "robocell/data/isolated_reader.h"
 #include "robocell/data/json_count.h"
-#include "robocell/data/signed_json.h"
+#include "robocell/data/self_hashed_json.h"
 #include "robocell/media/video_info.h"
 
 namespace robocell {
@@ -63,7 +63,7 @@ std::optional<uint16_t> StrayLabel(VideoReader video, size_t labels) {
 
 class EpisodeCheck {
  public:
-  EpisodeCheck(fs::path folder, bool decode, ApartReader& columns)
+  EpisodeCheck(fs::path folder, bool decode, IsolatedReader& columns)
       : folder_(std::move(folder)), decode_(decode), columns_(columns) {}
 
   std::vector<VerifyProblem> Run() {
@@ -226,7 +226,7 @@ class EpisodeCheck {
 
   fs::path folder_;
   bool decode_;
-  ApartReader& columns_;
+  IsolatedReader& columns_;
   Json description_;
   std::vector<VerifyProblem> problems_;
 };

@@ -5,13 +5,13 @@
 #include <filesystem>
 #include <vector>
 
-#include "robocell/data/apart.h"
-#include "robocell/data/problem.h"
+#include "robocell/data/isolated_reader.h"
+#include "robocell/data/verify.h"
 
 namespace robocell {
 
 // A file is parsed only after its hash was found right, and HDF5 reads in a process of its own: who
-// signs a file may also have made it to hurt. With `decode` every frame of the videos is decoded.
+// hashes a file may also have made it to hurt. With `decode` every frame of the videos is decoded.
 class EpisodeChecker {
  public:
   explicit EpisodeChecker(bool decode);
@@ -20,7 +20,7 @@ class EpisodeChecker {
 
  private:
   bool decode_;
-  ApartReader columns_;
+  IsolatedReader columns_;
 };
 
 }  // namespace robocell

@@ -14,12 +14,11 @@
 #include "robocell/base/names.h"
 #include "robocell/base/paths.h"
 #include "robocell/base/real_file.h"
-#include "robocell/base/shell_word.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/hdf5.h"
 #include "robocell/data/json_count.h"
 #include "robocell/data/model_store.h"
-#include "robocell/data/signed_json.h"
+#include "robocell/data/self_hashed_json.h"
 #include "robocell/media/frame_pool.h"
 
 namespace robocell {
@@ -185,7 +184,7 @@ struct Episode::Impl {
   // Without the parser's own words.
   [[noreturn]] void ThrowDamaged() const {
     const std::string damage =
-        JsonDamage(text).value_or("it is signed, and yet no description of an episode");
+        JsonDamage(text).value_or("its hash is right, but it does not describe an episode");
     throw IoError(fmt::format("{}: episode.json is damaged: {}{}", Name(), damage, Advice()));
   }
 

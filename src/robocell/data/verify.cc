@@ -10,26 +10,21 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
-#include "robocell/base/folder_names.h"
 #include "robocell/base/io_error.h"
 #include "robocell/base/names.h"
 #include "robocell/base/real_file.h"
-#include "robocell/data/changed_models.h"
 #include "robocell/data/dataset.h"
+#include "robocell/data/dataset_folder.h"
 #include "robocell/data/dataset_lock.h"
+#include "robocell/data/dataset_reports.h"
 #include "robocell/data/episode_check.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_reader.h"
 #include "robocell/data/episode_state.h"
 #include "robocell/data/episode_writer.h"
 #include "robocell/data/leftovers.h"
-#include "robocell/data/lost_episodes.h"
 #include "robocell/data/model_store.h"
-#include "robocell/data/own_folders.h"
-#include "robocell/data/quarantine.h"
-#include "robocell/data/report_origin.h"
-#include "robocell/data/require_dataset.h"
-#include "robocell/data/signed_json.h"
+#include "robocell/data/self_hashed_json.h"
 #include "robocell/media/ffmpeg.h"
 
 namespace robocell {
@@ -296,6 +291,16 @@ RepairResult Repair(const fs::path& dataset, const VerifyOptions& options) {
     if (problem.kind == ProblemKind::kUnreadable) result.remaining.push_back(problem);
   }
   return result;
+}
+
+std::string VerifyProblem::Text() const {
+  const std::string place = episode + (episode.empty() || file.empty() ? "" : "/") + file;
+  return fmt::format("{}: {}", place, reason);
+}
+
+ProblemKind KindOf(const std::exception& error) {
+  const auto* io = dynamic_cast<const IoError*>(&error);
+  return io != nullptr && io->system_error() != 0 ? ProblemKind::kUnreadable : ProblemKind::kDamage;
 }
 
 }  // namespace robocell

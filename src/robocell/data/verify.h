@@ -10,14 +10,32 @@
 // each.
 #pragma once
 
+#include <exception>
 #include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "robocell/data/problem.h"
-
 namespace robocell {
+
+// A problem with one file of a dataset.
+enum class ProblemKind {
+  kDamage,      // it is not what was written, or not there
+  kForeign,     // it does not belong there; what does is whole
+  kUnreadable,  // this machine or version cannot judge it: access, a broken disk, a missing decoder
+};
+
+struct VerifyProblem {
+  std::string episode;  // its id; "" for the dataset itself
+  std::string file;     // within the episode, or within the dataset
+  std::string reason;
+  ProblemKind kind = ProblemKind::kDamage;
+  // "pick-000017/steps.h5: 4096 of 9216 bytes are there".
+  std::string Text() const;
+};
+
+// An error of the system says nothing about what was written; any other is about the bytes.
+ProblemKind KindOf(const std::exception& error);
 
 struct VerifyReport {
   std::vector<std::string> good;       // ids of intact episodes

@@ -13,9 +13,9 @@
 #include "robocell/base/files.h"
 #include "robocell/base/hash.h"
 #include "robocell/data/dataset.h"
+#include "robocell/data/dataset_reports.h"
 #include "robocell/data/episode_check.h"
-#include "robocell/data/lost_episodes.h"
-#include "robocell/data/signed_json.h"
+#include "robocell/data/self_hashed_json.h"
 #include "robocell/data/testing/sample_episode.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
@@ -160,8 +160,8 @@ TEST_F(Unjudged, AnEpisodeOfAnotherFormatVersion) {
   text.replace(text.find(version), version.size(), "\"format_version\": 2");
   text.replace(text.find("\"files\""), 7, "\"parts\"");
   const size_t hash = text.find("\"json_sha256\": \"") + 16;
-  text.replace(hash, kUnsigned.size(), kUnsigned);
-  Store(B("episode.json"), SignJson(text));
+  text.replace(hash, kHashPlaceholder.size(), kHashPlaceholder);
+  Store(B("episode.json"), InsertSelfHash(text));
   ExpectLeftAlone("b/episode.json: format version 2 is not 1, which this robocell reads");
 }
 
@@ -245,8 +245,8 @@ TEST_F(VerifyTest, ACircleOfLinksIsNoEpisodeAndHidesNone) {
 
 TEST_F(VerifyTest, EpisodesThatAReportKnowsAndThatAreGoneAreNamed) {
   const auto report_of = [](const std::string& episodes) {
-    return SignJson("{\"episodes\": [" + episodes + "], \"json_sha256\": \"" +
-                    std::string(kUnsigned) + "\"}");
+    return InsertSelfHash("{\"episodes\": [" + episodes + "], \"json_sha256\": \"" +
+                          std::string(kHashPlaceholder) + "\"}");
   };
   Store(folder_ / "report.json",
         report_of(R"({"id": "a", "success": true}, {"id": "d", "success": true},
@@ -323,9 +323,9 @@ TEST_F(VerifyTest, ADamagedReportIsNamedAndSetAside) {
 TEST_F(VerifyTest, AReportOfAnotherRunIsNamedAndNotBelieved) {
   WriteManifest(folder_.path(), R"({"identity": "seed: 0"})");
   const auto account = [](const std::string& identity) {
-    return SignJson(fmt::format(R"({{"run": "pick", "identity": "{}", "episodes": )"
-                                R"([{{"id": "z", "success": true}}], "json_sha256": "{}"}})",
-                                Sha256(identity), kUnsigned));
+    return InsertSelfHash(fmt::format(R"({{"run": "pick", "identity": "{}", "episodes": )"
+                                      R"([{{"id": "z", "success": true}}], "json_sha256": "{}"}})",
+                                      Sha256(identity), kHashPlaceholder));
   };
   Store(folder_ / "report.json", account("seed: 0"));
   EXPECT_THAT(LostEpisodes(folder_.path()), ElementsAre("z"));
@@ -344,7 +344,8 @@ TEST_F(VerifyTest, LeftoversAndForeignFoldersAreToldButAreNoProblem) {
   EpisodeWriter running(folder_.path(), "d", sample.schema);
   fs::create_directory(folder_ / ".e.99999999.1.partial");
   fs::create_directory(folder_ / "logs");
-  const std::string account = SignJson("{\"json_sha256\": \"" + std::string(kUnsigned) + "\"}");
+  const std::string account =
+      InsertSelfHash("{\"json_sha256\": \"" + std::string(kHashPlaceholder) + "\"}");
   Store(folder_ / "report.json", account);
   Store(folder_ / "report-0-of-2.json", account);
   const VerifyReport report = Verify(folder_.path());

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robocell/base/both_languages.h"
 #include "robocell/base/error.h"
+#include "robocell/base/function_name.h"
 #include "robocell/base/log.h"
 #include "robocell/base/names.h"
 #include "robocell/env/env_scene.h"
@@ -146,7 +146,7 @@ void Env::TellUndriven(const Robot& robot) const {
       "of each: {}, and no action or observation has them. Command them beside the steps with {}, "
       "or make each arm a robot of the environment, from one model with "
       "`alternative_combined_robot_mjcf`",
-      place(), robot.name(), unused, InBothLanguages("Robot::Apply")));
+      place(), robot.name(), unused, CppAndPythonName("Robot::Apply")));
 }
 
 void Env::Reset(const EnvResetOptions& options) {
@@ -164,13 +164,25 @@ void Env::Reset(const EnvResetOptions& options) {
     throw ArgumentError(NoStart(why));
   if (task_) task_->Begin(scene_);
   collisions_.Forget();
-  record_.reset();
   ticks_ = 0;
   pacer_.Start(0);
   cameras_.Reset();
   motions_.assign(arms_.size(), {});
   Observe();
   phase_ = Phase::kReady;
+  for (EnvObserver* observer : *observers_) observer->OnStart();
+}
+
+void Env::AddObserver(EnvObserver* observer) {
+  observers_->push_back(observer);
+  stepper_.set_on_control_tick([all = observers_](const mjModel* model, const mjData* data) {
+    for (EnvObserver* each : *all) each->OnControlTick(model, data);
+  });
+}
+
+void Env::RemoveObserver(EnvObserver* observer) {
+  std::erase(*observers_, observer);
+  if (observers_->empty()) stepper_.set_on_control_tick({});
 }
 
 void Env::RequireReady() const {
@@ -272,6 +284,7 @@ StepResult Env::AdvanceGuarded(std::span<const double> action, const EnvState& b
   collisions_.Begin();
   cameras_.GoBackToMark();
   held_ = true;
+  for (EnvObserver* observer : *observers_) observer->OnTakenBack();
   return Advance(poll);
 }
 
@@ -282,6 +295,7 @@ EnvStep Env::Step(std::span<const double> action, const Poll& poll) {
   collided_ = held_ = false;
   const bool guarded = config_.sim.on_collision == OnCollision::kGuard;
   const std::optional<EnvState> before = guarded ? std::optional(state()) : std::nullopt;
+  for (EnvObserver* observer : *observers_) observer->OnAction(action);
   phase_ = Phase::kBroken;  // until all is done
   collisions_.Begin();
   StepResult result;
@@ -297,6 +311,7 @@ EnvStep Env::Step(std::span<const double> action, const Poll& poll) {
   out.time = TimeSinceReset();
   if (out.reason == EndReason::kDiverged) {
     phase_ = Phase::kDiverged;
+    for (EnvObserver* observer : *observers_) observer->OnStep(out);
     return out;
   }
   for (size_t i = 0; i < arms_.size(); ++i) motions_[i] = arms_[i].motion();
@@ -304,13 +319,15 @@ EnvStep Env::Step(std::span<const double> action, const Poll& poll) {
   Observe();
   if (config_.sim.realtime) pacer_.Wait(out.time, poll);
   phase_ = Phase::kReady;
-  if (record_) Note(action, out.reward);
+  for (EnvObserver* observer : *observers_) observer->OnStep(out);
   return out;
 }
 
 void Env::Judge(EnvStep& out) {
   const TaskVerdict verdict = task_->Judge(scene_);
   out.reward = verdict.reward;
+  out.progress = verdict.progress;
+  out.subtask = verdict.subtask;
   out.success = verdict.success;
   if (std::isfinite(out.reward)) return;
   throw ArgumentError(

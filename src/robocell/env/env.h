@@ -39,7 +39,7 @@
 #include "robocell/env/collision_monitor.h"
 #include "robocell/env/env_cameras.h"
 #include "robocell/env/env_layout.h"
-#include "robocell/env/env_record.h"
+#include "robocell/env/env_observer.h"
 #include "robocell/env/env_state.h"
 #include "robocell/env/object_variations.h"
 #include "robocell/env/pacer.h"
@@ -60,6 +60,8 @@ struct EnvStep {
   double time = 0;           // simulated s since the reset
   std::string message = {};  // of a divergence
   double reward = 0;         // of the task, 0 without
+  double progress = 0;       // of the task, 0 ... 1
+  int subtask = 0;           // which of the task's the action worked at
   bool success = false;
   std::vector<std::string> ik_failed = {};  // robots
   std::vector<Collision> collisions = {};   // what touched in this step
@@ -126,10 +128,11 @@ class Env {
   // anything changes.
   void SetState(const EnvState& state, StateFrame frame = StateFrame::kWorld);
 
-  // Notes what is done and seen from now on, for ReplayRecord. It ends with StopRecord, and a Reset
-  // or going back to a state drops it. Error when it is being done already, or nothing is recorded.
-  void StartRecord();
-  EnvRecord StopRecord();
+  // From now on an observer hears of all that happens; it must outlive the environment, or be
+  // removed before. In the order in which they were added.
+  void AddObserver(EnvObserver* observer);
+  // Does nothing for one that was not added.
+  void RemoveObserver(EnvObserver* observer);
 
   // With relative_to configured_origin: from now on relative to where the robot was last sent.
   // NotFoundError lists the robots.
@@ -157,7 +160,6 @@ class Env {
   void RequireReady() const;
   Snapshot& RequireSnapshot(const std::string& name);
   std::vector<std::string> Send(std::span<const double> action);
-  void Note(std::span<const double> action, double reward);
   void CheckState(const EnvState& state) const;
   void Recall(const EnvState& state);
   void MoveToRoot(const Pose& from);
@@ -191,7 +193,9 @@ class Env {
   CollisionMonitor collisions_;
   EnvCameras cameras_;
   std::map<std::string, Snapshot> saved_;
-  std::optional<EnvRecord> record_;
+  // Shared with what is called at control ticks, which stays as it is when an Env is moved.
+  std::shared_ptr<std::vector<EnvObserver*>> observers_ =
+      std::make_shared<std::vector<EnvObserver*>>();
   RealTimePacer pacer_;
   Phase phase_ = Phase::kUnready;
   Rng seeds_;

@@ -1,5 +1,6 @@
 // How an environment's action and observation are laid out in flat vectors: pure data made from the
-// configuration and its robots, the same for every copy of the environment.
+// configuration and its robots, the same for every copy of the environment. The schemas say what
+// each number is; parts and ranges are views of them.
 //
 // An action has for each robot its command and, with a gripper, one number more. An observation has
 // for each robot the TCP in the shared base frame (tquat: x y z, quaternion xyzw; xyzrpy: x y z,
@@ -10,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "robocell/data/feature_schema.h"
 #include "robocell/robot/robot.h"
 #include "robocell/spec/env_config.h"
 #include "robocell/task/task.h"
@@ -55,6 +57,10 @@ struct EnvLayout {
   std::vector<ObjectLayout> objects;
   std::vector<SignalLayout> signals;
   VectorPart all_signals;  // one after another
+  // The features in the order of the vectors: `observation/left/tquat`, `action/left/joints`. The
+  // rest of a name is the path in the dictionaries of Python, joined by "/".
+  FeatureSchema observed, commanded;
+  std::vector<std::vector<std::string>> observed_paths, commanded_paths;
   VectorRange action, observation;
 };
 

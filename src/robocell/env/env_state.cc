@@ -223,11 +223,11 @@ void Env::SetState(const EnvState& state, StateFrame frame) {
   phase_ = Phase::kBroken;  // until all is done
   Recall(state);
   if (frame == StateFrame::kRoot) MoveToRoot(state.root_frame_to_world);
-  record_.reset();
   pacer_.Start(TimeSinceReset());
   cameras_.GoOnFrom(TimeSinceReset());
   Observe();
   phase_ = Phase::kReady;
+  for (EnvObserver* observer : *observers_) observer->OnStart();
 }
 
 void Env::Save(const std::string& name) {
@@ -246,7 +246,7 @@ void Env::Restore(const std::string& name) {
   const Snapshot& snapshot = RequireSnapshot(name);
   if (snapshot.generation != scene_.generation()) {
     throw Error(
-        fmt::format("{}: the scene was compiled anew since '{}' was saved, so that there "
+        fmt::format("{}: the scene was compiled again since '{}' was saved, so that there "
                     "is no way back to it",
                     place(), name));
   }

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "robocell/task/grasp_motion.h"
-#include "robocell/task/pick_sampler.h"
 
 namespace robocell {
 namespace {
@@ -18,34 +17,34 @@ std::string AtMost(double metres) {
 
 }  // namespace
 
-void CheckReach(const PickRun& task, const Robot& robot, Problems& problems) {
+void CheckReach(const PickRun& task, const BaseRange& base, const Robot& robot,
+                Problems& problems) {
   // From the bottom of what the robot stands on, which is what is placed, to its base frame.
   const Eigen::Vector3d up = (robot.base().pose().inverse() * robot.base_in_world()).translation();
-  const double most = PickTaskSampler::kReachShare * robot.reach();
-  const double low = task.base_height_offset + task.base_height_noise[0] + up.z(),
-               high = task.base_height_offset + task.base_height_noise[1] + up.z();
+  const double most = kReachShare * robot.reach();
+  const double low = base.height_offset + base.height_noise[0] + up.z(),
+               high = base.height_offset + base.height_noise[1] + up.z();
   const double height = low > 0 ? low : high < 0 ? -high : 0;  // the least there is
   const std::string reach = fmt::format(
       "the robot reaches {} m from its base frame, of which "
       "{:.0f} % is used",
-      AtMost(robot.reach()), 100 * PickTaskSampler::kReachShare);
-  Problems::Scope scope(problems, "task");
+      AtMost(robot.reach()), 100 * kReachShare);
   if (height > most) {
-    problems.AddAt("base_height_offset",
+    problems.AddAt("start.base_height_offset",
                    fmt::format("{:g} m puts the base frame {:.2f} ... {:.2f} m above the object "
                                "(with base_height_noise, and {:.2f} m of what the robot stands "
                                "on), but {}",
-                               task.base_height_offset, low, high, up.z(), reach));
+                               base.height_offset, low, high, up.z(), reach));
     return;
   }
   // The arm that stands highest has least to lift, and the nearest the farthest to go.
-  const double nearest = std::max(task.base_distance[0] - up.head<2>().norm(), 0.0);
+  const double nearest = std::max(base.distance[0] - up.head<2>().norm(), 0.0);
   const double lift = GraspMotionsToLift(task.lift_height).lift;
   if (nearest < robot.reach()) {
     const double top = high + std::sqrt(robot.reach() * robot.reach() - nearest * nearest);
     if (lift > top) {
       problems.AddAt(
-          "lift_height",
+          "task.lift_height",
           fmt::format("{:g} m is more than the arm can lift: it reaches {:.2f} m from "
                       "its base frame, at most {:.2f} m above the object, and lifts "
                       "{:.2f} m more than is asked for; give at most {}",
@@ -54,12 +53,11 @@ void CheckReach(const PickRun& task, const Robot& robot, Problems& problems) {
     }
   }
   const double farthest = std::sqrt(most * most - height * height) + up.head<2>().norm();
-  if (task.base_distance[1] <= farthest) return;
-  problems.AddAt(
-      "base_distance",
-      fmt::format("[{:g}, {:g}] m goes beyond {} m, from where the object is out of "
-                  "reach: {}; give [smallest, largest] within that",
-                  task.base_distance[0], task.base_distance[1], AtMost(farthest), reach));
+  if (base.distance[1] <= farthest) return;
+  problems.AddAt("start.base_distance",
+                 fmt::format("[{:g}, {:g}] m goes beyond {} m, from where the object is out of "
+                             "reach: {}; give [smallest, largest] within that",
+                             base.distance[0], base.distance[1], AtMost(farthest), reach));
 }
 
 }  // namespace robocell

@@ -4,11 +4,12 @@
 #include "robocell/robot/robot.h"
 #include "robocell/spec/pick_task_config.h"
 #include "robocell/spec/problems.h"
+#include "robocell/task/base_placement.h"
 
 namespace robocell {
 
-// Adds problems of task.base_distance, task.base_height_offset and task.lift_height for places and
-// lifts that PickTaskSampler refuses in every start.
-void CheckReach(const PickRun& task, const Robot& robot, Problems& problems);
+// Adds problems of start.base_distance, start.base_height_offset and task.lift_height for places
+// and lifts that PickTaskSampler refuses in every start.
+void CheckReach(const PickRun& task, const BaseRange& base, const Robot& robot, Problems& problems);
 
 }  // namespace robocell

@@ -13,7 +13,8 @@
 #include "robocell/robot/unused_groups.h"
 #include "robocell/scenes/catalogue.h"
 #include "robocell/spec/pick_task_config.h"
-#include "robocell/spec/problem_lines.h"
+#include "robocell/spec/problems.h"
+#include "robocell/task/base_placement.h"
 #include "robocell/task/grasp_candidates.h"
 
 namespace robocell {
@@ -82,7 +83,7 @@ class PickRunCheck {
     }
     const std::optional<PickRun> pick = PickRunOf(run_.task);
     if (!pick) return;
-    CheckReach(*pick, robot_, problems_);
+    CheckReach(*pick, BaseRangeOf(run_.start, {}), robot_, problems_);
     Problems::Scope scope(problems_, "task");
     AsProblem(problems_, [&] { CheckGraspable(pick->objects); });
   }

@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "robocell/base/error.h"
-#include "robocell/base/few_numbers.h"
 #include "robocell/base/names.h"
+#include "robocell/base/small_arrays.h"
 #include "robocell/kinematics/chain_builder.h"
 #include "robocell/kinematics/lane_chain.h"
 #include "robocell/kinematics/link_table.h"
@@ -83,7 +83,7 @@ void Chain::CheckSize(std::string_view what, std::size_t size) const {
 
 void Chain::CheckJointValues(std::string_view what, std::span<const double> values) const {
   CheckSize(what, values.size());
-  if (FewAreFinite(values.data(), values.size())) return;
+  if (AllFinite(values.data(), values.size())) return;
   for (int i = 0; i < n_joints(); ++i) {
     if (std::isfinite(values[i])) continue;
     throw ArgumentError(fmt::format("{}: {}: joint '{}' is {}; joint values must be finite",

@@ -37,7 +37,7 @@ class BoundedLeastSquares {
   BoundedLeastSquares(const Jacobian6& jacobian, const Vector6& task)
       : n_(static_cast<int>(jacobian.cols())), jacobian_(jacobian), task_(task) {}
 
-  std::array<double, kMaxChainJoints> lower{}, upper{}, wish{};
+  std::array<double, kMaxChainJoints> lower{}, upper{}, preferred{};
 
   bool may_move(int i) const { return lower[i] < upper[i]; }
   // After Solve: it is not at a bound.
@@ -46,7 +46,7 @@ class BoundedLeastSquares {
   void Solve(const Matrix6& damping, double* v) {
     damping_ = damping;
     for (int i = 0; i < n_; ++i) {
-      v[i] = std::clamp(wish[i], lower[i], upper[i]);
+      v[i] = std::clamp(preferred[i], lower[i], upper[i]);
       side_[i] = may_move(i) ? Side::kFree : Side::kLower;
     }
     // Each round lowers the cost; so many are never needed but for rounding.
@@ -64,11 +64,11 @@ class BoundedLeastSquares {
     for (int i = 0; i < n_; ++i) {
       const bool free = side_[i] == Side::kFree;
       if (free) a.noalias() += jacobian_.col(i) * jacobian_.col(i).transpose();
-      left -= jacobian_.col(i) * (free ? wish[i] : v[i]);
+      left -= jacobian_.col(i) * (free ? preferred[i] : v[i]);
     }
     pull_ = a.llt().solve(left);
     for (int i = 0; i < n_; ++i) {
-      if (side_[i] == Side::kFree) best_[i] = wish[i] + jacobian_.col(i).dot(pull_);
+      if (side_[i] == Side::kFree) best_[i] = preferred[i] + jacobian_.col(i).dot(pull_);
     }
   }
 
@@ -100,7 +100,7 @@ class BoundedLeastSquares {
     int which = -1;
     for (int i = 0; i < n_; ++i) {
       if (side_[i] == Side::kFree || lower[i] >= upper[i]) continue;
-      const double up = jacobian_.col(i).dot(pull_) + wish[i] - v[i];
+      const double up = jacobian_.col(i).dot(pull_) + preferred[i] - v[i];
       const double away = side_[i] == Side::kLower ? up : -up;
       if (away <= hardest) continue;
       hardest = away;
@@ -233,7 +233,7 @@ DifferentialIkResult DifferentialIk(const Chain& chain, std::span<const double> 
     squares.lower[i] = bounds[i].lower / unit;
     squares.upper[i] = bounds[i].upper / unit;
     if (!options.posture.empty())
-      squares.wish[i] = options.posture_rate * (options.posture[i] - q[i]) / unit;
+      squares.preferred[i] = options.posture_rate * (options.posture[i] - q[i]) / unit;
   }
   DifferentialIkResult result{.velocity = JointVector(n)};
   SolveDamped(jacobian, &squares, result.velocity.data());

@@ -47,7 +47,7 @@ namespace robocell {
 // Which joints of a chain must stay where the seed has them.
 using LockedJoints = std::array<bool, kMaxChainJoints>;
 
-// Which of the solutions is wanted. What is not kFirst compares sixteen, and moves joints to spare:
+// Which of the solutions is wanted. What is not kFirst compares sixteen, and moves redundant joints:
 // some tens of microseconds, kManipulability, which climbs, about twice as many. Without joints to
 // spare the best is one of a few: starts go on beyond max_restarts until 256 in a row have led to
 // no better one (2000 more at most), which takes some tenths of a millisecond. Not where

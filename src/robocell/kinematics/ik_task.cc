@@ -106,7 +106,8 @@ void CheckIkTask(const IkOptions& options) {
   const bool weighs = !IsWhole(options.rotation_weights);
   if (CountZeros(options.position_weights) == 3 &&
       (options.position_only || CountZeros(options.rotation_weights) == 3)) {
-    throw ArgumentError("inverse kinematics: all weights are 0; nothing is asked for");
+    throw ArgumentError(
+        "inverse kinematics: all weights are 0, so that the target has no residual");
   }
   if (options.position_only && (weighs || options.axis)) {
     throw ArgumentError(

@@ -12,7 +12,6 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
-#include "robocell/base/folder_names.h"
 #include "robocell/base/log.h"
 #include "robocell/base/names.h"
 #include "robocell/base/real_file.h"

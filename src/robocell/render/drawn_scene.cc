@@ -77,11 +77,11 @@ void DrawnScene::Check(const mjData* data) const {
   if (watch_.gone()) {
     throw ArgumentError(
         "renderer: the model that it was given was freed; call SetModel after a scene was built "
-        "anew, or draw with a SceneRenderer");
+        "again, or draw with a SceneRenderer");
   }
   if (data->signature != signature_) {
     throw ArgumentError(
-        "renderer: the data belong to another model; call SetModel after a scene was built anew");
+        "renderer: the data belong to another model; call SetModel after a scene was built again");
   }
 }
 

@@ -124,7 +124,7 @@ void CheckTakesJointPositions(const Robot& robot, Problems& problems) {
   problems.AddAt(
       "control." + arm,
       fmt::format("the scripted expert sends the arm joint positions, and '{}' takes {}; choose {} "
-                  "(an expert of your own may command other things)",
+                  "(an expert of your own may use other commands)",
                   controller.kind(), Describe(kind), PositionControls(robot, arm)));
 }
 

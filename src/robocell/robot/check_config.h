@@ -11,7 +11,7 @@
 
 namespace robocell {
 
-// Adds what is wrong, at the paths of the configuration's fields. The robot's scene is not changed.
+// Adds the problems at the paths of the configuration's fields. The robot's scene does not change.
 // Takes up to a second per gripper.
 void CheckConfig(const Robot& robot, Problems& problems);
 

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "robocell/base/error.h"
-#include "robocell/base/few_numbers.h"
+#include "robocell/base/small_arrays.h"
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/gravity.h"
 #include "robocell/mujoco/guard.h"
@@ -109,7 +109,7 @@ void GroupCore::ThrowWrongSize(size_t got, int expected, const char* what) const
 
 void GroupCore::CheckFinite(std::span<const double> values,
                             const std::vector<std::string>& element_names, const char* kind) const {
-  if (FewAreFinite(values.data(), values.size())) return;
+  if (AllFinite(values.data(), values.size())) return;
   for (size_t i = 0; i < values.size(); ++i) {
     if (std::isfinite(values[i])) continue;
     const std::string name = values.size() == element_names.size()

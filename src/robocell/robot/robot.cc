@@ -11,7 +11,7 @@
 #include "robocell/base/names.h"
 #include "robocell/kinematics/reach.h"
 #include "robocell/mujoco/gravity.h"
-#include "robocell/robot/once_per_model.h"
+#include "robocell/robot/measurement_cache.h"
 #include "robocell/robot/robot_state.h"
 
 namespace robocell {
@@ -363,8 +363,8 @@ double Robot::reach() const {
   if (!reach) reach = config().reach;
   if (!reach) {
     const std::string what = "reach from " + chain().base_body() + " to " + chain().tip().name;
-    reach = OncePerModel(*scene_.compiled(), what,
-                         [&] { return std::vector<double>{ApproximateReach(chain())}; })[0];
+    reach = CachedMeasurement(*scene_.compiled(), what,
+                              [&] { return std::vector<double>{ApproximateReach(chain())}; })[0];
   }
   return *reach;
 }

@@ -8,8 +8,8 @@
 #include <optional>
 #include <set>
 
-#include "robocell/base/both_languages.h"
 #include "robocell/base/error.h"
+#include "robocell/base/function_name.h"
 #include "robocell/base/names.h"
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
@@ -21,7 +21,7 @@
 #include "robocell/robot/tcp_place.h"
 #include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/hold_ctrl.h"
-#include "robocell/spec/problem_lines.h"
+#include "robocell/spec/problems.h"
 
 namespace robocell {
 namespace {
@@ -503,7 +503,7 @@ std::optional<std::string> ActsElsewhere(const Robot& robot, const MoveGroup& gr
 }
 
 std::string AboutUndriven(const Robot& robot, const MoveGroup& group, const std::string& why) {
-  const std::string set = InBothLanguages("Scene::SetActuatorCtrl");
+  const std::string set = CppAndPythonName("Scene::SetActuatorCtrl");
   if (const auto first = ActsElsewhere(robot, group)) {
     return fmt::format(
         "{}, which moves no joint, so that there is no controller for it. Command "

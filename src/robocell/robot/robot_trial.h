@@ -20,8 +20,8 @@ namespace robocell {
 // a few seconds for each joint that does not follow and less for the others.
 std::vector<std::string> TryRobot(Robot robot);
 
-// The same for whoever also tells the warnings of the robot's scene: without arms' servos whose
-// ctrlrange ends before home, where the scene warns of them (scene/check_servos.cc).
+// The same for callers that also report the warnings of the robot's scene: without servos of arms
+// whose ctrlrange ends before home, which the scene reports (scene/check_servos.cc).
 std::vector<std::string> TryRobotBesideWarnings(Robot robot);
 
 }  // namespace robocell

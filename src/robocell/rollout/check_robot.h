@@ -14,9 +14,9 @@
 
 namespace robocell {
 
-// Adds what is wrong, at the paths of the configuration's fields: arms and grippers without a
+// Adds the problems at the paths of the configuration's fields: arms and grippers without a
 // controller, names that no record can have, a file that its model contradicts (check_config.h).
-// False when there is something. The robot's scene is not changed.
+// Returns false if there are any. The robot's scene does not change.
 bool CheckRobot(const Robot& robot, Problems& problems);
 
 }  // namespace robocell

@@ -18,8 +18,10 @@
 #include "robocell/rollout/plan.h"
 #include "robocell/scenes/scene_source.h"
 #include "robocell/scenes/support.h"
-#include "robocell/spec/problem_lines.h"
+#include "robocell/spec/problems.h"
+#include "robocell/spec/spec_bytes.h"
 #include "robocell/spec/validate.h"
+#include "robocell/task/sampler_kind.h"
 #include "robocell/task/task_kind.h"
 
 namespace robocell {
@@ -36,13 +38,28 @@ void CheckOwnFeatures(const RunConfig& run, Problems& problems) {
   }
 }
 
+void CheckSampler(const RunConfig& run, Problems& problems) {
+  if (run.sampler.empty()) return;
+  try {
+    FindSamplerKind(run.sampler);
+  } catch (const NotFoundError& error) {
+    problems.AddAt("sampler", error.what());
+  }
+}
+
 // Problems of the fields alone.
 Problems FieldProblems(const RunConfig& run) {
   Problems problems(run.locations);
   ValidateFields(run, problems);
   CheckStreams(run, problems);
   FindTaskKind(run.task.kind())->CheckFields(run, problems);
+  try {
+    CheckHouses(run, problems);
+  } catch (const Error& error) {  // of a source that cannot be made
+    problems.AddAt("scenes", error.what());
+  }
   CheckOwnFeatures(run, problems);
+  CheckSampler(run, problems);
   return problems;
 }
 
@@ -60,8 +77,9 @@ class SceneCheck {
 
   void Run() {
     std::vector<SceneSpec> bases;
+    if (!Try("scenes", [&] { source_ = MakeSceneSource(run_); })) return;
     for (const int scene : SceneIndices(run_)) {
-      if (!Try("scenes", [&] { bases.push_back(MakeBaseScene(run_, scene)); })) return;
+      if (!Try("scenes", [&] { bases.push_back(MakeBaseScene(run_, *source_, scene)); })) return;
     }
     if (!CheckSupports(bases)) return;
     std::optional<Scene> scene;
@@ -96,9 +114,13 @@ class SceneCheck {
   bool CheckSupports(const std::vector<SceneSpec>& bases) {
     bool good = true;
     std::set<std::string> checked;
-    for (const SceneSpec& base : bases) {
-      if (!checked.insert(base.base.value_or("")).second) continue;
-      good &= Try("scenes", [&] { RequireSteady(base, FindSupport(base)); });
+    const std::vector<int> indices = SceneIndices(run_);
+    for (size_t i = 0; i < bases.size(); ++i) {
+      if (!checked.insert(SpecBytes(bases[i])).second) continue;
+      good &= Try("scenes", [&] {
+        for (const Support& support : SupportsOf(*source_, indices[i], bases[i]))
+          RequireSteady(bases[i], support);
+      });
     }
     return good;
   }
@@ -124,6 +146,10 @@ class SceneCheck {
       Problems::Scope item(problems_, i);
       const CameraConfig& stream = run_.cameras.streams[i];
       Try(stream.follow.empty() ? "camera" : "follow", [&] { ViewOfStream(scene, stream); });
+    }
+    for (const std::string& camera : run_.start.visible_from) {
+      Try("start.visible_from",
+          [&] { ViewOfStream(scene, {.name = "start.visible_from", .camera = camera}); });
     }
   }
 
@@ -155,6 +181,7 @@ class SceneCheck {
 
   const RunConfig& run_;
   const std::shared_ptr<const TaskKind> task_ = FindTaskKind(run_.task.kind());
+  std::shared_ptr<SceneSource> source_;
   const RunDemands& demands_;
   Problems& problems_;
   std::vector<std::string> warnings_;

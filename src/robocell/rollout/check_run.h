@@ -18,10 +18,10 @@ struct RunDemands {
   bool on_this_machine = true;  // false: the episodes are made elsewhere
 };
 
-// SpecError with all problems; IoError or Error when this machine lacks an encoder or OpenGL and
-// streams are recorded. Returns what works and may yet not be meant: warnings of compiling the
-// scene, an arm that does not do what it is told (robot_trial.h), images that are too small to show
-// anything. Writes nothing.
+// Raises SpecError with all problems, and IoError or Error if streams are recorded and this machine
+// lacks an encoder or OpenGL. Returns warnings, that is, configurations that are valid but probably
+// unintended: warnings of compiling the scene, an arm that does not follow its commands
+// (robot_trial.h), images that are too small to show anything. Writes nothing.
 std::vector<std::string> CheckRun(const RunConfig& run, const RunDemands& demands = {});
 
 // The part that needs no model.

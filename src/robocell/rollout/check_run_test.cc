@@ -72,8 +72,7 @@ TEST(CheckRun, WhatWorksAndMayNotBeMeantIsReturned) {
   AtomicWrite(folder / "table.xml",
               "<mujoco><option cone='elliptic'/><worldbody><body><geom type='box' size='.4 .4 .01' "
               "pos='0 0 -.01'/><site name='table_top'/></body></worldbody></mujoco>");
-  run.scenes.files = {(folder / "table.xml").string()};
-  run.scenes.source = SceneSourceKind::kFiles;
+  run.scenes = FilesScenes{.files = {(folder / "table.xml").string()}};
   run.cameras.resolution = {4, 4};
   run.options.cone = FrictionCone::kPyramidal;  // the table and the robot want another one
   EXPECT_THAT(CheckRun(run),
@@ -115,8 +114,7 @@ TEST(CheckRun, ASceneWithoutATableIsTold) {
   RunConfig run = Demo();
   TempDir folder;
   AtomicWrite(folder / "bare.xml", "<mujoco><worldbody><site name='floor'/></worldbody></mujoco>");
-  run.scenes.files = {(folder / "bare.xml").string()};
-  run.scenes.source = SceneSourceKind::kFiles;
+  run.scenes = FilesScenes{.files = {(folder / "bare.xml").string()}};
   ExpectThrow<SpecError>([&] { CheckRun(run); }, "nowhere to put objects");
 }
 
@@ -130,9 +128,10 @@ TEST(CheckRun, EverySceneNeedsATable) {
   AtomicWrite(folder / "beside.xml",
               begin + "<geom type='box' size='.4 .4 .01' pos='1 0 -.01'/>" + site + end);
   AtomicWrite(folder / "bare.xml", begin + "<geom type='sphere' size='.4'/>" + site + end);
+  FilesScenes scenes;
   for (const char* name : {"good.xml", "beside.xml", "bare.xml"})
-    run.scenes.files.push_back((folder / name).string());
-  run.scenes.source = SceneSourceKind::kFiles;
+    scenes.files.push_back((folder / name).string());
+  run.scenes = scenes;
   ExpectThrow<SpecError>([&] { CheckRun(run); }, "so that it is beside the box");
   ExpectThrow<SpecError>([&] { CheckRun(run); }, "bare.xml': site 'table_top' needs a box geom");
 }
@@ -146,9 +145,8 @@ TEST(CheckRun, ATableThatFallsIsTold) {
                             "pos='0 0 {}'><freejoint/><geom type='box' size='.4 .4 .2'/><site "
                             "name='table_top' pos='0 0 .2'/></body></worldbody></mujoco>",
                             height));
-    run.scenes.files = {(folder / name).string()};
+    run.scenes = FilesScenes{.files = {(folder / name).string()}};
   };
-  run.scenes.source = SceneSourceKind::kFiles;
   table("stands.xml", 0.2);
   EXPECT_NO_THROW(CheckRun(run));
   table("falls.xml", 1);
@@ -185,21 +183,21 @@ TEST(CheckRun, ADistanceThatTheGripperDoesNotHaveIsRefused) {
 
 TEST(CheckRun, DistancesOutOfReachAreToldWithTheReach) {
   RunConfig run = Demo();
-  run.task.As<PickTaskConfig>().base_distance = {0.3, 60};
-  const std::string text =
-      ExpectThrow<SpecError>([&] { CheckRun(run); }, "task.base_distance: [0.3, 60] m goes beyond");
+  run.start.base_distance = {0.3, 60};
+  const std::string text = ExpectThrow<SpecError>([&] { CheckRun(run); },
+                                                  "start.base_distance: [0.3, 60] m goes beyond");
   EXPECT_THAT(text, HasSubstr("of which 95 % is used"));
   EXPECT_NO_THROW(CheckRun(run, {.scripted_expert = false, .on_this_machine = false}))
       << "a sampler of the user's own may mean something else by it";
   // What is told as the most there is, is accepted: it is not rounded up.
   const size_t at = text.find("goes beyond ") + 12;
-  run.task.As<PickTaskConfig>().base_distance[1] = std::stod(text.substr(at));
-  EXPECT_NO_THROW(CheckRun(run)) << run.task.As<PickTaskConfig>().base_distance[1];
-  run.task.As<PickTaskConfig>().base_distance[1] += 0.001;
+  (*run.start.base_distance)[1] = std::stod(text.substr(at));
+  EXPECT_NO_THROW(CheckRun(run)) << (*run.start.base_distance)[1];
+  (*run.start.base_distance)[1] += 0.001;
   ExpectThrow<SpecError>([&] { CheckRun(run); }, "] m goes beyond " + text.substr(at, 5));
   run = Demo();
-  run.task.As<PickTaskConfig>().base_height_offset = -25;
-  ExpectThrow<SpecError>([&] { CheckRun(run); }, "task.base_height_offset: -25 m puts the base");
+  run.start.base_height_offset = -25;
+  ExpectThrow<SpecError>([&] { CheckRun(run); }, "start.base_height_offset: -25 m puts the base");
 }
 
 TEST(CheckRun, ALiftThatNoArmHasIsRefused) {
@@ -279,7 +277,7 @@ TEST_F(CheckRobotFile, ControllersThatTakeNoJointPositionsAreToldWithThoseThatDo
         [&] { CheckRun(run); },
         fmt::format("{}robot.control.arm: the scripted expert sends the arm joint positions, and "
                     "'{}' takes {}; choose joint_position, relative_joint_position or "
-                    "joint_impedance (an expert of your own may command other things)",
+                    "joint_impedance (an expert of your own may use other commands)",
                     PlaceOf(control), control, takes));
     EXPECT_NO_THROW(CheckRun(run, {.scripted_expert = false}));
   }

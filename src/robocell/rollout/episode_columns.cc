@@ -141,13 +141,12 @@ void OutcomeColumns::PutOutcome(EpisodeWriter& writer, const RowOutcome& outcome
   writer.Put(terminated_, outcome.terminated);
   writer.Put(truncated_, outcome.truncated);
   writer.Put(ik_failed_, outcome.ik_failed);
-  writer.Put(warnings_, static_cast<int32_t>(warnings().total()));
+  writer.Put(warnings_, static_cast<int32_t>(outcome.warnings));
 }
 
-void OutcomeColumns::PutControl(EpisodeWriter& writer, const mjModel* model, const mjData* data) {
-  writer.Put(control_time_, static_cast<double>(data->time));
-  if (model->nu > 0)
-    writer.Put(control_ctrl_, std::span<const double>(data->ctrl, static_cast<size_t>(model->nu)));
+void OutcomeColumns::PutControl(EpisodeWriter& writer, double time, std::span<const double> ctrl) {
+  writer.Put(control_time_, time);
+  if (!ctrl.empty()) writer.Put(control_ctrl_, ctrl);
   writer.EndRow(control_);
 }
 

@@ -37,8 +37,7 @@ RunConfig OwnRun(const fs::path& folder) {
   RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
   run.cameras.streams = {};
   run.robot.config.source_dir = (folder / "robot").string();
-  run.scenes.source = SceneSourceKind::kFiles;
-  run.scenes.files = {(folder / "table.xml").string()};
+  run.scenes = FilesScenes{.files = {(folder / "table.xml").string()}};
   run.output = (folder / "out").string();
   return run;
 }

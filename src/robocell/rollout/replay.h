@@ -46,8 +46,8 @@ struct ReplayReport {
 
 // Rows are compared before their action: joint positions of all groups, object poses, joint
 // velocities; every control tick its time. Stops at the first row or tick that differs. A replay
-// that diverges differs. ArgumentError when the episode does not say what it was made in (only
-// generated ones do), SpecError when the scene has other controls or another state than was
+// that diverges differs. ArgumentError when the episode does not say what it was made in (those of
+// runs and environments do), SpecError when the scene has other controls or another state than was
 // recorded, errors of building a scene, IoError.
 ReplayReport CheckReplay(const Episode& episode, const ReplayOptions& options = {});
 

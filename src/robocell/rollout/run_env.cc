@@ -10,8 +10,8 @@
 #include "robocell/render/renderer.h"
 #include "robocell/rollout/check_run.h"
 #include "robocell/rollout/plan.h"
+#include "robocell/task/sampler_kind.h"
 #include "robocell/task/task_features.h"
-#include "robocell/task/task_kind.h"
 
 namespace robocell {
 namespace {
@@ -58,7 +58,7 @@ struct RunEnv::State {
 RunEnv::RunEnv(RunConfig run) : state_(std::make_unique<State>()) {
   CheckRunFields(run);
   state_->run = std::move(run);
-  state_->sampler = FindTaskKind(state_->run.task.kind())->MakeSampler(state_->run);
+  state_->sampler = MakeSampler(state_->run);
   if (!state_->run.cameras.streams.empty())
     state_->renderer = MakeRenderer(
         {.backend = state_->run.cameras.renderer, .quality = state_->run.cameras.quality});
@@ -81,7 +81,7 @@ void RunEnv::Reset(int index, const StopCheck& stop) {
     Rng rng = AttemptStream(run, item, attempt, "start");
     SampleResult sample = state_->sampler->Sample({item.scene, item.episode, attempt, stop}, rng);
     if (!sample.start) {
-      ++reasons[sample.refusal.reason];
+      ++reasons[sample.refusal.counted_as()];
       continue;
     }
     sample.start->task->Begin(sample.start->scene);

@@ -17,6 +17,7 @@
 #include "robocell/rollout/earlier_attempts.h"
 #include "robocell/rollout/rollout.h"
 #include "robocell/rollout/run_files_watch.h"
+#include "robocell/task/sampler_kind.h"
 #include "robocell/task/task_kind.h"
 
 namespace robocell {
@@ -120,9 +121,7 @@ Runner::Runner(RunConfig run, RunnerParts parts) : state_(std::make_unique<State
   state_->parts = std::move(parts);
   state_->own_sampler = static_cast<bool>(state_->parts.sampler);
   if (!state_->own_sampler) {
-    state_->parts.sampler = [](const RunConfig& of) {
-      return FindTaskKind(of.task.kind())->MakeSampler(of);
-    };
+    state_->parts.sampler = &MakeSampler;
   }
   if (!state_->parts.expert) {
     state_->parts.expert = [kind = ExpertKindOf(state_->run)](const RunConfig& of,
@@ -213,8 +212,9 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopCheck& 
     count_redrawn();
     count_kind();
     ++report.attempts;
-    earlier.push_back({sample.object_kind(), true, sample.refusal.reason});
-    const int count = ++report.refusals[sample.refusal.reason];
+    const std::string refused = sample.refusal.counted_as();
+    earlier.push_back({sample.object_kind(), true, refused});
+    const int count = ++report.refusals[refused];
     if (count >= MostFrequent(report.refusals)) report.advice = sample.refusal.detail;
     return;
   }
@@ -272,7 +272,7 @@ EpisodeReport Runner::Run(const PlanItem& item, const StopCheck& stop) {
   }
   report.complete = is_made();
   if (report.accepted > 0) report.advice.clear();
-  if (report.accepted > 0 || !report.refusals.contains(Refusal::kNoReachableBasePose))
+  if (report.accepted > 0 || !HasReason(report.refusals, Refusal::kNoReachableBasePose))
     return report;
   if (const std::string& where = state_->Advice(); !where.empty())
     report.advice += (report.advice.empty() ? "" : "; ") + where;

@@ -41,7 +41,7 @@ struct EpisodeReport {
   int attempts = 0;                     // that came to an end, those that were kept before too
   int accepted = 0;                     // attempts whose start the sampler accepted (= rollouts)
   int undecided = 0;                    // attempts that the stop request ended
-  std::map<std::string, int> refusals;  // reason -> count, of starts
+  std::map<std::string, int> refusals;  // 'stage: reason' -> count, of starts
   // What starts were refused for most often, the last of them, and, when none was accepted for want
   // of reach, from where the robot would reach; "" else.
   std::string advice;

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "robocell/base/folder_names.h"
+#include "robocell/base/files.h"
 #include "robocell/base/names.h"
 #include "robocell/base/real_file.h"
 #include "robocell/scene/part.h"

@@ -1,5 +1,6 @@
-// Private to scene: what is wrong in a part's own model file and would get lost when the part is
-// put into a scene: the engine drops what refers to nothing, and keyframes are read by name.
+// Private to scene: finds problems in a part's own model file that would get lost when the part is
+// put into a scene: the engine drops elements that refer to nothing, and keyframes are read by
+// name.
 #pragma once
 
 #include "robocell/scene/part.h"

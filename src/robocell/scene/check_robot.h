@@ -17,7 +17,7 @@ namespace robocell {
 void CheckRobot(const mjModel* model, const RobotRecord& robot, Report& report);
 
 // check_groups.cc: an arm's joints are those from the root to its leaf, in this order; a gripper's
-// actuators do not move the whole hand. What is missing is passed over: CheckRobot says so.
+// actuators do not move the whole hand. Missing elements are skipped: CheckRobot reports them.
 void CheckGroups(const mjModel* model, const std::vector<RobotRecord>& robots, Report& report);
 
 // A warning for each finger (body) that hangs on joints which nothing moves (no actuator, equality

@@ -3,11 +3,10 @@
 // scene writes its own), global settings reported and dropped (the scene sets its own).
 #pragma once
 
-#include <mujoco/mjtype.h>
-
 #include <optional>
 #include <string>
 #include <vector>
+#include <mujoco/mjtype.h>
 
 #include "robocell/mujoco/owners.h"
 #include "robocell/scene/part_keys.h"
@@ -63,5 +62,10 @@ bool MakeAssetPathsAbsolute(mjSpec* spec, const std::string& file, const std::st
 // that is not below `root`.
 void AttachPart(mjsBody* parent, const Part& part, mjsBody* root, const class Pose& pose,
                 const std::string& prefix, Report& report);
+
+// For parts that are attached without a prefix. Gives the part's default classes other names where `parent` has classes of the same name: an
+// attachment with an empty prefix would leave two classes of one name, which the engine saves to an
+// XML file that it cannot read. Classes matter only for saving; elements keep their values.
+void MakeClassNamesUnique(const Part& part, const mjSpec* parent);
 
 }  // namespace robocell

@@ -26,7 +26,7 @@ class StartCheck {
   // `objects`: the names of those that have to lie still, free ones.
   StartCheck(Scene scene, std::vector<std::string> objects);
 
-  // "" for a good start, else the first thing that is wrong with it.
+  // Returns "" for a good start, else its first problem.
   std::string WhyNot();
   // Robots that are deeper than kInside in something that is not theirs, with how deep.
   std::vector<std::string> RobotsInside();

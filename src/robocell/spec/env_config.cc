@@ -112,9 +112,6 @@ class TaskCheck {
     RequireObject(task.object);
     const T plain;
     CheckOfRuns("objects", task.objects == plain.objects);
-    CheckOfRuns("base_distance", task.base_distance == plain.base_distance);
-    CheckOfRuns("base_height_offset", task.base_height_offset == plain.base_height_offset);
-    CheckOfRuns("base_height_noise", task.base_height_noise == plain.base_height_noise);
     if constexpr (requires { task.goal_object; }) CheckGoal(task);
   }
 

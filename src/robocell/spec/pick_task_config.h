@@ -7,7 +7,6 @@
 
 #include "robocell/spec/containers.h"
 #include "robocell/spec/fields.h"
-#include "robocell/spec/problems.h"
 #include "robocell/spec/types.h"
 
 namespace robocell {
@@ -36,14 +35,6 @@ template <class T, class V>
 void PickRunFields(V&& v) {
   v("objects", &T::objects,
     "Of runs: kinds of objects, by their names in the catalogue; all of them unless set.");
-  v("base_distance", &T::base_distance,
-    "Of runs: horizontal distance from the robot's base to the object, metres, smallest and "
-    "largest.",
-    Check::kNonNegative);
-  v("base_height_offset", &T::base_height_offset,
-    "Of runs: height of the base's bottom above the object, metres.");
-  v("base_height_noise", &T::base_height_noise,
-    "Of runs: added to the height, uniform between these, metres.");
 }
 
 struct PickTaskConfig {
@@ -52,9 +43,6 @@ struct PickTaskConfig {
   bool rotate = true;
   double lift_height = kLiftHeight;
   NameList objects = {};
-  Vec2 base_distance = {0.3, 0.6};
-  double base_height_offset = 0;
-  Vec2 base_height_noise = {0, 0};
 
   static constexpr const char* kKind = "pick";
   static constexpr const char* kTypeName = "PickTaskConfig";
@@ -64,7 +52,6 @@ struct PickTaskConfig {
     PickedObjectFields<T>(v);
     PickRunFields<T>(v);
   }
-  void Validate(Problems& problems) const;
 };
 
 struct PickAndPlaceTaskConfig {
@@ -79,9 +66,6 @@ struct PickAndPlaceTaskConfig {
   double goal_distance = 0.1;
   NameList objects = {};
   NameList goals = {};
-  Vec2 base_distance = {0.3, 0.6};
-  double base_height_offset = 0;
-  Vec2 base_height_noise = {0, 0};
 
   static constexpr const char* kKind = "pick_and_place";
   static constexpr const char* kTypeName = "PickAndPlaceTaskConfig";
@@ -107,18 +91,14 @@ struct PickAndPlaceTaskConfig {
       "joint; `tray` unless set.");
     PickRunFields<T>(v);
   }
-  void Validate(Problems& problems) const;
 };
 
 class TaskSpec;
 
-// What both kinds say of a run's starts.
+// What both kinds say of a run.
 struct PickRun {
   NameList objects;
   double lift_height;
-  Vec2 base_distance;
-  double base_height_offset;
-  Vec2 base_height_noise;
 };
 // Of a task of either kind; unset for others.
 std::optional<PickRun> PickRunOf(const TaskSpec& task);

@@ -2,42 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <set>
-
 #include "robocell/spec/validate.h"
 
 namespace robocell {
-
-SceneSourceKind SceneSource::kind() const {
-  return source.value_or(files.empty() ? SceneSourceKind::kTabletop : SceneSourceKind::kFiles);
-}
-
-size_t SceneSource::count() const {
-  if (!houses.empty()) return houses.size();
-  return kind() == SceneSourceKind::kFiles ? files.size() : 1;
-}
-
-void SceneSource::Validate(Problems& problems) const {
-  const bool from_files = kind() == SceneSourceKind::kFiles;
-  if (from_files && files.empty()) {
-    problems.AddAt("files", "`source: files` needs at least one MJCF file");
-  }
-  if (!from_files && !files.empty()) {
-    problems.AddAt("files",
-                   std::string("go with `source: files`; this source is ") + ToString(kind()));
-  }
-  std::set<int> seen;
-  for (const int house : houses.values) {
-    if (house < 0) problems.AddAt("houses", fmt::format("{} is negative", house));
-    if (from_files && house >= static_cast<int>(files.size())) {
-      problems.AddAt("houses", fmt::format("{} is outside the {} files (they count from 0)", house,
-                                           files.size()));
-    }
-    if (!seen.insert(house).second) {
-      problems.AddAt("houses", fmt::format("{} is listed twice", house));
-    }
-  }
-}
 
 namespace {
 

@@ -41,7 +41,7 @@ struct PourConfig {
 
 void RegisterPour() {
   static const bool kDone = [] {
-    RegisterTaskFields(PourConfig::kKind, std::make_shared<TaskFieldsOf<PourConfig>>());
+    RegisterTaskFields(PourConfig::kKind, std::make_shared<KindFieldsOf<PourConfig>>());
     return true;
   }();
   (void)kDone;
@@ -105,7 +105,7 @@ TEST(TaskSpec, ARegisteredStructReadsWritesAndValidates) {
   EXPECT_TRUE(ParseYaml<RunConfig>(ToYaml(run), "again", "") == run);
   EXPECT_THAT(ParseError<RunConfig>(kRunHead + "task: {kind: pour_of_test, angle: -1}\n"),
               HasSubstr("task.angle"));
-  EXPECT_THROW(RegisterTaskFields(PourConfig::kKind, std::make_shared<TaskFieldsOf<PourConfig>>()),
+  EXPECT_THROW(RegisterTaskFields(PourConfig::kKind, std::make_shared<KindFieldsOf<PourConfig>>()),
                ArgumentError);
 }
 

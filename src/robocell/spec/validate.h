@@ -14,7 +14,7 @@
 #include "robocell/spec/element_ref.h"
 #include "robocell/spec/fields.h"
 #include "robocell/spec/problems.h"
-#include "robocell/spec/task_spec.h"
+#include "robocell/spec/scene_source_spec.h"
 #include "robocell/spec/types.h"
 
 namespace robocell {
@@ -85,8 +85,10 @@ void ValidateValue(const T& value, Check check, Problems& problems) {
     CheckAttachTarget(value, problems);
   } else if constexpr (std::is_same_v<T, ElementRef>) {
     CheckElementRef(value, problems);
-  } else if constexpr (std::is_same_v<T, TaskSpec>) {
-    ValidateTask(value, problems);
+  } else if constexpr (std::is_same_v<T, SceneSourceSpec>) {
+    ValidateScenes(value, problems);
+  } else if constexpr (std::is_base_of_v<KindSpec, T>) {
+    ValidateKind(value, problems);
   } else if constexpr (std::is_same_v<T, NameList>) {
     CheckNameList(value, problems);
   } else if constexpr (HasFields<T>) {

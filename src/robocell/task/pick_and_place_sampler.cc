@@ -76,7 +76,8 @@ std::optional<Refusal> PickAndPlaceSampler::CheckBasePose(Scene& scene, Robot& r
   const Eigen::Vector3d way =
       made_task_->GoalInWorld() - scene.body_pose(target_body).translation();
   if (way.head<2>().norm() >= task_.goal_distance) return std::nullopt;
-  return Refusal{Refusal::kNoFreePlace, "the object lies nearer to its goal than goal_distance"};
+  return Refusal{Refusal::kNoFreePlace, "the object lies nearer to its goal than goal_distance"}
+      .MadeBy(Refusal::kTaskStage);
 }
 
 std::optional<Refusal> PickAndPlaceSampler::CheckGrasp(const Scene& scene, PlanningScene& planning,

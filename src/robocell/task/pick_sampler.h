@@ -14,6 +14,8 @@
 
 namespace robocell {
 
+class TaskKind;
+
 class PickTaskSampler : public StartSampler {
  public:
   // SpecError for a run of a task that picks nothing up.
@@ -30,7 +32,6 @@ class PickTaskSampler : public StartSampler {
                                  const std::vector<std::string>& objects) override;
 
  protected:
-  BaseRange base_range() const override;
   const PickRun& pick() const { return pick_; }
   // Whether a grasp that is in reach is of use too; the refusal says why not. Of a few grasps one
   // that is has to be among them.
@@ -46,5 +47,9 @@ class PickTaskSampler : public StartSampler {
 
   PickRun pick_;
 };
+
+// The kinds of tasks `pick` and `pick_and_place`, for the registry of kinds (task_kind.h).
+std::shared_ptr<const TaskKind> MakePickKind();
+std::shared_ptr<const TaskKind> MakePickAndPlaceKind();
 
 }  // namespace robocell

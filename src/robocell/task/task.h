@@ -87,7 +87,8 @@ class Task {
   virtual std::vector<std::string> resting_objects() const { return {}; }
   // What TaskVerdict::subtask counts through.
   virtual std::vector<std::string> subtasks() const { return {}; }
-  // In runs: where the robot's base may stand around the first of objects().
+  // In runs: where the robot's base may stand around the first of objects(), as far as `start` of
+  // the run does not say.
   virtual BaseRange base_range() const { return {}; }
   // Why an episode that ran out of time is no success, in few words for counting.
   virtual std::string why_not_done() const { return "the task was not done"; }

@@ -45,20 +45,20 @@ class TaskKind {
 
 // Makes a kind known on all threads, from now on. `fields` are its defaults. ArgumentError for a
 // name that is taken, unless `replace` allows it.
-void RegisterTask(const std::string& kind, std::shared_ptr<const TaskFields> fields,
+void RegisterTask(const std::string& kind, std::shared_ptr<const KindFields> fields,
                   std::shared_ptr<const TaskKind> task, bool replace = false);
 
 // A kind whose tasks are made as T(const Config&).
-template <IsTaskConfig Config, class T>
+template <NamesItsKind Config, class T>
 class TaskKindOf : public TaskKind {
  public:
   std::shared_ptr<Task> Make(const TaskSpec& spec) const override {
     return std::make_shared<T>(spec.As<Config>());
   }
 };
-template <IsTaskConfig Config>
+template <NamesItsKind Config>
 void RegisterTask(std::shared_ptr<const TaskKind> task) {
-  RegisterTask(Config::kKind, std::make_shared<TaskFieldsOf<Config>>(), std::move(task));
+  RegisterTask(Config::kKind, std::make_shared<KindFieldsOf<Config>>(), std::move(task));
 }
 
 // NotFoundError lists the kinds, for those whose fields are registered without a task.

@@ -20,10 +20,10 @@ TEST(TaskKind, TheBuiltInOnesAreThere) {
 TEST(TaskKind, ItsFieldsAreRegisteredWithIt) {
   const auto pick = FindTaskKind("pick");
   ExpectThrow<ArgumentError>(
-      [&] { RegisterTask("pick", std::make_shared<TaskFieldsOf<PickTaskConfig>>(), pick); },
+      [&] { RegisterTask("pick", std::make_shared<KindFieldsOf<PickTaskConfig>>(), pick); },
       "task 'pick' is registered already");
   ExpectThrow<ArgumentError>(
-      [] { RegisterTask("none", std::make_shared<TaskFieldsOf<PickTaskConfig>>(), nullptr); },
+      [] { RegisterTask("none", std::make_shared<KindFieldsOf<PickTaskConfig>>(), nullptr); },
       "task 'none' needs a TaskKind");
   EXPECT_FALSE(IsTaskKind("none"));
 }

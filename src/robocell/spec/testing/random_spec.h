@@ -88,6 +88,14 @@ class RandomSpec {
     value.index = static_cast<int>(rng_.UniformInt(9));
   }
   void FillOther(RobotSource& value) { Fill(value.config); }
+  void FillOther(SceneSourceSpec& value) {
+    value = SceneSourceSpec();
+    if (rng_.UniformInt(2)) {
+      value = FilesScenes();
+      Fill(value.As<FilesScenes>());
+    }
+    FillOther(value.houses);
+  }
   void FillOther(TaskSpec& value) {
     if (rng_.UniformInt(2)) {
       value = TaskSpec();
