@@ -1,4 +1,4 @@
-#include "robocell/render/render_quality.h"
+#include "robocell/spec/render_quality.h"
 
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
