@@ -8,6 +8,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/env/env_scene.h"
+#include "robocell/kinematics/ik_step.h"
 #include "robocell/kinematics/ik_towards.h"
 #include "robocell/math/rotation.h"
 #include "robocell/robot/arm_group.h"
@@ -25,6 +26,9 @@ constexpr double kRestShare = 0.1, kRestShareOfWay = 0.01;
 // A joint that creeps to its target is on its way as long as it takes no longer than this to get
 // within its tolerance, s.
 constexpr double kPatience = 1;
+// In Cartesian modes joints may lead by more than poses, for a small way of the TCP can be a large
+// one of a joint: by this many times as much.
+constexpr double kJointsOfPose = 3;
 // An absolute pose without a solution nearby is out of reach, unless it is within these, m and rad.
 constexpr double kSmallShift = 0.1, kSmallTurn = 0.5;
 
@@ -147,7 +151,12 @@ ArmDriver::ArmDriver(const EnvConfig& config, Robot robot, RobotLayout layout)
   RequireJointPositions(config, robot_);
   for (const ChainJoint& joint : robot_.chain().joints()) {
     const bool own_default = config.max_target_lead.empty() && joint.type == ChainJointType::kSlide;
-    joint_lead_.push_back(own_default ? lead_.translation : lead_.rotation);
+    if (mode_ == ControlMode::kJoints) {
+      joint_lead_.push_back(own_default ? lead_.translation : lead_.rotation);
+    } else {
+      const bool slide = joint.type == ChainJointType::kSlide;
+      joint_lead_.push_back(kJointsOfPose * (slide ? lead_.translation : lead_.rotation));
+    }
   }
 }
 
@@ -256,10 +265,11 @@ bool ArmDriver::GetPresentTargets() const {
   return true;
 }
 
-Pose ArmDriver::LastPose(const PendingMove& move, PendingMove& pending, Pose& seen) const {
+Pose ArmDriver::LastPose(const Pose& sent, const PendingMove& move, PendingMove& pending,
+                         Pose& seen) const {
   const Led<Pose> led = {seen, TcpAt(pos_), TcpAt(rest_), TcpAt(steady_)};
   seen = led.present;
-  return WithinLead(memory_.sent, led, lead_, pending, move);
+  return WithinLead(sent, led, lead_, pending, move);
 }
 
 std::vector<double> ArmDriver::LastJoints(std::span<const double> move,
@@ -272,6 +282,15 @@ std::vector<double> ArmDriver::LastJoints(std::span<const double> move,
   }
   seen = pos_;
   return last;
+}
+
+bool ArmDriver::BoundJoints(std::vector<double>& joints, std::vector<double>& pending,
+                            std::vector<double>& seen) const {
+  std::vector<Led<double>> led;
+  for (size_t i = 0; i < joints.size(); ++i)
+    led.push_back({seen[i], pos_[i], rest_[i], steady_[i]});
+  seen = pos_;
+  return TakeBackJoints(joints, led, joint_lead_, pending);
 }
 
 bool ArmDriver::SendJoints(std::span<const double> command, RobotAction& commands) {
@@ -318,21 +337,37 @@ bool ArmDriver::SendPose(std::span<const double> command, RobotAction& commands)
   const Pose given = PoseOfAction(mode_, command);
   const bool keeps = relative_to_ == RelativeTo::kLastStep && IsNoMotion(given);
   PendingMove pending = memory_.pending;
+  std::vector<double> joints = PositionsOf(controller_->commanded_joint_pos()),
+                      pending_joints = memory_.pending_joints, seen_joints = memory_.seen_joints;
   Pose seen = memory_.seen, last = memory_.sent;
+  bool bounded = false;
   if (!keeps && GetPresentTargets()) {
     PendingMove move;
     move.Add(last, NextPose(last, given));
-    last = LastPose(move, pending, seen);
+    bounded = BoundJoints(joints, pending_joints, seen_joints);
+    if (bounded) {
+      last = TcpAt(joints);
+      pending.Add(memory_.sent, last);
+    }
+    last = LastPose(last, move, pending, seen);
   }
   Pose next = keeps ? last : NextPose(last, given);
   const Pose target = base_in_shared_.inverse() * next;
-  commands[arm] = GroupCommand::LeafPose(target);
-  if (!robot_.Apply(commands).ok) {
-    const std::span<const double> from = controller_->commanded_joint_pos();
+  bool solved = false;
+  if (bounded) {
+    const IkResult ik = IkStep(robot_.chain(), target, joints);
+    solved = ik.success;
+    if (solved) commands[arm] = GroupCommand::Joints(PositionsOf(ik.q));
+  } else {
+    commands[arm] = GroupCommand::LeafPose(target);
+  }
+  // Whatever becomes of the pose, the gripper's command is carried out.
+  solved = robot_.Apply(commands).ok && (solved || !bounded);
+  if (!solved) {
     const bool small =
-        relative_to_ == RelativeTo::kLastStep || IsSmallStep(robot_.FkFrame(from), target);
+        relative_to_ == RelativeTo::kLastStep || IsSmallStep(robot_.FkFrame(joints), target);
     if (!small) return false;
-    const IkResult near = IkTowards(robot_.chain(), target, from);
+    const IkResult near = IkTowards(robot_.chain(), target, joints);
     if (!near.success) return false;
     sent_.position_shortfall = near.position_error;
     sent_.rotation_shortfall = near.rotation_error;
@@ -342,6 +377,10 @@ bool ArmDriver::SendPose(std::span<const double> command, RobotAction& commands)
   sent_.position_taken_back = (memory_.sent.translation() - last.translation()).norm();
   sent_.rotation_taken_back = AngleBetween(memory_.sent.quaternion(), last.quaternion());
   pending.Add(last, next);
+  const std::span<const double> driven = controller_->commanded_joint_pos();
+  for (size_t i = 0; i < joints.size(); ++i) pending_joints[i] += driven[i] - joints[i];
+  memory_.pending_joints = std::move(pending_joints);
+  memory_.seen_joints = std::move(seen_joints);
   memory_.pending = pending;
   memory_.seen = seen;
   memory_.sent = next;

@@ -101,13 +101,18 @@ class ArmDriver {
   void SendGripper(double value, RobotAction& own);
   bool SendJoints(std::span<const double> command, RobotAction& commands);
   bool SendPose(std::span<const double> command, RobotAction& commands);
-  // The last target, without what is pending and leads the arm by more than max_target_lead: a
+  // The last target `sent`, without what is pending and leads the arm by more than max_target_lead: a
   // blocked arm does not pile up targets behind what blocks it. What the arm lags behind as it
   // moves and sags under gravity does not count, so that ramps go all the way.
   // `move`: what the action asks for, from the last target on. GetPresentTargets comes first.
-  Pose LastPose(const PendingMove& move, PendingMove& pending, Pose& seen) const;
+  Pose LastPose(const Pose& sent, const PendingMove& move, PendingMove& pending, Pose& seen) const;
   std::vector<double> LastJoints(std::span<const double> move, std::vector<double>& pending,
                                  std::vector<double>& seen) const;
+  // The joints that the arm drives to, without what is pending of them and leads the arm by more
+  // than joint_lead_: a link that is blocked holds joints back while the TCP gets along. Returns
+  // whether that changed them.
+  bool BoundJoints(std::vector<double>& joints, std::vector<double>& pending,
+                   std::vector<double>& seen) const;
   // Writes the target under which the arm at `q` goes on moving at `v`. False where it is unknown.
   bool GetSteadyTarget(std::span<const double> q, std::span<const double> v,
                        std::span<double> out) const;
@@ -130,7 +135,7 @@ class ArmDriver {
   ControlMode mode_;
   RelativeTo relative_to_;
   StepLimit limit_, lead_;
-  std::vector<double> joint_lead_;  // rad or m
+  std::vector<double> joint_lead_;  // rad or m; in Cartesian modes what joints may lead by
   bool binary_gripper_;
   Robot robot_;
   std::vector<double> tolerances_;  // within which each joint has arrived, rad or m
