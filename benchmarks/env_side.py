@@ -84,7 +84,7 @@ def mujoco(file: str) -> Result:
 
     import robocell as rc
 
-    scene = rc.Scene.build(rc.env_scene_spec(config(file)))
+    scene = rc.Scene.build(rc.envs.env_scene_spec(config(file)))
     scene.reset()
     model, data = scene.model, scene.data
     home = data.ctrl.copy()

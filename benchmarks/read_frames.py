@@ -51,7 +51,7 @@ PEERS = {
 Sides = tuple[list[float], list[float]]
 
 
-def one_by_one(episode: rc.Episode, stream: str, video: Path) -> Sides:
+def one_by_one(episode: rc.data.Episode, stream: str, video: Path) -> Sides:
     """Milliseconds a frame."""
 
     def ours() -> Iterator[bytes]:
@@ -65,7 +65,7 @@ def one_by_one(episode: rc.Episode, stream: str, video: Path) -> Sides:
     return in_turns(ours, peer, len(episode))
 
 
-def shuffled(episode: rc.Episode, stream: str, video: Path) -> Sides:
+def shuffled(episode: rc.data.Episode, stream: str, video: Path) -> Sides:
     """The same of frames in any order, others in each repetition."""
     period = float(episode["time"][1] - episode["time"][0])
     orders = np.random.default_rng(0)
@@ -86,7 +86,7 @@ def in_turns(ours: Callable[[], Any], peer: Callable[[], Any], frames: int) -> S
     """Both sides one after the other; they must see the same."""
     times: Sides = ([], [])
     for _ in range(REPETITIONS):
-        rc.release_idle_files()
+        rc.data.release_idle_files()
         seen = []
         for side, values in zip((ours, peer), times, strict=True):
             begin = time.perf_counter()
@@ -109,16 +109,16 @@ def decoded(video: Path, from_s: float | None = None) -> bytes:
     return subprocess.run(command, capture_output=True, check=True).stdout
 
 
-def made_episode(folder: Path, size: tuple[int, int]) -> rc.Episode:
+def made_episode(folder: Path, size: tuple[int, int]) -> rc.data.Episode:
     """One pick of the built-in robot, seen from beside it."""
     shutil.rmtree(folder, ignore_errors=True)
     run = rc.RunConfig(run="read_frames", output=str(folder))
     run.robot = rc.RobotConfig.load(rc.models.robot_file("rc7"))
-    run.task = rc.PickTaskConfig(base_distance=[0.35, 0.5], base_height_offset=-0.25)
+    run.start = rc.tasks.StartConfig(base_distance=[0.35, 0.5], base_height_offset=-0.25)
     run.cameras.resolution = list(size)
-    run.cameras.streams.append(rc.CameraConfig(name="exo", camera="exo_camera", depth=True))
-    rc.prepare_dataset(run)
-    runner = rc.Runner(run)
-    for item in rc.make_plan(run):
+    run.cameras.streams.append(rc.render.CameraConfig(name="exo", camera="exo_camera", depth=True))
+    rc.generate.prepare_dataset(run)
+    runner = rc.generate.Runner(run)
+    for item in rc.generate.make_plan(run):
         runner.run(item)
     return rc.Dataset(folder)[0]

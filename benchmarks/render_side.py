@@ -25,7 +25,7 @@ def scene_of(file: str) -> Any:
     import robocell as rc
 
     config = rc.EnvConfig(robots={"robot": file}, add_floor=True)
-    scene = rc.Scene.build(rc.env_scene_spec(config))
+    scene = rc.Scene.build(rc.envs.env_scene_spec(config))
     scene.reset()
     return scene
 
@@ -56,8 +56,8 @@ def robocell(scene: Any, view: dict[str, Any], backend: str, quality: str) -> Ca
     """One call, three images."""
     import robocell as rc
 
-    renderer = rc.Renderer(scene, backend=backend, quality=quality)
-    camera = rc.OrbitCamera(**{**view, "lookat": tuple(view["lookat"])})
+    renderer = rc.render.Renderer(scene, backend=backend, quality=quality)
+    camera = rc.render.OrbitCamera(**{**view, "lookat": tuple(view["lookat"])})
     return lambda: renderer.render(camera, WIDTH, HEIGHT, depth=True, segmentation=True)
 
 

@@ -28,7 +28,7 @@ COMPILE = (
     SPEC
     + """
 begin = time.perf_counter()
-compiled = robocell.compile_scene(spec, cache=sys.argv[2] if len(sys.argv) > 2 else False)
+compiled = robocell.scene.compile_scene(spec, cache=sys.argv[2] if len(sys.argv) > 2 else False)
 print(1e3 * (time.perf_counter() - begin))
 """
 )

@@ -14,8 +14,8 @@ BEGIN, END = "<!-- verdicts: begin -->", "<!-- verdicts: end -->"
 NONE = "–"
 LIMITS = """\
 What limits the rest, against the core's peak of fused multiply-adds: of inverse kinematics
-[docs/kinematics.md](../docs/kinematics.md#many-poses), of dynamics
-[decision 012](../docs/decisions/012-dynamics-in-lanes.md#consequences)."""
+[decision 013](../docs/decisions/013-inverse-kinematics-stays-in-double.md),
+of dynamics [decision 012](../docs/decisions/012-dynamics-in-lanes.md#consequences)."""
 
 
 @dataclass(frozen=True)

@@ -14,12 +14,14 @@ list(FILTER fuzzed_sources EXCLUDE REGEX "_test\\.cc$")
 set(fuzz_flags -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer -g1 -O1
   -Wno-unknown-warning-option)
 add_library(robocell_fuzzed STATIC ${fuzzed_sources})
+# It includes itself for every instruction set.
+set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/media/yuv420.cc" PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 robocell_unity(robocell_fuzzed ${ROBOCELL_UNITY_WAITING} ${fuzzed_sources})
 target_compile_options(robocell_fuzzed PUBLIC ${fuzz_flags} PRIVATE -fsanitize=fuzzer-no-link)
 target_include_directories(robocell_fuzzed PUBLIC "${PROJECT_SOURCE_DIR}/src" SYSTEM PRIVATE ${HDF5_C_INCLUDE_DIRS}
   ${XXHASH_INCLUDE_DIR})
 target_link_libraries(robocell_fuzzed PUBLIC robocell_flags Eigen3::Eigen fmt::fmt spdlog::spdlog yaml-cpp
-  nlohmann_json::nlohmann_json OpenSSL::Crypto ${HDF5_C_LIBRARIES} PNG::PNG Threads::Threads)
+  nlohmann_json::nlohmann_json OpenSSL::Crypto PkgConfig::HWY ${HDF5_C_LIBRARIES} PNG::PNG Threads::Threads)
 target_compile_definitions(robocell_fuzzed PRIVATE ROBOCELL_VERSION="${PROJECT_VERSION}")
 
 file(GLOB fuzzers CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/tests/fuzz/*_fuzz.cc")

@@ -1,34 +1,19 @@
-# The public headers: all but those of robocell::internal, and those whose first comment says what they are private to
-# ("Private to scene"). One of the latter that a public header includes is needed with it; for robocell::internal
-# scripts/check_includes.py forbids that.
+# The public headers, which are installed: robocell.h, the bridge to KDL, which needs KDL's headers, and what these
+# include. A header becomes public by being included there. scripts/check_includes.py keeps robocell::internal out.
 #
 # Sets ROBOCELL_HEADER_FOLDERS, relative to src, and for each of them ROBOCELL_HEADERS_<folder>, its headers.
 set(source_dir "${PROJECT_SOURCE_DIR}/src")
-file(GLOB_RECURSE headers RELATIVE "${source_dir}" CONFIGURE_DEPENDS "${source_dir}/robocell/*.h")
-list(FILTER headers EXCLUDE REGEX "/testing/")
+set(waiting "robocell/robocell.h" "robocell/kinematics/kdl_bridge.h")
 set(public "")
-set(hidden "")
-foreach(header ${headers})
-  file(STRINGS "${source_dir}/${header}" marks REGEX "^namespace robocell::internal|^//.*Private to " LIMIT_COUNT 1)
-  if(marks)
-    list(APPEND hidden "${header}")
-  else()
-    list(APPEND public "${header}")
-  endif()
-endforeach()
-
-set(waiting "${public}")
 while(waiting)
   list(POP_FRONT waiting header)
+  if(header IN_LIST public)
+    continue()
+  endif()
+  list(APPEND public "${header}")
   file(STRINGS "${source_dir}/${header}" includes REGEX "^#include \"robocell/")
-  foreach(include ${includes})
-    string(REGEX REPLACE "^#include \"(.*)\".*$" "\\1" include "${include}")
-    if("${include}" IN_LIST hidden)
-      list(REMOVE_ITEM hidden "${include}")
-      list(APPEND public "${include}")
-      list(APPEND waiting "${include}")
-    endif()
-  endforeach()
+  list(TRANSFORM includes REPLACE "^#include \"(.*)\".*$" "\\1")
+  list(APPEND waiting ${includes})
 endwhile()
 
 set(ROBOCELL_HEADER_FOLDERS "")

@@ -20,13 +20,15 @@ add_library(robocell::robocell ALIAS robocell)
 robocell_unity(robocell ${ROBOCELL_UNITY_FILES} ${ROBOCELL_SOURCES})
 # Kernels: compiled for every instruction set, or worth the better optimisation.
 foreach(kernel kinematics/lane_kernel kinematics/link_kernel kinematics/pose_kernel kinematics/start_table
-               control/leaf_kernel)
+               control/operational_space)
   set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/${kernel}.cc" PROPERTIES
     COMPILE_OPTIONS "-O3" SKIP_UNITY_BUILD_INCLUSION ON)
 endforeach()
 if(ROBOCELL_SANITIZE)  # -O3 takes three times as long to compile the instrumented one, and gains nothing that is asked for
   set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/kinematics/pose_kernel.cc" PROPERTIES COMPILE_OPTIONS "")
 endif()
+set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/media/yuv420.cc" PROPERTIES
+  COMPILE_OPTIONS "-O2" SKIP_UNITY_BUILD_INCLUSION ON)
 # The same bytes with every instruction set: no multiplication and addition in one.
 set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/render/soft_kernel.cc" PROPERTIES
   COMPILE_OPTIONS "-O3;-ffp-contract=off" SKIP_UNITY_BUILD_INCLUSION ON)

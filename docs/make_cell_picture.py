@@ -62,8 +62,8 @@ def cell() -> rc.Scene:
 def main() -> None:
     """Draws it."""
     scene = cell()
-    renderer = rc.Renderer(scene, shadows=True, multisamples=4, shadow_size=8192)
-    view = rc.OrbitCamera(
+    renderer = rc.render.Renderer(scene, shadows=True, multisamples=4, shadow_size=8192)
+    view = rc.render.OrbitCamera(
         lookat=(-0.2, 0, 0.62), distance=1.95, azimuth=143, elevation=-14, fovy=33
     )
     large = renderer.render(view, width=2 * SIZE[0], height=2 * SIZE[1])["rgb"]

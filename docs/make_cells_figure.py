@@ -20,12 +20,12 @@ SIZE = (320, 280)  # width, height in pixels; drawn at twice the size
 def picture(name: str) -> Frame:
     """A cell as its environment's pictures show it, from a little nearer."""
     cell = rc.EnvConfig.load(ENVS / f"{name}.yaml")
-    scene = rc.Scene.build(rc.env_scene_spec(cell))
+    scene = rc.Scene.build(rc.envs.env_scene_spec(cell))
     scene.reset()
     view = side_view(scene, cell)
     view["distance"] *= 0.72 if len(cell.robots) == 1 else 0.9
-    renderer = rc.Renderer(scene, shadows=True, multisamples=4, shadow_size=4096)
-    drawn = renderer.render(rc.OrbitCamera(**view), width=2 * SIZE[0], height=2 * SIZE[1])
+    renderer = rc.render.Renderer(scene, shadows=True, multisamples=4, shadow_size=4096)
+    drawn = renderer.render(rc.render.OrbitCamera(**view), width=2 * SIZE[0], height=2 * SIZE[1])
     frame: Frame = drawn["rgb"]
     return frame
 

@@ -20,12 +20,12 @@ SHOWN = 6  # frames of a video
 COLOURS = ["#dfe8f5", "#bcd7ee", "#fbe7b0", "#f8c99b", "#f1aca5", "#d9c2e0"]  # of the phases
 
 
-def make(folder: str) -> rc.Episode:
+def make(folder: str) -> rc.data.Episode:
     """The first episode, with depth from beside the robot."""
     run = rc.RunConfig.load(RUN, [f"output={folder}/demo", "episodes_per_scene=1"])
     run.cameras.streams[1].depth = True
-    rc.prepare_dataset(run)
-    rc.Runner(run).run(rc.make_plan(run)[0])
+    rc.generate.prepare_dataset(run)
+    rc.generate.Runner(run).run(rc.generate.make_plan(run)[0])
     return rc.Dataset(run.output)[0]
 
 

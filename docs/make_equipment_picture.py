@@ -51,8 +51,10 @@ def showroom() -> rc.Scene:
 
 def main() -> None:
     """Draws it."""
-    renderer = rc.Renderer(showroom(), shadows=True, multisamples=4, shadow_size=8192)
-    view = rc.OrbitCamera(lookat=(0.42, 0, 0.48), distance=2.6, azimuth=104, elevation=-24, fovy=36)
+    renderer = rc.render.Renderer(showroom(), shadows=True, multisamples=4, shadow_size=8192)
+    view = rc.render.OrbitCamera(
+        lookat=(0.42, 0, 0.48), distance=2.6, azimuth=104, elevation=-24, fovy=36
+    )
     large = renderer.render(view, width=2 * SIZE[0], height=2 * SIZE[1])["rgb"]
     save(large, "equipment.png", SIZE[0])
 

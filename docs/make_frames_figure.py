@@ -40,7 +40,7 @@ def rig(folder: Path) -> rc.EnvConfig:
 def main() -> None:
     """Draws it."""
     with tempfile.TemporaryDirectory() as folder:
-        scene = rc.Scene.build(rc.env_scene_spec(rig(Path(folder))))
+        scene = rc.Scene.build(rc.envs.env_scene_spec(rig(Path(folder))))
     scene.reset()
     frames = [
         ("world", rc.Pose()),
@@ -52,10 +52,10 @@ def main() -> None:
         frames.append(
             (f"attachment site of {side}", scene.site_pose(f"robot{side}_attachment_site"))
         )
-    view = rc.OrbitCamera(
+    view = rc.render.OrbitCamera(
         lookat=(-0.25, -0.02, 0.36), distance=2.1, azimuth=215, elevation=-24, fovy=36
     )
-    renderer = rc.Renderer(scene, shadows=True, multisamples=4, shadow_size=8192)
+    renderer = rc.render.Renderer(scene, shadows=True, multisamples=4, shadow_size=8192)
     large = renderer.render(
         view, width=2 * SIZE[0], height=2 * SIZE[1], frames=frames, frame_length=0.16
     )

@@ -16,7 +16,7 @@ EPISODES = 3
 PHASES = ("open", "lift", "transfer", "release", "done")  # whose last frame is shown
 
 
-def strip(episode: rc.Episode) -> np.ndarray:
+def strip(episode: rc.data.Episode) -> np.ndarray:
     """Pictures of one episode beside each other."""
     names, phases = episode.column("phase").values, np.asarray(episode["phase"])
     rows = [int(np.flatnonzero(phases == names.index(name))[-1]) for name in PHASES]
@@ -29,9 +29,9 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         run.output = str(Path(folder) / "dataset")
         run.episodes = EPISODES
-        rc.prepare_dataset(run)
-        runner = rc.Runner(run)
-        for item in rc.make_plan(run):
+        rc.generate.prepare_dataset(run)
+        runner = rc.generate.Runner(run)
+        for item in rc.generate.make_plan(run):
             runner.run(item)
         strips = [strip(episode) for episode in rc.Dataset(run.output)]
     Image.fromarray(np.concatenate(strips)).save(DOCS / "place.png", optimize=True)

@@ -8,7 +8,9 @@ from make_cell_picture import cell
 import robocell as rc
 
 WIDTH, HEIGHT = 470, 340
-VIEW = rc.OrbitCamera(lookat=(-0.1, 0, 0.6), distance=1.7, azimuth=143, elevation=-16, fovy=38)
+VIEW = rc.render.OrbitCamera(
+    lookat=(-0.1, 0, 0.6), distance=1.7, azimuth=143, elevation=-16, fovy=38
+)
 
 
 def main() -> None:
@@ -16,7 +18,7 @@ def main() -> None:
     scene = cell()
     images = []
     for quality in ({}, {"shadows": True, "reflections": True, "multisamples": 4}):
-        renderer = rc.Renderer(scene, shadow_size=4096, **quality)
+        renderer = rc.render.Renderer(scene, shadow_size=4096, **quality)
         images.append(renderer.render(VIEW, WIDTH, HEIGHT)["rgb"])
     save(sheet([images]), "render_quality.png")
 

@@ -13,7 +13,9 @@ import robocell as rc
 
 WIDTH, HEIGHT = 1920, 1200  # px; written at half the size
 FONT = ImageFont.load_default(30)
-VIEW = rc.OrbitCamera(lookat=(0.05, 0.05, 0.55), distance=2.3, azimuth=128, elevation=-19, fovy=36)
+VIEW = rc.render.OrbitCamera(
+    lookat=(0.05, 0.05, 0.55), distance=2.3, azimuth=128, elevation=-19, fovy=36
+)
 NAMES = [  # what is written, the element that it points to, where it is written in pixels
     ("robot 'left', prefix left_", ("body", "left_link3"), (70, 250)),
     ("its TCP: site left_tcp", ("site", "left_tcp"), (70, 500)),
@@ -42,7 +44,7 @@ def build() -> rc.Scene:
     cube.rgba, cube.mass, cube.friction = [0.85, 0.25, 0.18, 1], 0.1, [1, 0.02, 0.001]
     spec.objects.extend([mug, cube])
     spec.cameras.append(
-        rc.CameraSpec(name="front", pos=[0.55, 0.5, 0.75], look_at=[0, 0, 0.5], fovy=45)
+        rc.render.CameraSpec(name="front", pos=[0.55, 0.5, 0.75], look_at=[0, 0, 0.5], fovy=45)
     )
     scene = rc.Scene.build(spec)
     scene.reset()
@@ -56,7 +58,7 @@ def build() -> rc.Scene:
 def main() -> None:
     """Draws it."""
     scene = build()
-    renderer = rc.Renderer(scene, shadows=True, multisamples=4, shadow_size=8192)
+    renderer = rc.render.Renderer(scene, shadows=True, multisamples=4, shadow_size=8192)
     front = scene.camera_pose("front")
     view = front * rc.Pose(translation=[0, 0, 0], quaternion=[1, 0, 0, 0])  # z along the view
     image = renderer.render(VIEW, WIDTH, HEIGHT, frames=[("", view)], frame_length=0.12)

@@ -8,7 +8,9 @@ from make_cell_picture import cell
 import robocell as rc
 
 WIDTH, HEIGHT = 400, 300
-VIEW = rc.OrbitCamera(lookat=(-0.1, 0, 0.6), distance=1.7, azimuth=143, elevation=-16, fovy=38)
+VIEW = rc.render.OrbitCamera(
+    lookat=(-0.1, 0, 0.6), distance=1.7, azimuth=143, elevation=-16, fovy=38
+)
 
 
 def main() -> None:
@@ -16,7 +18,7 @@ def main() -> None:
     scene = cell()
     images = []
     for backend, quality in (("gl", "fast"), ("soft", "fast"), ("soft", "standard")):
-        renderer = rc.Renderer(scene, backend=backend, quality=quality)
+        renderer = rc.render.Renderer(scene, backend=backend, quality=quality)
         images.append(renderer.render(VIEW, WIDTH, HEIGHT)["rgb"])
     save(sheet([images]), "render_soft.png")
 

@@ -12,26 +12,29 @@ from pathlib import Path
 import numpy as np
 
 import robocell as rc
+from robocell.scenes import FilesScenes
 
 PAGE = Path(__file__).parent / "spec_fields.md"
-SCENES = (rc.SceneSpec, rc.RobotSpec, rc.SceneObject, rc.SimOptions)
+SCENES = (rc.SceneSpec, rc.RobotSpec, rc.SceneObject, rc.scene.SimOptions)
 RUNS = (
     rc.RunConfig,
     rc.PickTaskConfig,
-    rc.PickAndPlaceTaskConfig,
-    rc.SceneSource,
-    rc.CameraSystemConfig,
-    rc.CameraConfig,
-    rc.RenderQuality,
-    rc.Rates,
+    rc.tasks.PickAndPlaceTaskConfig,
+    rc.tasks.StartConfig,
+    rc.SceneSourceSpec,
+    FilesScenes,
+    rc.render.CameraSystemConfig,
+    rc.render.CameraConfig,
+    rc.render.RenderQuality,
+    rc.control.Rates,
 )
 ENVIRONMENTS = (
     rc.EnvConfig,
-    rc.EnvObject,
-    rc.ObjectVariation,
+    rc.envs.EnvObject,
+    rc.envs.ObjectVariation,
     rc.CameraAdderConfig,
-    rc.SimSettings,
-    rc.WrapperConfig,
+    rc.envs.SimSettings,
+    rc.envs.WrapperConfig,
 )
 PYTHON_ONLY = ("gravity_z",)  # another name for a part of a field
 HEAD = """# All fields of scenes, runs and environments

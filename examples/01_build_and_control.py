@@ -22,14 +22,14 @@ def move_to(robot: rc.Robot, tcp: rc.Pose, seconds: float) -> None:
     start = robot.jnt_pos_cmd.copy()
     ticks = round(seconds / robot.scene.timestep())
     for i in range(1, ticks + 1):
-        robot.jnt_pos_cmd[:] = start + rc.minimum_jerk(i, ticks).position * (ik.q - start)
+        robot.jnt_pos_cmd[:] = start + rc.control.minimum_jerk(i, ticks).position * (ik.q - start)
         robot.update()
         robot.step()
 
 
 def grip(robot: rc.Robot, opening: float, seconds: float) -> None:
     """Opens (1) or closes (0) the gripper and waits."""
-    robot.apply({"gripper": rc.GroupCommand.opening(opening)})
+    robot.apply({"gripper": rc.control.GroupCommand.opening(opening)})
     for _ in range(round(seconds / robot.scene.timestep())):
         robot.update()
         robot.step()
@@ -44,7 +44,8 @@ def main(folder: Path) -> None:
     spec.objects.append(
         rc.SceneObject(
             name="cube", shape=rc.Shape.BOX, size=[0.02, 0.02, 0.02], pos=[0.45, 0, 0.02],
-            rgba=[1, 0.5, 0, 1], mass=0.1, friction=[0.8, 0.02, 0.001], condim=rc.Condim.TORSIONAL,
+            rgba=[1, 0.5, 0, 1], mass=0.1, friction=[0.8, 0.02, 0.001],
+            condim=rc.scene.Condim.TORSIONAL,
         )
     )  # fmt: skip
     scene = rc.Scene.build(spec)
@@ -66,9 +67,9 @@ def main(folder: Path) -> None:
     print(f"the cube is {height:.3f} m above the floor")
     assert robot.gripper.is_grasping("cube")
     assert height > 0.1
-    renderer = rc.Renderer(scene, shadows=True, multisamples=4)
-    view = rc.OrbitCamera(lookat=(0.25, 0, 0.3), distance=1.7, azimuth=130, elevation=-20)
-    rc.write_png(folder / "picture.png", renderer.render(view, 640, 480)["rgb"])
+    renderer = rc.render.Renderer(scene, shadows=True, multisamples=4)
+    view = rc.render.OrbitCamera(lookat=(0.25, 0, 0.3), distance=1.7, azimuth=130, elevation=-20)
+    rc.render.write_png(folder / "picture.png", renderer.render(view, 640, 480)["rgb"])
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ import numpy as np
 import robocell as rc
 
 
-def strip(episode: rc.Episode, camera: str) -> np.ndarray:
+def strip(episode: rc.data.Episode, camera: str) -> np.ndarray:
     """Five frames of a video side by side."""
     frames = episode.frames(camera)
     return np.hstack([frames[i * (len(frames) - 1) // 4] for i in range(5)])
@@ -27,25 +27,24 @@ def main(folder: Path) -> None:
     shutil.rmtree(folder / "dataset", ignore_errors=True)
     run = rc.RunConfig(run="example", episodes_per_scene=2, output=str(folder / "dataset"))
     run.robot = rc.RobotConfig.load(rc.models.robot_file("rc7"))
-    run.task = rc.PickTaskConfig(
-        base_distance=[0.35, 0.5], base_height_offset=-0.25, objects=["box", "mug"]
-    )
+    run.task = rc.PickTaskConfig(objects=["box", "mug"])
+    run.start = rc.tasks.StartConfig(base_distance=[0.35, 0.5], base_height_offset=-0.25)
     run.cameras.resolution = [160, 120]
-    run.cameras.streams.append(rc.CameraConfig(name="wrist", camera="wrist_camera"))
+    run.cameras.streams.append(rc.render.CameraConfig(name="wrist", camera="wrist_camera"))
 
-    rc.prepare_dataset(run)
-    runner = rc.Runner(run)
-    for item in rc.make_plan(run):
-        report = runner.run(item)
-        outcome = "success" if report.success else "no success"
-        print(f"{item.id}: {outcome}, attempts: {report.attempts}, rows: {report.rows}")
+    rc.generate.prepare_dataset(run)
+    runner = rc.generate.Runner(run)
+    for item in rc.generate.make_plan(run):
+        result = runner.run(item)
+        outcome = "success" if result.success else "no success"
+        print(f"{item.id}: {outcome}, attempts: {result.attempts}, rows: {result.rows}")
 
     for episode in rc.Dataset(run.output):
         frames = episode.frames("wrist")
         print(f"{episode.id}: lifted {episode['reward'][-1]:.3f} m, {len(frames)} frames")
         assert frames.shape == (len(episode), 120, 160, 3)
-    rc.write_png(folder / "picture.png", strip(next(iter(rc.Dataset(run.output))), "wrist"))
-    found = rc.verify(run.output)
+    rc.render.write_png(folder / "picture.png", strip(next(iter(rc.Dataset(run.output))), "wrist"))
+    found = rc.data.verify(run.output)
     print(f"{len(found.good)} episodes, every byte as it was written: {found.ok}")
     assert found.ok
     assert len(found.good) == 2

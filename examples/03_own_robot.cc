@@ -1,7 +1,7 @@
-// Example 3: a robot of your own: its model, ten lines of YAML, and all that follows from them. The
-// robot is desk6/desk6.yaml, a six-axis arm that was drawn up for this example. It is loaded, its
-// forward and inverse kinematics are used, its gripper moves, and a mistake in its file is told.
-// The same in Python: 03_own_robot.py.
+// Example 3: a robot of your own: its model, ten lines of YAML, and what they make possible. The
+// robot is desk6/desk6.yaml, a six-axis arm made for this example. The example uses its forward and
+// inverse kinematics, moves its gripper, and shows the error for a mistake in its file. The same in
+// Python: 03_own_robot.py.
 //
 //   build/release/example_03_own_robot [folder for the picture]
 #include <robocell/robocell.h>
@@ -85,7 +85,7 @@ int main(int argc, char** argv) try {
     std::printf("opening %g: fingers %.3f m apart\n", opening, robot.gripper().inter_finger_dist());
   }
 
-  // What is wrong in a file is told with its place and with what there is.
+  // An error in a file contains its place and the available names.
   std::string text = rc::ReadFile(kRobot);
   const std::string right = "joints: [left, right]";
   text.replace(text.find(right), right.size(), "joints: [left, rihgt]");

@@ -1,7 +1,7 @@
-"""Example 3: a robot of your own: its model, ten lines of YAML, and all that follows from them.
+"""Example 3: a robot of your own: its model, ten lines of YAML, and what they make possible.
 
-The robot is desk6/desk6.yaml, a six-axis arm that was drawn up for this example. It is loaded, its
-forward and inverse kinematics are used, its gripper moves, and a mistake in its file is told.
+The robot is desk6/desk6.yaml, a six-axis arm made for this example. The example uses its forward
+and inverse kinematics, moves its gripper, and shows the error for a mistake in its file.
 The same in C++: 03_own_robot.cc. Run: python examples/03_own_robot.py [folder for the picture]
 """
 
@@ -55,7 +55,7 @@ def main(folder: Path) -> None:
             scene.step()
         print(f"opening {opening}: fingers {robot.gripper.inter_finger_dist:.3f} m apart")
 
-    # What is wrong in a file is told with its place and with what there is.
+    # An error in a file contains its place and the available names.
     text = ROBOT.read_text().replace("joints: [left, right]", "joints: [left, rihgt]")
     try:
         scene_with(rc.RobotConfig.from_yaml(text, "desk6.yaml", ROBOT.parent))
@@ -65,10 +65,10 @@ def main(folder: Path) -> None:
     reached = [pose for pose, success in zip(poses, found.success, strict=True) if success]
     frames = [("base", robot.base_in_world), ("tcp", robot.tcp_in_world)]
     frames += [("", robot.base_in_world * pose) for pose in reached]
-    renderer = rc.Renderer(scene, shadows=True, multisamples=4)
-    view = rc.OrbitCamera(lookat=(0.28, 0, 0.28), distance=1.2, azimuth=125, elevation=-25)
+    renderer = rc.render.Renderer(scene, shadows=True, multisamples=4)
+    view = rc.render.OrbitCamera(lookat=(0.28, 0, 0.28), distance=1.2, azimuth=125, elevation=-25)
     image = renderer.render(view, 640, 480, frames=frames, frame_length=0.05)
-    rc.write_png(folder / "picture.png", image["rgb"])
+    rc.render.write_png(folder / "picture.png", image["rgb"])
 
 
 if __name__ == "__main__":

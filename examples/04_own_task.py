@@ -20,7 +20,7 @@ FAR = 0.1  # m, how far the cube is to be pushed
 DOWN = [1, 0, 0, 0]  # quaternion xyzw: the gripper points down
 
 
-class Push(rc.Task):
+class Push(rc.tasks.Task):
     """Success: the cube stands FAR further along x than at the start."""
 
     def begin(self, scene: rc.Scene) -> None:
@@ -40,17 +40,21 @@ class Push(rc.Task):
         return ["cube"]
 
 
-class CubeOnTheFloor(rc.TaskSampler):
+class CubeOnTheFloor(rc.tasks.TaskSampler):
     """The robot, and a cube somewhere before it; what is too near is refused."""
 
     def __init__(self, run: rc.RunConfig) -> None:
         super().__init__()
         self.robot = rc.RobotSpec(name=run.robot.name, config=run.robot)
 
-    def sample(self, request: rc.SampleRequest, rng: rc.Rng) -> rc.EpisodeStart | rc.Refusal:
+    def sample(
+        self, request: rc.tasks.SampleRequest, rng: rc.tasks.Rng
+    ) -> rc.tasks.EpisodeStart | rc.tasks.Refusal:
         at = [rng.uniform(0.2, 0.5), rng.uniform(-0.2, 0.2), 0.02]
         if at[0] < 0.35:
-            return rc.Refusal(rc.RefusalReason.NO_REACHABLE_BASE_POSE, "no room behind the cube")
+            return rc.tasks.Refusal(
+                rc.tasks.RefusalReason.NO_REACHABLE_BASE_POSE, "no room behind the cube"
+            )
         cube = rc.SceneObject(name="cube", shape=rc.Shape.BOX, size=[0.02] * 3, pos=at)
         cube.rgba, cube.mass, cube.friction = [0.95, 0.5, 0.1, 1], 0.1, [0.6, 0.02, 0.001]
         spec = rc.SceneSpec(name="push", timestep=0.002, add_floor=True, add_skybox=True)
@@ -58,17 +62,17 @@ class CubeOnTheFloor(rc.TaskSampler):
         spec.objects.append(cube)
         scene = rc.Scene.build(spec)
         scene.reset(seed=rng.integer(2**31))
-        return rc.EpisodeStart(scene, Push(), target_object="cube", object_kinds=["box"])
+        return rc.tasks.EpisodeStart(scene, Push(), target_object="cube", object_kinds=["box"])
 
 
-class Pusher(rc.Expert):
+class Pusher(rc.tasks.Expert):
     """Leads the closed gripper over, behind and against the cube, 15 mm an action."""
 
-    def __init__(self, run: rc.RunConfig, start: rc.EpisodeStart) -> None:
+    def __init__(self, run: rc.RunConfig, start: rc.tasks.EpisodeStart) -> None:
         super().__init__()
         self.name = run.robot.name
 
-    def begin(self, scene: rc.Scene, rng: rc.Rng) -> None:
+    def begin(self, scene: rc.Scene, rng: rc.tasks.Rng) -> None:
         robot = scene.robot(self.name)
         self.goal = robot.fk_frame()
         x, y, z = (robot.base_in_world.inverse() * scene.body_pose("cube")).translation
@@ -76,12 +80,17 @@ class Pusher(rc.Expert):
         self.path = [rc.Pose(translation=list(at), quaternion=DOWN) for at in path]
         self.at = 0
 
-    def act(self, scene: rc.Scene, rng: rc.Rng) -> dict[str, dict[str, rc.GroupCommand]]:
+    def act(
+        self, scene: rc.Scene, rng: rc.tasks.Rng
+    ) -> dict[str, dict[str, rc.control.GroupCommand]]:
         way = self.goal.inverse() * self.path[self.at]
         self.goal = self.goal * way.limit_translation(0.015).limit_rotation(0.1)
         if self.goal.is_close(self.path[self.at], 1e-6, 1e-6):
             self.at += 1
-        arm, gripper = rc.GroupCommand.leaf_pose(self.goal), rc.GroupCommand.opening(0)
+        arm, gripper = (
+            rc.control.GroupCommand.leaf_pose(self.goal),
+            rc.control.GroupCommand.opening(0),
+        )
         return {self.name: {"arm": arm, "gripper": gripper}}
 
     def done(self) -> bool:
@@ -97,7 +106,7 @@ class Pusher(rc.Expert):
         return ["over", "behind", "push"]
 
 
-def strip(episode: rc.Episode, camera: str) -> np.ndarray:
+def strip(episode: rc.data.Episode, camera: str) -> np.ndarray:
     """Five frames of a video side by side."""
     frames = episode.frames(camera)
     return np.hstack([frames[i * (len(frames) - 1) // 4] for i in range(5)])
@@ -108,24 +117,26 @@ def main(folder: Path) -> None:
     run = rc.RunConfig(run="push", episodes_per_scene=2, output=str(folder / "push"))
     shutil.rmtree(run.output, ignore_errors=True)
     run.robot = rc.RobotConfig.load(rc.models.robot_file("rc7"))
-    side = rc.CameraSpec(name="side", pos=[0.6, -0.9, 0.3], look_at=[0.45, 0, -0.12], fovy=40)
+    side = rc.render.CameraSpec(
+        name="side", pos=[0.6, -0.9, 0.3], look_at=[0.45, 0, -0.12], fovy=40
+    )
     side.attach_to = rc.AttachTarget(rc.AttachKind.Body, "base_link")
     run.robot.cameras.append(side)
     run.cameras.resolution = [320, 240]
-    run.cameras.streams.append(rc.CameraConfig(name="side", camera="side"))
-    rc.prepare_dataset(run)
-    runner = rc.Runner(run, sampler=CubeOnTheFloor, expert=Pusher)
-    for item in rc.make_plan(run):
-        report = runner.run(item)
-        print(f"{item.id}: {report.rows} rows, starts refused: {sum(report.refusals.values())}")
+    run.cameras.streams.append(rc.render.CameraConfig(name="side", camera="side"))
+    rc.generate.prepare_dataset(run)
+    runner = rc.generate.Runner(run, sampler=CubeOnTheFloor, expert=Pusher)
+    for item in rc.generate.make_plan(run):
+        result = runner.run(item)
+        print(f"{item.id}: {result.rows} rows, starts refused: {sum(result.refusals.values())}")
 
     for episode in rc.Dataset(run.output):
         cube = episode["objects/cube/pose"]
         print(f"{episode.id}: pushed {cube[-1, 0] - cube[0, 0]:.3f} m")
         assert episode.success
         assert episode["reward"][-1] >= FAR
-    rc.write_png(folder / "picture.png", strip(next(iter(rc.Dataset(run.output))), "side"))
-    assert len(rc.verify(run.output).good) == 2
+    rc.render.write_png(folder / "picture.png", strip(next(iter(rc.Dataset(run.output))), "side"))
+    assert len(rc.data.verify(run.output).good) == 2
 
 
 if __name__ == "__main__":

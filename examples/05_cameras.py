@@ -30,7 +30,9 @@ def build() -> rc.Scene:
     ball.pos, ball.rgba = [0.45, 0, 0.04], [0.9, 0.3, 0.2, 1]
     ball.mass, ball.friction = 0.1, [0.8, 0.02, 0.001]
     spec.objects.append(ball)
-    front = rc.CameraSpec(name="front", pos=[1.3, 0.75, 0.85], look_at=[0.25, 0, 0.4], fovy=50)
+    front = rc.render.CameraSpec(
+        name="front", pos=[1.3, 0.75, 0.85], look_at=[0.25, 0, 0.4], fovy=50
+    )
     spec.cameras.append(front)
     scene = rc.Scene.build(spec)
     scene.reset()
@@ -40,7 +42,7 @@ def build() -> rc.Scene:
 def main(folder: Path) -> None:
     """Renders, measures, and films into `folder`."""
     scene = build()
-    renderer = rc.Renderer(scene)
+    renderer = rc.render.Renderer(scene)
     image = renderer.render("front", WIDTH, HEIGHT, depth=True, segmentation=True)
     rgb, depth, bodies = image["rgb"], image["depth"], image["segmentation"]
     names = [scene.model.body(i).name for i in range(scene.model.nbody)]
@@ -71,7 +73,7 @@ def main(folder: Path) -> None:
     near = np.clip((2.3 - depth) / 1.6, 0, 1) * (depth > 0)
     grey = (255 * near).astype(np.uint8)[..., None].repeat(3, axis=2)
     ids = np.where(bodies[..., None] > 0, COLOURS[bodies % len(COLOURS)], 235).astype(np.uint8)
-    rc.write_png(folder / "picture.png", np.hstack([rgb, grey, ids]))
+    rc.render.write_png(folder / "picture.png", np.hstack([rgb, grey, ids]))
 
     # A video: one call, one frame. The camera goes around the robot.
     with rc.VideoRecorder(scene, folder / "around.mp4", WIDTH, HEIGHT, fps=30) as video:

@@ -30,19 +30,19 @@ def make_dataset(folder: Path) -> Path:
     shutil.rmtree(folder, ignore_errors=True)
     run = rc.RunConfig(run="example", output=str(folder))
     run.robot = rc.RobotConfig.load(rc.models.robot_file("rc7"))
-    run.task = rc.PickTaskConfig(base_distance=[0.35, 0.5], base_height_offset=-0.25)
+    run.start = rc.tasks.StartConfig(base_distance=[0.35, 0.5], base_height_offset=-0.25)
     run.cameras.resolution = [320, 240]
-    run.cameras.streams.append(rc.CameraConfig(name="exo", camera="exo_camera"))
-    rc.prepare_dataset(run)
-    runner = rc.Runner(run)
-    for item in rc.make_plan(run):
+    run.cameras.streams.append(rc.render.CameraConfig(name="exo", camera="exo_camera"))
+    rc.generate.prepare_dataset(run)
+    runner = rc.generate.Runner(run)
+    for item in rc.generate.make_plan(run):
         runner.run(item)
     return folder
 
 
-def play(episode: rc.Episode) -> float:
+def play(episode: rc.data.Episode) -> float:
     """Lets the recorded controls act on the recorded start; how far the arm is off at the end."""
-    scene = rc.Scene.build(rc.recorded_scene(episode))
+    scene = rc.Scene.build(rc.data.recorded_scene(episode))
     scene.set_state(episode["initial_state"])
     ticks = episode.rows("control") // len(episode)  # per row
     steps = round(episode["control/time"][1] / scene.timestep())  # of the engine, per tick
@@ -53,7 +53,7 @@ def play(episode: rc.Episode) -> float:
     return float(np.max(np.abs(joints - episode["robots/rc7/arm/qpos"][-1])))
 
 
-def draw_path(episode: rc.Episode, camera: str) -> np.ndarray:
+def draw_path(episode: rc.data.Episode, camera: str) -> np.ndarray:
     """The first frame of a camera with the way of the TCP in it, coloured by the expert's phase."""
     picture = episode.frame(camera, 0)
     intrinsics = episode[f"cameras/{camera}/intrinsics"]
@@ -80,10 +80,10 @@ def main(folder: Path, dataset: Path | None) -> None:
 
         # Played again by hand, and by the check that compares every row and tick.
         assert play(episode) < 1e-9
-        report = rc.check_replay(episode)
-        print(f"  replayed: {'the same' if report.ok else report}")
-        assert report.ok
-    rc.write_png(folder / "picture.png", draw_path(episodes[0], "exo"))
+        result = rc.data.verify_replay(episode)
+        print(f"  replayed: {'the same' if result.ok else result}")
+        assert result.ok
+    rc.render.write_png(folder / "picture.png", draw_path(episodes[0], "exo"))
 
 
 if __name__ == "__main__":

@@ -32,7 +32,7 @@ rc::RobotConfig Scale() {
   config.edits.push_back({.body = hand, .add_site = "wrist", .pos = rc::Vec3{0, 0, 0}});
   config.edits.push_back({.site = wrist, .add_sensor = "wrist_ft_force", .type = "force"});
   config.edits.push_back({.site = wrist, .add_sensor = "wrist_ft_torque", .type = "torque"});
-  // Without the hand's own weight: what is left is what it holds.
+  // Without the hand's own weight, only the weight of what it holds remains.
   config.ft_sensors.push_back({.name = "wrist_ft", .compensate_tool = true});
   return config;
 }

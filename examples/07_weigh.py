@@ -25,11 +25,11 @@ PLACES = {"red": -0.12, "yellow": 0.0, "blue": 0.12}  # y, metres
 def scale() -> rc.RobotConfig:
     """The built-in robot with a sensor between its flange and its hand."""
     config = rc.RobotConfig.load(rc.models.robot_file("rc7"))
-    config.edits.append(rc.Edit(add_site="wrist", body="hand", pos=[0, 0, 0]))
-    config.edits.append(rc.Edit(add_sensor="wrist_ft_force", site="wrist", type="force"))
-    config.edits.append(rc.Edit(add_sensor="wrist_ft_torque", site="wrist", type="torque"))
-    # Without the hand's own weight: what is left is what it holds.
-    config.ft_sensors.append(rc.ForceTorqueSensorSpec(name="wrist_ft", compensate_tool=True))
+    config.edits.append(rc.robots.Edit(add_site="wrist", body="hand", pos=[0, 0, 0]))
+    config.edits.append(rc.robots.Edit(add_sensor="wrist_ft_force", site="wrist", type="force"))
+    config.edits.append(rc.robots.Edit(add_sensor="wrist_ft_torque", site="wrist", type="torque"))
+    # Without the hand's own weight, only the weight of what it holds remains.
+    config.ft_sensors.append(rc.robots.ForceTorqueSensorSpec(name="wrist_ft", compensate_tool=True))
     return config
 
 
@@ -42,7 +42,7 @@ def cell() -> rc.Scene:
             rc.SceneObject(
                 name=name, shape=rc.Shape.BOX, size=[0.02, 0.02, 0.02],
                 pos=[0.45, PLACES[name], 0.02], rgba=COLOURS[name], mass=mass,
-                friction=[1.0, 0.02, 0.001], condim=rc.Condim.TORSIONAL,
+                friction=[1.0, 0.02, 0.001], condim=rc.scene.Condim.TORSIONAL,
             )
         )  # fmt: skip
     scene = rc.Scene.build(spec)
@@ -91,10 +91,10 @@ def main(folder: Path) -> None:
     for name, mass in MASSES.items():
         cube = scene.body_pose(name).translation.copy()
         above = cube + np.array([0, 0, 0.12])
-        robot.apply({"gripper": rc.GroupCommand.opening(1)})
+        robot.apply({"gripper": rc.control.GroupCommand.opening(1)})
         move_to(robot, above, 1.5)
         move_to(robot, cube, 0.8)
-        robot.apply({"gripper": rc.GroupCommand.opening(0)})
+        robot.apply({"gripper": rc.control.GroupCommand.opening(0)})
         wait(robot, 0.5)
         move_to(robot, above, 0.8)
         measured = weigh(robot)
@@ -102,9 +102,9 @@ def main(folder: Path) -> None:
         assert abs(measured - mass) < 0.01 * mass
         if name != "blue":
             move_to(robot, cube, 0.8)
-    renderer = rc.Renderer(scene, shadows=True, multisamples=4)
-    view = rc.OrbitCamera(lookat=(0.3, 0, 0.25), distance=1.5, azimuth=150, elevation=-20)
-    rc.write_png(folder / "picture.png", renderer.render(view, 640, 480)["rgb"])
+    renderer = rc.render.Renderer(scene, shadows=True, multisamples=4)
+    view = rc.render.OrbitCamera(lookat=(0.3, 0, 0.25), distance=1.5, azimuth=150, elevation=-20)
+    rc.render.write_png(folder / "picture.png", renderer.render(view, 640, 480)["rgb"])
 
 
 if __name__ == "__main__":

@@ -108,7 +108,7 @@ int main(int argc, char** argv) try {
   std::printf("the highest stands at %.0f mm\n", 1000 * scene.body_pose("cube3").translation().z());
   Picture(renderer, 1, panels);
 
-  // What cannot be is refused with the reason, and changes nothing.
+  // An invalid change is rejected with the reason, and changes nothing.
   try {
     scene.AddObject(bottle);
   } catch (const rc::ArgumentError& error) {

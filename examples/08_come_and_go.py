@@ -29,7 +29,9 @@ def build() -> rc.Scene:
         cube.mass, cube.friction = 0.1, [0.8, 0.02, 0.001]
         cube.parked = True  # of the pool, and outside of the scene after a reset
         spec.objects.append(cube)
-    front = rc.CameraSpec(name="front", pos=[1.3, 0.75, 0.85], look_at=[0.25, 0, 0.3], fovy=50)
+    front = rc.render.CameraSpec(
+        name="front", pos=[1.3, 0.75, 0.85], look_at=[0.25, 0, 0.3], fovy=50
+    )
     spec.cameras.append(front)
     return rc.Scene.build(spec)
 
@@ -37,7 +39,7 @@ def build() -> rc.Scene:
 def main(folder: Path) -> None:
     """Adds, removes, resets; the picture in `folder` shows three moments."""
     scene = build()
-    robot, renderer = scene.robot("rc7"), rc.Renderer(scene)
+    robot, renderer = scene.robot("rc7"), rc.render.Renderer(scene)
     pictures = []
 
     def run(steps: int) -> None:
@@ -75,7 +77,7 @@ def main(folder: Path) -> None:
     print(f"the highest stands at {1000 * scene.body_pose('cube3').translation[2]:.0f} mm")
     picture()
 
-    # What cannot be is refused with the reason, and changes nothing.
+    # An invalid change is rejected with the reason, and changes nothing.
     try:
         scene.add_object(bottle)
     except rc.ArgumentError as error:
@@ -89,7 +91,7 @@ def main(folder: Path) -> None:
     scene.reset()
     report("reset")
     picture()
-    rc.write_png(folder / "picture.png", np.hstack(pictures))
+    rc.render.write_png(folder / "picture.png", np.hstack(pictures))
 
 
 if __name__ == "__main__":

@@ -50,8 +50,8 @@ void Push(const rc::Robot& robot, const Vector& force) {
   robot.scene().SetBodyWrench("hand", force, Vector::Zero());
 }
 
-// The force that the sensor feels, N in the world.
-Vector Felt(const rc::Robot& robot) {
+// The measured force, N in the world frame.
+Vector MeasuredForce(const rc::Robot& robot) {
   return robot.ft_sensor_frame("wrist_ft").rotation() * robot.ft_sensor("wrist_ft").force;
 }
 
@@ -109,20 +109,20 @@ void Press(rc::Robot& robot) {
     Run(robot, 1);
     const double stretched =
         robot.tcp_in_world().translation().z() - table.translation().z() - height;
-    const double force = Felt(robot).z();
+    const double force = MeasuredForce(robot).z();
     std::printf("springs: stretched %.1f mm they push with %.1f N\n", 1000 * stretched, force);
     Require(std::abs(force - 500 * stretched) < .02 * force, "the sensor disagrees");
   }
 }
 
-// Servos that follow what the sensor feels, as if the tool were a mass in oil.
+// Admittance control: the tool follows the measured force like a mass in oil.
 void GiveWay(rc::Robot& robot) {
   auto& cartesian = robot.SetController<rc::CartesianPoseController>("arm");
   const double mass = 4, oil = 100, dt = robot.scene().timestep();  // kg, Ns/m, s
   rc::Pose goal = robot.tcp_in_world();
   Vector velocity = Vector::Zero();
   const auto follow = [&] {
-    velocity = velocity + dt / mass * (Felt(robot) - oil * velocity);
+    velocity = velocity + dt / mass * (MeasuredForce(robot) - oil * velocity);
     goal = rc::Pose(Vector(dt * velocity)) * goal;
     cartesian.SetPose(robot.base_in_world().inverse() * goal);
   };

@@ -23,11 +23,11 @@ def build() -> rc.Scene:
     """The built-in robot with a sensor between its flange and its hand, on a table."""
     config = rc.RobotConfig.load(rc.models.robot_file("rc7"))
     config.gravcomp = False  # else the engine carries the arm
-    config.base = rc.BaseConfig()  # it needs no pedestal
-    config.edits.append(rc.Edit(add_site="wrist", body="hand", pos=[0, 0, 0]))
-    config.edits.append(rc.Edit(add_sensor="wrist_ft_force", site="wrist", type="force"))
-    config.edits.append(rc.Edit(add_sensor="wrist_ft_torque", site="wrist", type="torque"))
-    config.ft_sensors.append(rc.ForceTorqueSensorSpec(name="wrist_ft", compensate_tool=True))
+    config.base = rc.robots.BaseConfig()  # it needs no pedestal
+    config.edits.append(rc.robots.Edit(add_site="wrist", body="hand", pos=[0, 0, 0]))
+    config.edits.append(rc.robots.Edit(add_sensor="wrist_ft_force", site="wrist", type="force"))
+    config.edits.append(rc.robots.Edit(add_sensor="wrist_ft_torque", site="wrist", type="torque"))
+    config.ft_sensors.append(rc.robots.ForceTorqueSensorSpec(name="wrist_ft", compensate_tool=True))
     spec = rc.SceneSpec(name="compliance", timestep=0.002, add_floor=True, add_skybox=True)
     robot = rc.RobotSpec(name="rc7", config=config, pos=[-0.35, 0, 0])
     robot.attach_to = rc.AttachTarget(rc.AttachKind.Site, "table_table_top")
@@ -41,8 +41,8 @@ def push(robot: rc.Robot, force: np.ndarray | list[float]) -> None:
     robot.scene.set_body_wrench("hand", force, [0, 0, 0])
 
 
-def felt(robot: rc.Robot) -> np.ndarray:
-    """The force that the sensor feels, N in the world."""
+def measured_force(robot: rc.Robot) -> np.ndarray:
+    """The measured force, N in the world frame."""
     return robot.ft_sensor_frame("wrist_ft").rotation @ robot.ft_sensor_wrench("wrist_ft")[:3]
 
 
@@ -102,20 +102,20 @@ def press(robot: rc.Robot) -> None:
         spring.pose = over_table(height)
         run(robot, 1)
         stretched = robot.tcp_in_world.translation[2] - table.translation[2] - height
-        force = felt(robot)[2]
+        force = measured_force(robot)[2]
         print(f"springs: stretched {1000 * stretched:.1f} mm they push with {force:.1f} N")
         assert abs(force - 500 * stretched) < 0.02 * force
 
 
 def give_way(robot: rc.Robot) -> None:
-    """Servos that follow what the sensor feels, as if the tool were a mass in oil."""
+    """Admittance control: the tool follows the measured force like a mass in oil."""
     cartesian = robot.set_controller("arm", "cartesian_pose")
     mass, oil, dt = 4.0, 100.0, robot.scene.timestep()  # kg, Ns/m, s
     goal, velocity = robot.tcp_in_world, np.zeros(3)
 
     def follow() -> None:
         nonlocal goal, velocity
-        velocity = velocity + dt / mass * (felt(robot) - oil * velocity)
+        velocity = velocity + dt / mass * (measured_force(robot) - oil * velocity)
         goal = rc.Pose(translation=dt * velocity) * goal
         cartesian.pose = robot.base_in_world.inverse() * goal
 
@@ -135,8 +135,10 @@ def give_way(robot: rc.Robot) -> None:
 def main(folder: Path) -> None:
     """All three, one after the other, with a picture of each."""
     scene = build()
-    robot, renderer = scene.robot("rc7"), rc.Renderer(scene, shadows=True, multisamples=4)
-    view = rc.OrbitCamera(lookat=(-0.15, 0.05, 0.95), distance=1.35, azimuth=150, elevation=-20)
+    robot, renderer = scene.robot("rc7"), rc.render.Renderer(scene, shadows=True, multisamples=4)
+    view = rc.render.OrbitCamera(
+        lookat=(-0.15, 0.05, 0.95), distance=1.35, azimuth=150, elevation=-20
+    )
     pictures = []
     for part in lead_by_hand, press, give_way:
         scene.reset()
@@ -144,7 +146,7 @@ def main(folder: Path) -> None:
         part(robot)
         after = renderer.render(view, 320, 300)["rgb"].astype(int)
         pictures.append(((before + 3 * after) // 4).astype(np.uint8))  # one shines through
-    rc.write_png(folder / "picture.png", np.hstack(pictures))
+    rc.render.write_png(folder / "picture.png", np.hstack(pictures))
 
 
 if __name__ == "__main__":

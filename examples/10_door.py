@@ -47,7 +47,7 @@ class Hand:
         """Along the poses path(0) to path(1), starting and ending at rest."""
         ticks = round(seconds / self.robot.scene.timestep())
         for i in range(1, ticks + 1):
-            self.pose = path(rc.minimum_jerk(i, ticks).position)
+            self.pose = path(rc.control.minimum_jerk(i, ticks).position)
             self.spring.pose = self.robot.base_in_world.inverse() * self.pose
             self.robot.update()
             self.robot.step()
@@ -106,9 +106,9 @@ def main(folder: Path) -> None:
 
     assert abs(drawer - 0.2) < 0.01
     assert abs(door - 70) < 3
-    renderer = rc.Renderer(scene, shadows=True, multisamples=4)
-    view = rc.OrbitCamera(lookat=(0.4, 0, 0.35), distance=1.75, azimuth=-65, elevation=-30)
-    rc.write_png(folder / "picture.png", renderer.render(view, 640, 480)["rgb"])
+    renderer = rc.render.Renderer(scene, shadows=True, multisamples=4)
+    view = rc.render.OrbitCamera(lookat=(0.4, 0, 0.35), distance=1.75, azimuth=-65, elevation=-30)
+    rc.render.write_png(folder / "picture.png", renderer.render(view, 640, 480)["rgb"])
 
 
 if __name__ == "__main__":

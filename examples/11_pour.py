@@ -27,7 +27,7 @@ def build() -> rc.Scene:
     """The built-in robot on a table, a bottle with beads in it, and a bowl."""
     spec = rc.SceneSpec(name="pour", timestep=0.002, add_floor=True, add_skybox=True)
     config = rc.RobotConfig.load(rc.models.robot_file("rc7"))
-    config.base = rc.BaseConfig()  # it needs no pedestal
+    config.base = rc.robots.BaseConfig()  # it needs no pedestal
     config.home["arm"] = np.array([0, 0.755, 0, 1.892, 0, -1.076, 0])  # with the hand level
     spec.robots.append(rc.RobotSpec(name="rc7", config=config, pos=[-0.45, 0, 0.7]))
     spec.objects.append(rc.SceneObject(name="table", mjcf_path="table", pos=[0, 0, 0.7]))
@@ -55,9 +55,9 @@ def count(scene: rc.Scene, vessel: str) -> int:
 
 def draw(scene: rc.Scene, file: Path) -> None:
     """A picture of the scene as it is."""
-    renderer = rc.Renderer(scene, shadows=True, multisamples=4)
-    view = rc.OrbitCamera(lookat=(-0.05, 0.05, 0.88), distance=1, azimuth=150, elevation=-42)
-    rc.write_png(file, renderer.render(view, 640, 480)["rgb"])
+    renderer = rc.render.Renderer(scene, shadows=True, multisamples=4)
+    view = rc.render.OrbitCamera(lookat=(-0.05, 0.05, 0.88), distance=1, azimuth=150, elevation=-42)
+    rc.render.write_png(file, renderer.render(view, 640, 480)["rgb"])
 
 
 def main(folder: Path) -> None:

@@ -31,14 +31,14 @@ def build() -> rc.Scene:
     spec = rc.SceneSpec(name="two_arms", timestep=0.002, add_floor=True, add_skybox=True)
     spec.objects.append(rc.SceneObject(name="table", mjcf_path="table", pos=[0, 0, 0.7]))
     config = rc.RobotConfig.load(rc.models.robot_file("rc7"))
-    config.base = rc.BaseConfig()  # it needs no pedestal
+    config.base = rc.robots.BaseConfig()  # it needs no pedestal
     for name, x, yaw in ("left", -0.5, 0), ("right", 0.5, 180):
         robot = rc.RobotSpec(name=name, prefix=f"{name}_", config=config)
         robot.pos, robot.euler = [x, 0, 0.7], [0, 0, yaw]
         spec.robots.append(robot)
     board = rc.SceneObject(name="board", shape=rc.Shape.BOX, size=[0.24, 0.03, 0.01])
     board.pos, board.rgba, board.mass = [0, -0.1, 0.71], [0.45, 0.3, 0.2, 1], 0.3
-    board.condim, board.friction = rc.Condim.TORSIONAL, [1, 0.02, 0.001]
+    board.condim, board.friction = rc.scene.Condim.TORSIONAL, [1, 0.02, 0.001]
     cube = rc.SceneObject(name="cube", shape=rc.Shape.BOX, size=[0.02, 0.02, 0.02])
     cube.pos, cube.rgba, cube.mass = [0, -0.1, 0.74], [0.85, 0.25, 0.18, 1], 0.1
     cube.friction = [1, 0.02, 0.001]
@@ -70,7 +70,7 @@ def follow(arms: list[Arm], path: Callable[[Arm, float], rc.Pose], seconds: floa
     ticks = round(seconds / scene.timestep())
     for i in range(1, ticks + 1):
         for arm in arms:
-            arm.draw_to(path(arm, rc.minimum_jerk(i, ticks).position))
+            arm.draw_to(path(arm, rc.control.minimum_jerk(i, ticks).position))
             arm.robot.update()
         scene.step()
 
@@ -89,9 +89,9 @@ def grip(arms: list[Arm], opening: float) -> None:
 
 def draw(scene: rc.Scene, file: Path) -> None:
     """A picture of the scene as it is."""
-    renderer = rc.Renderer(scene, shadows=True, multisamples=4)
-    view = rc.OrbitCamera(lookat=(0, 0, 0.85), distance=1.6, azimuth=110, elevation=-25)
-    rc.write_png(file, renderer.render(view, 640, 480)["rgb"])
+    renderer = rc.render.Renderer(scene, shadows=True, multisamples=4)
+    view = rc.render.OrbitCamera(lookat=(0, 0, 0.85), distance=1.6, azimuth=110, elevation=-25)
+    rc.render.write_png(file, renderer.render(view, 640, 480)["rgb"])
 
 
 def main(folder: Path) -> None:

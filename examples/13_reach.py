@@ -46,14 +46,14 @@ def main(folder: Path) -> None:
     assert ik.success
     assert np.linalg.norm(reached - place.translation) < 1e-5
 
-    view = rc.OrbitCamera(lookat=(0, 0, 0.3), distance=1.8, azimuth=90, elevation=0)
+    view = rc.render.OrbitCamera(lookat=(0, 0, 0.3), distance=1.8, azimuth=90, elevation=0)
     side = solved.shape[1] * CELL_PX
-    image = rc.Renderer(scene, shadows=True, multisamples=4).render(view, side, side)["rgb"]
+    image = rc.render.Renderer(scene, shadows=True, multisamples=4).render(view, side, side)["rgb"]
     left = ROTATIONS - solved.T[::-1]  # (z from above, x)
     colours = np.stack([225 * left // ROTATIONS + 30, 195 * left // ROTATIONS + 60, left * 0 + 160])
     colours[:, left == ROTATIONS] = 255
     drawn = colours.astype(np.uint8).repeat(CELL_PX, axis=1).repeat(CELL_PX, axis=2)
-    rc.write_png(folder / "picture.png", np.hstack([image, drawn.transpose(1, 2, 0)]))
+    rc.render.write_png(folder / "picture.png", np.hstack([image, drawn.transpose(1, 2, 0)]))
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ import numpy as np
 import robocell as rc
 
 RC7 = rc.models.robot_file("rc7")
-VIEW = rc.OrbitCamera(lookat=(0.05, -0.2, 0), distance=2.6, azimuth=150, elevation=-22)
+VIEW = rc.render.OrbitCamera(lookat=(0.05, -0.2, 0), distance=2.6, azimuth=150, elevation=-22)
 BESIDE = rc.Pose(translation=[0.085, 0, 0.014], rpy=[0, -0.26, 0])  # on the bracket, to the tool
 
 
@@ -36,7 +36,7 @@ class Steps:
 
     def next(self, title: str) -> rc.Scene:
         """The scene as the configuration is now."""
-        scene = rc.Scene.build(rc.env_scene_spec(self.config))
+        scene = rc.Scene.build(rc.envs.env_scene_spec(self.config))
         scene.reset()
         frames = [
             ("", rc.Pose()),
@@ -45,10 +45,10 @@ class Steps:
         ]
         for robot in self.config.robots:
             frames.append(("", scene.site_pose(f"robot{robot}_attachment_site")))
-        renderer = rc.Renderer(scene, shadows=True, multisamples=4)
+        renderer = rc.render.Renderer(scene, shadows=True, multisamples=4)
         drawn = renderer.render(VIEW, width=320, height=240, frames=frames, frame_length=0.2)
         self.pictures.append(drawn["rgb"])
-        rc.write_png(self.folder / f"step_{len(self.pictures)}.png", drawn["rgb"])
+        rc.render.write_png(self.folder / f"step_{len(self.pictures)}.png", drawn["rgb"])
         print(f"{len(self.pictures)}. {title}")
         return scene
 
@@ -94,13 +94,13 @@ def describe(steps: Steps) -> rc.EnvConfig:
         "wrist": rc.CameraAdderConfig(xml_path="d405", robot_name="left", offset=BESIDE),
     }
     streams = [{"name": name, "camera": name} for name in config.camera_adds]
-    config.cameras = rc.CameraSystemConfig(resolution=[64, 48], streams=streams)
+    config.cameras = rc.render.CameraSystemConfig(resolution=[64, 48], streams=streams)
     scene = steps.next("cameras: one above, one in its housing on the bracket")
     check(scene.camera_pose("bird_eye"), at(0.4, 0, 1.6))
     check(scene.body_pose("wrist_d405"), wrist * BESIDE)
 
     config.robots["right"] = rc.RobotConfig.load(RC7)
-    config.root_frame_objects["mount"] = rc.EnvObject(mjcf_path="fr3_duo_mount")
+    config.root_frame_objects["mount"] = rc.envs.EnvObject(mjcf_path="fr3_duo_mount")
     config.robot_to_shared_base_frame = {
         "left": rc.Pose(translation=[0, 0.05, 0], rpy=[-0.8, 0.2, 0]),
         "right": rc.Pose(translation=[0, -0.05, 0], rpy=[0.8, 0.2, 0]),
@@ -137,7 +137,7 @@ def main(folder: Path) -> None:
     config.control_mode = rc.ControlMode.CARTESIAN_TQUAT
     act(config)
     rows = [np.hstack(steps.pictures[:3]), np.hstack(steps.pictures[3:])]
-    rc.write_png(folder / "picture.png", np.vstack(rows))
+    rc.render.write_png(folder / "picture.png", np.vstack(rows))
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ import robocell as rc
 
 
 @rc.register_task("stack")
-class Stack(rc.Task):
+class Stack(rc.tasks.Task):
     """Success: red lies on blue, and nothing else touches it."""
 
     @dataclass
@@ -21,19 +21,19 @@ class Stack(rc.Task):
         super().__init__()
         self.edge = fields.edge
 
-    def prepare(self, spec: rc.SceneSpec, rng: rc.Rng) -> None:
+    def prepare(self, spec: rc.SceneSpec, rng: rc.tasks.Rng) -> None:
         for name, rgba in (("red", [0.9, 0.2, 0.15, 1]), ("blue", [0.15, 0.35, 0.9, 1])):
             cube = rc.SceneObject(name=name, shape=rc.Shape.BOX, size=[self.edge / 2] * 3)
             cube.rgba, cube.mass, cube.friction = rgba, 0.08, [1, 0.02, 0.001]
             spec.objects.append(cube)
 
-    def judge(self, scene: rc.Scene) -> rc.TaskVerdict:
+    def judge(self, scene: rc.Scene) -> rc.tasks.TaskVerdict:
         red, blue = (scene.body_pose(name).translation for name in ("red", "blue"))
         aside = float(np.linalg.norm((red - blue)[:2]))
         above = abs(red[2] - blue[2] - self.edge) < 0.003 and aside < self.edge / 3
         touched = {c.body2 if c.body1 == "red" else c.body1 for c in scene.contacts("red")}
         success = above and touched == {"blue"}
-        return rc.TaskVerdict(1.0 if success else 0.5 * float(np.exp(-10 * aside)), success)
+        return rc.tasks.TaskVerdict(1.0 if success else 0.5 * float(np.exp(-10 * aside)), success)
 
     def instruction(self) -> str:
         return "put the red cube on the blue one"
@@ -41,20 +41,22 @@ class Stack(rc.Task):
     def objects(self) -> list[str]:
         return ["red", "blue"]
 
-    def base_range(self) -> rc.BaseRange:
-        return rc.BaseRange(distance=[0.3, 0.4], height_offset=-0.25)
+    def base_range(self) -> rc.tasks.BaseRange:
+        return rc.tasks.BaseRange(distance=[0.3, 0.4], height_offset=-0.25)
 
 
 @rc.register_expert("stack")
-class Stacker(rc.PickPlanner):
+class Stacker(rc.tasks.PickPlanner):
     """Picks red up as the built-in expert does, then leads it over blue, down, and lets go."""
 
-    def __init__(self, run: rc.RunConfig, start: rc.EpisodeStart) -> None:
+    def __init__(self, run: rc.RunConfig, start: rc.tasks.EpisodeStart) -> None:
         super().__init__(run, start)
         self.name, self.edge, self.waited = run.robot.name, run.task.edge, 0
         self.stops: list[tuple[np.ndarray, float]] = []
 
-    def act(self, scene: rc.Scene, rng: rc.Rng) -> dict[str, dict[str, rc.GroupCommand]]:
+    def act(
+        self, scene: rc.Scene, rng: rc.tasks.Rng
+    ) -> dict[str, dict[str, rc.control.GroupCommand]]:
         if not super().done():
             return super().act(scene, rng)
         if not self.stops:
@@ -71,8 +73,8 @@ class Stacker(rc.PickPlanner):
         self.waited = self.waited + 1 if np.allclose(way, 0) else 0
         if self.waited > 6 and len(self.stops) > 1:
             self.stops.pop(0)
-        arm = rc.GroupCommand.leaf_pose(self.base * self.tcp)
-        return {self.name: {"arm": arm, "gripper": rc.GroupCommand.opening(opening)}}
+        arm = rc.control.GroupCommand.leaf_pose(self.base * self.tcp)
+        return {self.name: {"arm": arm, "gripper": rc.control.GroupCommand.opening(opening)}}
 
     def done(self) -> bool:
         return bool(self.failure()) or (len(self.stops) == 1 and self.waited > 6)

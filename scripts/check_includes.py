@@ -4,8 +4,8 @@ Reads the ``#include`` lines of src/robocell and python/bindings and prints ever
 ``file:line: reason``. Exit code 1 when there is any. It does not parse C++; an include inside
 ``#if 0`` counts too.
 
-Headers of the namespace ``robocell::internal`` are not installed (cmake/RobocellHeaders.cmake), so
-that headers of the public namespace may not include them.
+Installed are the headers that robocell.h reaches (cmake/RobocellHeaders.cmake). Headers of the
+namespace ``robocell::internal`` are not among them: no header outside of it may include one.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ INTERNAL = (
 # Of tasks and experts, what knows no concrete one: `rollout` and what stands above it know them by
 # their registries only.
 BY_REGISTRY = {
-    "task": {"task", "task_kind", "task_features", "refusal", "base_placement"},
+    "task": {"task", "task_kind", "task_features", "sampler_kind", "refusal", "base_placement"},
     "expert": {"expert_kind"},
 }
 KNOW_NO_TASK = ("rollout", "diagnose", "viewer")

@@ -32,12 +32,12 @@ def demonstrate(folder: str, episodes: int) -> rc.Dataset:
     """Picks of cylinders, without images."""
     run = rc.RunConfig.load(DEMO)
     run.task.objects = ["cylinder"]
-    run.task.base_distance, run.task.base_height_noise = [0.38, 0.45], [-0.02, 0.02]
+    run.start.base_distance, run.start.base_height_noise = [0.38, 0.45], [-0.02, 0.02]
     run.cameras.streams.clear()
     run.output, run.episodes = folder, episodes
-    rc.prepare_dataset(run)
-    runner = rc.Runner(run)
-    for item in rc.make_plan(run):
+    rc.generate.prepare_dataset(run)
+    runner = rc.generate.Runner(run)
+    for item in rc.generate.make_plan(run):
         runner.run(item)
     return rc.Dataset(folder)
 

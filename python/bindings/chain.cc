@@ -8,8 +8,8 @@
 #include "arrays.h"
 #include "chain_batch.h"
 #include "ik_calls.h"
+#include "ik_objectives.h"
 #include "ik_solver.h"
-#include "ik_wishes.h"
 #include "kinematics.h"
 #include "signals.h"
 #include "values.h"
@@ -58,11 +58,12 @@ nb::object Limits(const Chain& chain) {
 }
 
 IkOptions OptionsFor(const Chain& chain, nb::handle seed, double tolerance, bool position_only,
-                     const std::vector<std::string>& locked_joints, const IkWishes& wishes) {
+                     const std::vector<std::string>& locked_joints,
+                     const IkObjectives& objectives) {
   IkOptions options{.tolerance = tolerance, .position_only = position_only};
   if (seed) options.seed = IkSeed(seed, chain);
   options.locked = LockJoints(chain, locked_joints);
-  wishes.Apply(&options);
+  objectives.Apply(&options);
   return options;
 }
 
@@ -148,30 +149,32 @@ constexpr const char* kManipulability =
 
 void DefDynamics(nb::class_<Chain>& c) {
   c.def("mass_matrix", &MassMatrixOf, "q"_a, "out"_a = nb::none(), nb::sig(kMassMatrix),
-        "(n, n) joint-space inertia with armature, that of fixed tendons included.")
+        "Returns the joint-space inertia (n, n). It includes armature, also that of fixed tendons.")
       .def("gravity_torques", &GravityTorquesOf, "q"_a,
            "gravity"_a = nb::make_tuple(0.0, 0.0, -9.81), "out"_a = nb::none(),
            nb::sig("def gravity_torques(self, q: object, gravity: numpy.typing.ArrayLike = (0.0, "
                    "0.0, -9.81), out: numpy.typing.NDArray[numpy.float64] | None = None) -> "
                    "numpy.typing.NDArray[numpy.float64]"),
-           "Torques (n,) that hold the chain still in `gravity`, (3,) m/s^2 in the axes of the "
-           "base. Each body weighs mass * (1 - gravcomp).")
+           "Returns the torques (n,) that hold the chain still in `gravity`, (3,) m/s^2 in the "
+           "axes of the base. Each body weighs mass * (1 - gravcomp).")
       .def("coriolis_torques", &CoriolisTorquesOf, "q"_a, "qd"_a, "out"_a = nb::none(),
-           nb::sig(kCoriolis), "The part of the torques (n,) that comes from moving at `qd`.")
+           nb::sig(kCoriolis),
+           "Returns the part of the torques (n,) that comes from moving at `qd`.")
       .def("inverse_dynamics", &InverseDynamicsOf, "q"_a, "qd"_a, "qdd"_a,
            "gravity"_a = nb::make_tuple(0.0, 0.0, -9.81), "out"_a = nb::none(),
            nb::sig("def inverse_dynamics(self, q: object, qd: object, qdd: object, gravity: "
                    "numpy.typing.ArrayLike = (0.0, 0.0, -9.81), out: "
                    "numpy.typing.NDArray[numpy.float64] | None = None) -> "
                    "numpy.typing.NDArray[numpy.float64]"),
-           "Torques (n,) for a motion, gravity and armature included; no friction, damping or "
-           "contact.")
-      .def_prop_ro("moving_mass", &Chain::moving_mass, "Mass of everything that it moves, kg.");
+           "Returns the torques (n,) for a motion. They include gravity and armature, but no "
+           "friction, damping or contact.")
+      .def_prop_ro("moving_mass", &Chain::moving_mass,
+                   "Mass of everything that the chain moves, kg.");
 }
 
 #define ROBOCELL_CHAIN_IK_SIG                                             \
   "max_restarts: int = 100, max_iterations: int = 40, *, locked_joints: " \
-  "collections.abc.Sequence[str] = [], " ROBOCELL_IK_WISHES_SIG
+  "collections.abc.Sequence[str] = [], " ROBOCELL_IK_OBJECTIVES_SIG
 
 void DefIk(nb::class_<Chain>& c) {
   const std::vector<std::string> none;
@@ -183,10 +186,10 @@ void DefIk(nb::class_<Chain>& c) {
         nb::sig("def ik(self, target: Pose | numpy.typing.ArrayLike, seed: object | None = None, "
                 "tolerance: float = 1e-05, position_only: bool = False, " ROBOCELL_CHAIN_IK_SIG
                 ") -> IkResult"),
-        "Joint values within the limits that put the tip at `target`, a Pose, PyKDL.Frame or 4x4 "
-        "matrix in the base frame. Starts at `seed` (n,), else in the middle of the limits; "
-        "`locked_joints`, by name, stay where the seed has them. The other arguments are those of "
-        "Kinematics.ik.")
+        "Finds joint values within the limits that put the tip at `target`, a Pose, PyKDL.Frame or "
+        "4x4 matrix in the base frame. The search starts at `seed` (n,), by default in the middle "
+        "of the limits. `locked_joints`, by name, stay at the seed. The other arguments are those "
+        "of Kinematics.ik.")
       .def("ik_solver", &IkSolverOf, "tolerance"_a = 1e-5, "position_only"_a = false,
            "max_restarts"_a = 100, "max_iterations"_a = 40, nb::kw_only(), "locked_joints"_a = none,
            "position_weights"_a = nb::none(), "rotation_weights"_a = nb::none(),
@@ -204,8 +207,8 @@ void DefIk(nb::class_<Chain>& c) {
               "def ik_batch(self, targets: object, seeds: object | None = None, tolerance: "
               "float = 1e-05, threads: int = 1, position_only: bool = False, " ROBOCELL_CHAIN_IK_SIG
               ") -> types.SimpleNamespace"),
-          "Many poses at once, (B, 4, 4) or a list, with seeds (B, n) or (n,): arguments and "
-          "answer as those of Kinematics.ik_batch.")
+          "Solves many poses, (B, 4, 4) or a list, with seeds (B, n) or (n,). Arguments and result "
+          "are those of Kinematics.ik_batch.")
       .def("ik_solutions", &IkSolutionsOf, "target"_a, "seed"_a = nb::none(), "tolerance"_a = 1e-5,
            "position_only"_a = false, "starts"_a = 200, "separation"_a = 0.05, nb::kw_only(),
            "locked_joints"_a = none, "position_weights"_a = nb::none(),
@@ -214,14 +217,14 @@ void DefIk(nb::class_<Chain>& c) {
            nb::sig("def ik_solutions(self, target: Pose | numpy.typing.ArrayLike, seed: object | "
                    "None = None, tolerance: float = 1e-05, position_only: bool = False, starts: "
                    "int = 200, separation: float = 0.05, *, locked_joints: "
-                   "collections.abc.Sequence[str] = [], " ROBOCELL_IK_WISHES_SIG
+                   "collections.abc.Sequence[str] = [], " ROBOCELL_IK_OBJECTIVES_SIG
                    ") -> numpy.typing.NDArray[numpy.float64]"),
-           "All solutions (S, n) that can be told apart, as Kinematics.ik_solutions; nearest to "
-           "the seed first.")
+           "Returns all distinct solutions (S, n), nearest to the seed first, as "
+           "Kinematics.ik_solutions.")
       .def("manipulability", &ManipulabilityOf, "q"_a, "out"_a = nb::none(),
            nb::sig(kManipulability),
-           "The root of det(J J^T), with fewer than six joints of det(J^T J), at q (n,) (Yoshikawa "
-           "1985); of a batch, (B,).");
+           "Returns the root of det(J J^T), with fewer than six joints of det(J^T J), at q (n,) "
+           "(Yoshikawa 1985). A batch returns (B,).");
 }
 
 void DefMotion(nb::class_<Chain>& c) {
@@ -234,62 +237,64 @@ void DefMotion(nb::class_<Chain>& c) {
                 "None = None, posture_rate: float = 1.0, *, locked_joints: "
                 "collections.abc.Sequence[str] = [], base_in_world: Pose | numpy.typing.ArrayLike "
                 "| None = None) -> types.SimpleNamespace"),
-        "Joint velocities (n,) at q (n,) that move the tip with `twist` (6,), linear then angular, "
-        "in the axes of the base ('base'), of the tip ('tip') or of the 'world', in which the base "
-        "stands at `base_in_world`. Joints of `locked_joints`, by name, do not move. The rest is "
-        "as for Kinematics.differential_ik.")
+        "Computes joint velocities (n,) at q (n,) that move the tip with `twist` (6,), linear then "
+        "angular, in the axes of the base ('base'), of the tip ('tip') or of the 'world', where "
+        "`base_in_world` is the pose of the base. Joints of `locked_joints`, by name, do not move. "
+        "The other arguments are those of Kinematics.differential_ik.")
       .def("reach_map", &ReachMapOf, ROBOCELL_REACH_MAP_ARGS,
            nb::sig("def reach_map(self, " ROBOCELL_REACH_MAP_SIG),
-           "Where the tip can be in a box of the base frame, as Kinematics.reach_map.")
+           "Maps where the tip can be in a box of the base frame, as Kinematics.reach_map.")
       .def("reach_box", &ReachBoxOf, nb::sig(ROBOCELL_REACH_BOX_SIG),
-           "Lower and upper corner (3,), m, of a box in the base frame beyond which the tip never "
-           "is. ArgumentError for a chain with a slide without limits.")
+           "Returns the lower and upper corner (3,), m, of a box in the base frame that the tip "
+           "never leaves. Raises ArgumentError for a chain with a slide without limits.")
       .def_prop_ro("reach", &ApproximateReach, nb::call_guard<nb::gil_scoped_release>(),
-                   "Farthest that the tip gets from the origin of the base frame, metres, within "
-                   "about 1 %. Takes some milliseconds.");
+                   "The farthest distance of the tip from the origin of the base frame, metres, to "
+                   "about 1 %. Computing it takes some milliseconds.");
 }
 
 }  // namespace
 
 void BindChain(nb::module_& m) {
-  nb::class_<Chain> c(m, "Chain",
-                      "Kinematics and dynamics of a serial arm, from a base to a tip.\n\nA "
-                      "snapshot of the model that is simulated, what hangs on the arm included. "
-                      "Everything is in the axes of the base; joint values in chain order, rad or "
-                      "m. Raises ArgumentError for a wrong number of values.\n\n"
-                      "fk, jacobian, manipulability, mass_matrix, gravity_torques, "
-                      "coriolis_torques and inverse_dynamics also take (B, n) joint values, whose "
-                      "answers have B in front of their shape, and `out`, an array to write into. "
-                      "Arguments with one row are for all.");
-  c.def_static("from_scene", &FromScene, "scene"_a, "base_body"_a, "tip_body"_a = "",
-               "tip_site"_a = "",
-               "The joints between two bodies, or a body and a site, by their full names.")
-      .def_static("from_kdl", &FromKdlChain, "chain"_a, "limits"_a = nb::none(),
-                  nb::sig("def from_kdl(chain: typing.Any, limits: numpy.typing.ArrayLike | None = "
-                          "None) -> Chain"),
-                  "From a PyKDL.Chain. `limits` (n, 2) are the joints', which KDL keeps elsewhere. "
-                  "ArgumentError for joints with a scale.")
+  nb::class_<Chain> c(
+      m, "Chain",
+      "Kinematics and dynamics of a serial arm, from a base to a tip.\n\nA chain is a snapshot of "
+      "the simulated model, including everything attached to the arm. All vectors are in the axes "
+      "of the base; joint values are in chain order, rad or m. A wrong number of values raises "
+      "ArgumentError.\n\nfk, jacobian, manipulability, mass_matrix, gravity_torques, "
+      "coriolis_torques and inverse_dynamics also take (B, n) joint values, and return B in front "
+      "of the shape. They write into the array `out` if it is given. Arguments with one row apply "
+      "to all configurations.");
+  c.def_static(
+       "from_scene", &FromScene, "scene"_a, "base_body"_a, "tip_body"_a = "", "tip_site"_a = "",
+       "Makes a chain of the joints between two bodies, or a body and a site, by their full names.")
+      .def_static(
+          "from_kdl", &FromKdlChain, "chain"_a, "limits"_a = nb::none(),
+          nb::sig("def from_kdl(chain: typing.Any, limits: numpy.typing.ArrayLike | None = "
+                  "None) -> Chain"),
+          "Makes a chain from a PyKDL.Chain. `limits` (n, 2) are the limits of its joints, which a "
+          "KDL chain does not contain. Raises ArgumentError for joints with a scale.")
       .def(
           "to_kdl", [](const Chain& chain) { return ToPyKdl(chain); },
           nb::sig("def to_kdl(self) -> typing.Any"),
-          "A PyKDL.Chain with its masses, kept alive by this chain and the robot that it is of, "
-          "because PyKDL's solvers do not keep their chain. ImportError with the install line when "
-          "PyKDL is "
-          "missing.")
+          "Returns a PyKDL.Chain with its masses. This chain and its robot keep it alive, because "
+          "PyKDL's solvers do not keep their chain. Raises ImportError with the install command if "
+          "PyKDL is missing.")
       .def_prop_ro("n_joints", &Chain::n_joints)
-      .def_prop_ro("joint_names", &Chain::joint_names, "In chain order.")
-      .def_prop_ro("joint_limits", &Limits, "(n, 2), infinite where there are none.")
+      .def_prop_ro("joint_names", &Chain::joint_names, "Names of the joints, in chain order.")
+      .def_prop_ro("joint_limits", &Limits,
+                   "Limits (n, 2), rad or m; infinite for joints without limits.")
       .def_prop_ro("base_body", &Chain::base_body)
       .def_prop_ro(
           "tip", [](const Chain& chain) { return chain.tip().name; },
-          "Name of the body or site at its end.")
+          "Name of the body or site at the end of the chain.")
       .def("fk", &FkOf, "q"_a, "out"_a = nb::none(), nb::sig(kFk),
-           "Pose of the tip in the base frame; of a batch, (B, 4, 4) matrices, which are rounded "
-           "otherwise.")
-      .def("jacobian", &JacobianOf, "q"_a, "out"_a = nb::none(), "tips"_a = nb::none(),
-           nb::sig(kJacobian),
-           "(6, n) at the tip, linear rows first. The poses of fk are written into `tips` too, (4, "
-           "4) or (B, 4, 4), if it is given: faster than both calls.");
+           "Returns the pose of the tip in the base frame, or matrices (B, 4, 4) for a batch, "
+           "which differ by rounding.")
+      .def(
+          "jacobian", &JacobianOf, "q"_a, "out"_a = nb::none(), "tips"_a = nb::none(),
+          nb::sig(kJacobian),
+          "Returns the Jacobian (6, n) at the tip, linear rows first. If `tips` is given, (4, 4) "
+          "or (B, 4, 4), the poses of fk are written into it too, which is faster than two calls.");
   DefIk(c);
   DefMotion(c);
   c.def("__repr__", [](const Chain& chain) { return "<" + chain.description() + ">"; });
@@ -301,7 +306,7 @@ void BindChain(nb::module_& m) {
         return ToPyKdl(Numbers(values, path).span());
       },
       "values"_a, nb::sig("def jnt_array(values: object) -> typing.Any"),
-      "Joint values as a PyKDL.JntArray.");
+      "Converts joint values to a PyKDL.JntArray.");
 }
 
 }  // namespace robocell::python

@@ -40,8 +40,8 @@ CtrlMode ToCtrlMode(nb::handle value) {
                        DidYouMean(text, names));
 }
 
-// As the most specific class that Python knows; it keeps the robot alive, and itself when it is
-// replaced.
+// Returns the most specific class that Python knows. The object keeps the robot alive, and itself
+// when it is replaced.
 nb::object ControllerObject(const Robot& robot, const std::string& group) {
   const std::shared_ptr<Controller> shared = robot.shared_controller(group);
   if (auto c = std::dynamic_pointer_cast<JointImpedanceController>(shared)) return nb::cast(c);
@@ -70,27 +70,29 @@ CartesianImpedanceController::Gains ToSix(nb::handle values, const char* name) {
   return gains;
 }
 
-// Of controllers that are told a pose.
+// Properties of controllers whose target is a pose.
 template <class C>
 void DefPose(nb::class_<C, Controller>& c) {
   c.def_prop_rw(
        "pose", [](const C& self) { return self.pose(); },
        [](C& self, const PoseOrFrame& pose) { self.SetPose(pose.get()); },
-       "Where the leaf is to be, in the robot base frame; a PyKDL.Frame is taken too.")
+       "Target pose of the leaf frame in the robot base frame. A PyKDL.Frame is also accepted.")
       .def_prop_rw(
           "posture", [](const C& self) { return Copy(self.posture()); },
           [](C& self, nb::handle q) { self.SetPosture(ToRow(q, "posture")); },
           nb::for_getter(nb::sig("def posture(self, /) -> numpy.typing.NDArray[numpy.float64]")),
           nb::for_setter(nb::sig("def posture(self, value: object, /) -> None")),
-          "Joint positions (n,) that joints to spare go to; at first where the arm is.");
+          "Joint positions (n,) that redundant joints move to. Default: the arm's positions when "
+          "the controller was installed.");
 }
 
 void BindJointImpedance(nb::module_& m) {
   using C = JointImpedanceController;
-  nb::class_<C, Controller>(m, "JointImpedanceController",
-                            "Each joint a spring and a damper towards its target, whatever the arm "
-                            "weighs.\n\ntorque = stiffness * (target - q) - damping * qd + gravity "
-                            "+ Coriolis. Targets are joint positions, also robot.jnt_pos_cmd.")
+  nb::class_<C, Controller>(
+      m, "JointImpedanceController",
+      "Each joint is a spring and a damper towards its target; the weight of the arm is "
+      "compensated.\n\ntorque = stiffness * (target - q) - damping * qd + gravity + Coriolis. "
+      "Targets are joint positions, also robot.jnt_pos_cmd.")
       .def_prop_rw(
           "stiffness", [](const C& c) { return Copy(c.stiffness()); },
           [](C& c, nb::handle value) {
@@ -103,43 +105,46 @@ void BindJointImpedance(nb::module_& m) {
           },
           nb::for_getter(nb::sig("def stiffness(self, /) -> numpy.typing.NDArray[numpy.float64]")),
           nb::for_setter(nb::sig("def stiffness(self, value: object, /) -> None")),
-          "(n,) Nm/rad or N/m; one number stands for all. At first joints swing with 3 Hz, light "
-          "ones "
-          "faster.")
-      .def_prop_rw("damping_ratio", &C::damping_ratio, &C::SetDampingRatio, "1 is critical.");
+          "Stiffness (n,), Nm/rad or N/m; one number applies to all joints. By default joints "
+          "swing with 3 Hz, light ones faster.")
+      .def_prop_rw("damping_ratio", &C::damping_ratio, &C::SetDampingRatio,
+                   "Damping ratio; 1 is critical damping.");
 }
 
 void BindCartesianPose(nb::module_& m) {
   using C = CartesianPoseController;
   nb::class_<C, Controller> c(m, "CartesianPoseController",
-                              "The leaf goes to its target on a straight line, through position "
-                              "servos, no faster than it is told to.");
+                              "Moves the leaf frame to its target on a straight line, through "
+                              "position servos, within max_linear_speed and max_angular_speed.");
   DefPose(c);
   c.def_prop_rw(
        "max_linear_speed", &C::max_linear_speed,
-       [](C& self, double v) { self.SetMaxSpeeds(v, self.max_angular_speed()); }, "m/s.")
+       [](C& self, double v) { self.SetMaxSpeeds(v, self.max_angular_speed()); },
+       "Largest speed of the leaf frame, m/s.")
       .def_prop_rw(
           "max_angular_speed", &C::max_angular_speed,
-          [](C& self, double v) { self.SetMaxSpeeds(self.max_linear_speed(), v); }, "rad/s.");
+          [](C& self, double v) { self.SetMaxSpeeds(self.max_linear_speed(), v); },
+          "Largest angular speed of the leaf frame, rad/s.");
 }
 
 void BindCartesianImpedance(nb::module_& m) {
   using C = CartesianImpedanceController;
   nb::class_<C, Controller> c(
       m, "CartesianImpedanceController",
-      "The leaf is held to its target by springs and dampers along and about the axes of the robot "
-      "base frame; joints to spare are drawn to a posture without the leaf feeling it.");
+      "Springs and dampers along and about the axes of the robot base frame hold the TCP at its "
+      "target; a null-space task pulls redundant joints towards a posture without moving the TCP.");
   DefPose(c);
   c.def_prop_rw(
        "stiffness", [](const C& self) { return Copy(self.stiffness()); },
        [](C& self, nb::handle k) { self.SetStiffness(ToSix(k, "stiffness")); },
        nb::for_getter(nb::sig("def stiffness(self, /) -> numpy.typing.NDArray[numpy.float64]")),
        nb::for_setter(nb::sig("def stiffness(self, value: numpy.typing.ArrayLike, /) -> None")),
-       "(6,) N/m along x y z, then Nm/rad about them.")
-      .def_prop_rw("damping_ratio", &C::damping_ratio, &C::SetDampingRatio, "1 is critical.")
-      .def_prop_rw(
-          "posture_frequency", &C::posture_frequency, &C::SetPostureFrequency,
-          "How fast joints to spare would swing around the posture, rad/s; 0 lets them go.")
+       "Stiffness (6,): N/m along x y z, then Nm/rad about them.")
+      .def_prop_rw("damping_ratio", &C::damping_ratio, &C::SetDampingRatio,
+                   "Damping ratio; 1 is critical damping.")
+      .def_prop_rw("posture_frequency", &C::posture_frequency, &C::SetPostureFrequency,
+                   "Frequency at which redundant joints would swing around the posture, rad/s; 0 "
+                   "leaves them free.")
       .def_prop_rw(
           "feedforward", [](const C& self) { return Copy(self.feedforward()); },
           [](C& self, nb::handle wrench) {
@@ -152,16 +157,16 @@ void BindCartesianImpedance(nb::module_& m) {
           nb::for_getter(
               nb::sig("def feedforward(self, /) -> numpy.typing.NDArray[numpy.float64]")),
           nb::for_setter(nb::sig("def feedforward(self, value: object, /) -> None")),
-          "(6,) pushed on top by the arm on what it touches: N, then Nm, in the axes of the robot "
-          "base frame; a PyKDL.Wrench is taken too.");
+          "Wrench (6,) that the arm adds on what it touches: N, then Nm, in the axes of the robot "
+          "base frame. A PyKDL.Wrench is also accepted.");
 }
 
 void BindDifferentialIk(nb::module_& m) {
   using C = DifferentialIkController;
   nb::class_<C, Controller>(
       m, "DifferentialIkController",
-      "The leaf moves with a twist until told otherwise, through position servos; joints stay "
-      "within their limits and speeds, and slow down near singularities.")
+      "Moves the leaf frame with a twist, through position servos, until the next target. Joints "
+      "stay within their limits and speeds, and slow down near singularities.")
       .def_prop_rw(
           "twist", [](const C& self) { return Copy(self.target()); },
           [](C& self, nb::handle twist) {
@@ -170,28 +175,32 @@ void BindDifferentialIk(nb::module_& m) {
           },
           nb::for_getter(nb::sig("def twist(self, /) -> numpy.typing.NDArray[numpy.float64]")),
           nb::for_setter(nb::sig("def twist(self, value: numpy.typing.ArrayLike, /) -> None")),
-          "(6,) linear, then angular velocity of the leaf, m/s and rad/s, in the axes of `frame`.")
+          "Target twist (6,): linear, then angular velocity of the leaf frame, m/s and rad/s, in "
+          "the axes of `frame`.")
       .def_prop_rw(
           "frame", [](const C& self) { return TwistFrameName(self.frame()); },
           [](C& self, nb::handle frame) { self.SetFrame(ToTwistFrame(frame)); },
           nb::for_getter(nb::sig("def frame(self, /) -> str")),
           nb::for_setter(nb::sig("def frame(self, value: str, /) -> None")),
-          "Whose axes the twist has: 'base' (the robot base frame), 'tip' or 'world'.")
+          "Frame whose axes the twist has: 'base' (the robot base frame), 'tip' or 'world'.")
       .def_prop_rw(
           "max_speed", [](const C& self) { return Copy(self.max_speed()); },
           [](C& self, nb::handle speed) { self.SetMaxSpeed(ToRow(speed, "max_speed")); },
           nb::for_getter(nb::sig("def max_speed(self, /) -> numpy.typing.NDArray[numpy.float64]")),
           nb::for_setter(nb::sig("def max_speed(self, value: object, /) -> None")),
-          "(n,) of each joint, rad/s or m/s; at first pi.")
+          "Largest speed (n,) of each joint, rad/s or m/s. Default: pi.")
       .def_prop_rw(
           "posture", [](const C& self) { return Copy(self.posture()); },
           [](C& self, nb::handle q) { self.SetPosture(ToRow(q, "posture")); },
           nb::for_getter(nb::sig("def posture(self, /) -> numpy.typing.NDArray[numpy.float64]")),
           nb::for_setter(nb::sig("def posture(self, value: object, /) -> None")),
-          "Joint positions (n,) that joints to spare go to; at first where the arm is.")
+          "Joint positions (n,) that redundant joints move to. Default: the arm's positions when "
+          "the controller was installed.")
       .def_prop_rw("posture_rate", &C::posture_rate, &C::SetPostureRate,
-                   "How fast they go there, a share of the way per second; 0 lets them rest.")
-      .def_prop_ro("slower", &C::slower, "Whether the leaf could not do what it was last told.");
+                   "Rate at which redundant joints approach the posture, as a share of the "
+                   "distance per second; 0 leaves them at rest.")
+      .def_prop_ro("slower", &C::slower,
+                   "Whether the leaf frame moves slower than its last target twist.");
 }
 
 }  // namespace
@@ -199,17 +208,18 @@ void BindDifferentialIk(nb::module_& m) {
 void BindControllers(nb::module_& m) {
   nb::class_<Controller> controller(
       m, "Controller",
-      "Turns the state and a target into the controls of one move group. robot.update() runs it.",
+      "Turns the state and a target into the controls of one move group. robot.update() runs the "
+      "controller.",
       nb::type_slots(kHandleSlots<Controller, &VisitController, HandleIs::kShared>));
   controller.def_prop_ro("kind", [](const Controller& c) { return std::string(c.kind()); })
-      .def_prop_ro("mode", &Controller::mode, "The CtrlMode that it drives.")
+      .def_prop_ro("mode", &Controller::mode, "The CtrlMode that the controller drives.")
       .def_prop_rw(
           "target", [](const Controller& c) { return Copy(c.target()); },
           [](Controller& c, nb::handle target) { c.SetTarget(ToRow(target, "target")); },
           nb::for_getter(nb::sig("def target(self, /) -> numpy.typing.NDArray[numpy.float64]")),
           nb::for_setter(nb::sig("def target(self, value: object, /) -> None")),
-          "What it was told, a copy; its numbers depend on the kind.")
-      .def("reset", &Controller::Reset, "Forget the target and hold.");
+          "A copy of the target; its meaning depends on the kind.")
+      .def("reset", &Controller::Reset, "Drops the target and holds the present position.");
   BindJointImpedance(m);
   BindCartesianPose(m);
   BindCartesianImpedance(m);
@@ -230,37 +240,37 @@ void DefControl(nb::class_<Robot>& robot) {
           [](Robot& r, nb::handle q) { r.SetJntPosCmd(ToRow(q, "jnt_pos_cmd")); },
           nb::rv_policy::automatic, nb::for_setter(nb::arg("q").none()),
           nb::for_setter(nb::sig("def jnt_pos_cmd(self, q: object, /) -> None")),
-          "Target of the arm; a view that can be written in place, and stays one through changes "
-          "of "
-          "the mode. It drives in position mode; what is written before counts from the switch on. "
-          "Values beyond a joint's limits "
-          "drive it to the limit, and the log says so once.")
+          "Joint position targets of the arm, rad or m: a view that you can write in place, and "
+          "that stays valid when the mode changes. It drives the arm in position mode; values "
+          "written in another mode count after the switch. Values beyond a joint's limits drive it "
+          "to the limit, and the log reports this once.")
       .def_prop_rw(
           "jnt_vel_cmd", [](const Robot& r) { return PortView(r, r.jnt_vel_cmd()); },
           [](Robot& r, nb::handle v) { r.SetJntVelCmd(ToRow(v, "jnt_vel_cmd")); },
           nb::rv_policy::automatic, nb::for_setter(nb::arg("v").none()),
           nb::for_setter(nb::sig("def jnt_vel_cmd(self, v: object, /) -> None")),
-          "Joint velocities of the arm, rad/s or m/s; a view, as jnt_pos_cmd. They drive in "
-          "velocity "
-          "mode.")
+          "Joint velocity commands of the arm, rad/s or m/s: a view like jnt_pos_cmd. It drives "
+          "the arm in velocity mode.")
       .def_prop_rw(
           "jnt_trq_cmd", [](const Robot& r) { return PortView(r, r.jnt_trq_cmd()); },
           [](Robot& r, nb::handle t) { r.SetJntTrqCmd(ToRow(t, "jnt_trq_cmd")); },
           nb::rv_policy::automatic, nb::for_setter(nb::arg("t").none()),
           nb::for_setter(nb::sig("def jnt_trq_cmd(self, t: object, /) -> None")),
-          "Joint torques of the arm, Nm or N; a view, as jnt_pos_cmd. They drive in torque mode.")
+          "Joint torque commands of the arm, Nm or N: a view like jnt_pos_cmd. It drives the arm "
+          "in torque mode.")
       .def_prop_rw(
           "ctrl_mode", &Robot::ctrl_mode,
           [](Robot& r, nb::handle mode) { r.set_ctrl_mode(ToCtrlMode(mode)); },
           nb::for_setter(nb::arg("mode").none()),
           nb::for_setter(nb::sig("def ctrl_mode(self, mode: CtrlMode | str, /) -> None")),
-          "What the arm is driven by, in the scene: all robots made of this arm see it. Setting it "
-          "switches at once, without a jump of the forces of an arm at rest that carries only "
-          "itself, "
-          "and puts in the controller of that port: joint_position, joint_velocity, joint_torque.")
+          "The mode that drives the arm in the scene, the same for all robots made of this arm. "
+          "Setting it switches at once, and installs the controller of that port: joint_position, "
+          "joint_velocity or joint_torque. The forces of an arm at rest that carries only itself "
+          "do not jump.")
       .def("controller", &ControllerObject, "group"_a = "arm",
            nb::sig("def controller(self, group: str = 'arm') -> Controller"),
-           "A group's controller; NotFoundError says why it has none.")
+           "Returns a group's controller. For a group without one it raises NotFoundError with the "
+           "reason.")
       .def(
           "set_controller",
           [](Robot& r, const std::string& group, const std::string& kind) {
@@ -269,7 +279,7 @@ void DefControl(nb::class_<Robot>& robot) {
           },
           "group"_a, "kind"_a,
           nb::sig("def set_controller(self, group: str, kind: str) -> Controller"),
-          "Puts a controller in, switches the group to what it drives, and returns it.");
+          "Installs a controller, switches the group to the mode that it drives, and returns it.");
 }
 
 }  // namespace robocell::python

@@ -40,7 +40,10 @@ nb::tuple ObservationParts(const EnvLayout& layout);
 // in C++ shares that reference.
 PyObject* TargetOfTask(const Env& env);
 
-// EnvState and EnvRecord, and what an environment does with them.
+// "world" or "root". Raises for anything else.
+StateFrame ToStateFrame(const std::string& text);
+
+// EnvState, and what an environment does with it.
 void BindEnvState(nb::module_& m);
 void DefEnvState(nb::class_<Env>& env);
 

@@ -157,6 +157,10 @@ void BindEpisode(nb::module_& m) {
       .def_prop_ro(
           "json", [](const Episode& e) { return Json(e.json()); }, "The content of episode.json.")
       .def_prop_ro(
+          "results", [](const Episode& e) { return Json(e.results_json()); },
+          nb::sig("def results(self) -> dict[str, object]"),
+          "What was found out at its end, as of `json`; EnvRecorder has `final_observation`.")
+      .def_prop_ro(
           "metadata", [](const Episode& e) { return Json(e.metadata_json()); },
           "Seeds, scene, task and whatever else describes the episode.")
       .def_prop_ro(

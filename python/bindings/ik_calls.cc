@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "arrays.h"
-#include "ik_wishes.h"
+#include "ik_objectives.h"
 #include "kinematics.h"
 #include "signals.h"
 #include "values.h"
@@ -25,7 +25,7 @@ using namespace nb::literals;
                                   fmt::join(shape, ", "), shape.size() == 1 ? "," : ""));
 }
 
-// Joint values, or none where nothing was given.
+// Returns the joint values, or none if None was given.
 JointVector JointsOf(nb::handle values, const char* name) {
   if (values.is_none()) return {};
   const FieldPath path(name);
@@ -49,22 +49,22 @@ nb::handle Namespace() {
   return type;
 }
 
-// A Pose, a Frame, or something with four rows.
+// Returns true if the value is one pose: a Pose, a Frame, or something with four rows.
 bool IsOnePose(nb::handle value) {
   if (nb::isinstance<Pose>(value) || nb::hasattr(value, "M")) return true;
   if (!MayBePose(value) || nb::len(value) != 4) return false;
   return MayBePose(nb::object(value[0])) && nb::len(nb::object(value[0])) == 4;
 }
 
-// What is asked for, and the numbers that it refers to.
+// The targets, and the arrays that they refer to.
 struct Targets {
   std::optional<Doubles> array{};
   std::vector<double> list{};
   IkTargets all{};
 };
 
-// The 4x4 numbers of an item of a list. What is a matrix comes out as it went in, so that a list
-// of matrices is answered as an array of them is.
+// The 4x4 numbers of an item of a list. Matrices are not changed, so that a list of matrices gives
+// the same results as an array of them.
 void AppendMatrix(nb::handle item, std::vector<double>* numbers) {
   const auto pose = nb::cast<Pose>(nb::type<Pose>()(item));
   if (!nb::isinstance<Pose>(item) && !nb::hasattr(item, "M")) {
@@ -78,7 +78,7 @@ void AppendMatrix(nb::handle item, std::vector<double>* numbers) {
   numbers->insert(numbers->end(), matrix.data(), matrix.data() + matrix.size());
 }
 
-// A list of poses.
+// Converts a list of poses.
 std::vector<double> MatricesOf(nb::handle list) {
   std::vector<double> numbers;
   for (const nb::handle item : list) {
@@ -95,7 +95,7 @@ std::vector<double> MatricesOf(nb::handle list) {
   return numbers;
 }
 
-// (B, 4, 4), a list of poses, or one.
+// Converts an array (B, 4, 4), a list of poses, or one pose.
 Targets ToTargets(nb::handle targets) {
   Targets asked;
   if (nb::isinstance<Pose>(targets)) {

@@ -13,8 +13,8 @@
 #include "chain_batch.h"
 #include "handles.h"
 #include "ik_calls.h"
+#include "ik_objectives.h"
 #include "ik_solver.h"
-#include "ik_wishes.h"
 #include "scene_cycles.h"
 #include "signals.h"
 #include "values.h"
@@ -41,24 +41,25 @@ const Robot& RobotOf(const Robot& robot) { return robot; }
 const Robot& RobotOf(const Kinematics& k) { return k.robot; }
 
 IkOptions OptionsFor(const Robot& robot, nb::handle seed,
-                     const std::vector<std::string>& locked_groups, const IkWishes& wishes) {
+                     const std::vector<std::string>& locked_groups,
+                     const IkObjectives& objectives) {
   IkOptions options;
   options.seed = IkSeed(seed, robot.chain());
   options.locked = robot.LockGroups(locked_groups);
-  wishes.Apply(&options);
+  objectives.Apply(&options);
   return options;
 }
 
-// Where no seed is given, the arm's own position is one.
+// Without a seed the search starts at the arm's own position.
 void StartAtTheArm(const Robot& robot, IkOptions* options) {
   if (options->seed.empty()) options->seed = JointVector(robot.arm().joint_pos());
 }
 
-// The chain as it is now, for work without Python's lock: another thread may reset the scene or add
-// objects meanwhile, which makes the robot's anew.
+// A copy of the present chain, for work without Python's lock: another thread may reset the scene
+// or add objects meanwhile, which replaces the robot's chain.
 Chain SteadyChain(const Robot& robot) { return robot.chain(); }
 
-// Of a robot, or of its kinematics.
+// `Self` is a robot or its kinematics.
 template <class Self>
 IkResult SolveIk(const Self& self, const PoseOrFrame& target, nb::handle seed,
                  const std::vector<std::string>& locked_groups, double tolerance,
@@ -145,8 +146,8 @@ nb::object MapReachOf(const Kinematics& k, nb::handle lower, nb::handle upper, d
                     threads, position_only, axis);
 }
 
-// Threads may share kinematics while the scene rests, so that they claim nothing: they look at
-// where the robot is, and work on the chain that it has.
+// Threads may share kinematics while the scene is idle, so calls claim nothing: they read the
+// robot's position and work on its chain.
 void RequireRest(const Kinematics& k) {
   if (!k.robot.use().by_another_thread()) return;
   throw Error(fmt::format(
@@ -156,14 +157,14 @@ void RequireRest(const Kinematics& k) {
       k.robot.name(), k.robot.scene().name()));
 }
 
-// The world's, in the axes of the robot base frame, unless given.
+// Default: the world's gravity, in the axes of the robot base frame.
 nb::object GravityFor(const Kinematics& k, nb::handle gravity) {
   if (!gravity.is_none()) return nb::borrow(gravity);
   const Eigen::Vector3d g = k.robot.gravity_in_base();
   return nb::make_tuple(g.x(), g.y(), g.z());
 }
 
-// After the target.
+// The arguments after the target.
 #define ROBOCELL_IK_ARGS                                                                       \
   "seed"_a = nb::none(), "locked_groups"_a = std::vector<std::string>{}, "tolerance"_a = 1e-5, \
   "position_only"_a = false, "max_restarts"_a = 100, "max_iterations"_a = 40, nb::kw_only(),   \
@@ -177,11 +178,11 @@ nb::object GravityFor(const Kinematics& k, nb::handle gravity) {
 #define ROBOCELL_IK_SOLVER_SIG                                                               \
   "def ik_solver(self, locked_groups: collections.abc.Sequence[str] = [], tolerance: float " \
   "= 1e-05, position_only: bool = False, max_restarts: int = 100, max_iterations: int = "    \
-  "40, *, " ROBOCELL_IK_WISHES_SIG ") -> IkSolver"
-#define ROBOCELL_IK_SIG                                                                  \
-  "Pose | numpy.typing.ArrayLike, seed: object | None = None, locked_groups: "           \
-  "collections.abc.Sequence[str] = [], tolerance: float = 1e-05, position_only: bool = " \
-  "False, max_restarts: int = 100, max_iterations: int = 40, *, " ROBOCELL_IK_WISHES_SIG \
+  "40, *, " ROBOCELL_IK_OBJECTIVES_SIG ") -> IkSolver"
+#define ROBOCELL_IK_SIG                                                                      \
+  "Pose | numpy.typing.ArrayLike, seed: object | None = None, locked_groups: "               \
+  "collections.abc.Sequence[str] = [], tolerance: float = 1e-05, position_only: bool = "     \
+  "False, max_restarts: int = 100, max_iterations: int = 40, *, " ROBOCELL_IK_OBJECTIVES_SIG \
   ") -> IkResult"
 
 void DefDynamics(nb::class_<Kinematics>& c) {
@@ -193,8 +194,8 @@ void DefDynamics(nb::class_<Kinematics>& c) {
        "q"_a, "out"_a = nb::none(),
        nb::sig("def fk(self, q: object, out: numpy.typing.NDArray[numpy.float64] | None = None) -> "
                "typing.Any"),
-       "Pose of the TCP in the robot base frame for joint values q (n,); of a batch (B, n), "
-       "(B, 4, 4) matrices.")
+       "Returns the Pose of the TCP in the robot base frame for joint values q (n,), or matrices "
+       "(B, 4, 4) for a batch (B, n).")
       .def(
           "jacobian",
           [](const Kinematics& k, nb::handle q, nb::handle out, nb::handle tips) {
@@ -204,8 +205,9 @@ void DefDynamics(nb::class_<Kinematics>& c) {
           nb::sig("def jacobian(self, q: object, out: numpy.typing.NDArray[numpy.float64] | None = "
                   "None, tips: numpy.typing.NDArray[numpy.float64] | None = None) -> "
                   "numpy.typing.NDArray[numpy.float64]"),
-          "(6, n) at the TCP, axes of the robot base frame, linear rows first. The poses of fk are "
-          "written into `tips` too, (4, 4) or (B, 4, 4), if it is given: faster than both calls.")
+          "Returns the Jacobian (6, n) at the TCP in the axes of the robot base frame, linear rows "
+          "first. If `tips` is given, (4, 4) or (B, 4, 4), the poses of fk are written into it "
+          "too, which is faster than two calls.")
       .def(
           "gravity_torques",
           [](const Kinematics& k, nb::handle q, nb::handle gravity, nb::handle out) {
@@ -215,8 +217,8 @@ void DefDynamics(nb::class_<Kinematics>& c) {
           nb::sig("def gravity_torques(self, q: object, gravity: numpy.typing.ArrayLike | None = "
                   "None, out: numpy.typing.NDArray[numpy.float64] | None = None) -> "
                   "numpy.typing.NDArray[numpy.float64]"),
-          "Torques (n,) that hold the arm still at q. `gravity`, (3,) m/s^2 in the axes of the "
-          "robot base frame, is the scene's unless given.")
+          "Returns the torques (n,) that hold the arm still at q. `gravity`, (3,) m/s^2 in the "
+          "axes of the robot base frame, is the scene's by default.")
       .def(
           "mass_matrix",
           [](const Kinematics& k, nb::handle q, nb::handle out) {
@@ -225,7 +227,8 @@ void DefDynamics(nb::class_<Kinematics>& c) {
           "q"_a, "out"_a = nb::none(),
           nb::sig("def mass_matrix(self, q: object, out: numpy.typing.NDArray[numpy.float64] | "
                   "None = None) -> numpy.typing.NDArray[numpy.float64]"),
-          "(n, n) joint-space inertia with armature, that of fixed tendons included.")
+          "Returns the joint-space inertia (n, n). It includes armature, also that of fixed "
+          "tendons.")
       .def(
           "coriolis_torques",
           [](const Kinematics& k, nb::handle q, nb::handle qd, nb::handle out) {
@@ -235,7 +238,7 @@ void DefDynamics(nb::class_<Kinematics>& c) {
           nb::sig("def coriolis_torques(self, q: object, qd: object, out: "
                   "numpy.typing.NDArray[numpy.float64] | None = None) -> "
                   "numpy.typing.NDArray[numpy.float64]"),
-          "The part of the torques (n,) that comes from moving at `qd`.")
+          "Returns the part of the torques (n,) that comes from moving at `qd`.")
       .def(
           "inverse_dynamics",
           [](const Kinematics& k, nb::handle q, nb::handle qd, nb::handle qdd, nb::handle gravity,
@@ -246,8 +249,8 @@ void DefDynamics(nb::class_<Kinematics>& c) {
           nb::sig("def inverse_dynamics(self, q: object, qd: object, qdd: object, gravity: "
                   "numpy.typing.ArrayLike | None = None, out: numpy.typing.NDArray[numpy.float64] "
                   "| None = None) -> numpy.typing.NDArray[numpy.float64]"),
-          "Torques (n,) for a motion, gravity and armature included; no friction, damping or "
-          "contact.");
+          "Returns the torques (n,) for a motion. They include gravity and armature, but no "
+          "friction, damping or contact.");
 }
 
 }  // namespace
@@ -255,7 +258,7 @@ void DefDynamics(nb::class_<Kinematics>& c) {
 void DefRobotIk(nb::class_<Robot>& robot) {
   robot.def("ik", &SolveIk<Robot>, "pose"_a, ROBOCELL_IK_ARGS,
             nb::sig("def ik(self, pose: " ROBOCELL_IK_SIG),
-            "Joint values that put the TCP at `pose` (in the robot base frame), a Pose, "
+            "Finds joint values that put the TCP at `pose` (in the robot base frame): a Pose, "
             "PyKDL.Frame or 4x4 matrix. The other arguments are those of kinematics.ik.");
   robot.def("ik_solver", &MakeSolver<Robot>, ROBOCELL_IK_SOLVER_ARGS,
             nb::sig(ROBOCELL_IK_SOLVER_SIG), ROBOCELL_IK_SOLVER_DOC);
@@ -289,22 +292,24 @@ const char* TwistFrameName(TwistFrame frame) {
 }
 
 void BindKinematics(nb::module_& m) {
-  nb::class_<IkResult>(
-      m, "IkResult",
-      "The answer of inverse kinematics; not finding a solution is a value, no exception.")
+  nb::class_<IkResult>(m, "IkResult",
+                       "The result of inverse kinematics. Finding no solution raises no exception: "
+                       "`success` is False.")
       .def_prop_ro(
           "q",
           [](const IkResult& r) {
             return NewRow({r.q.data(), static_cast<size_t>(r.q.size())});
           },
           nb::for_getter(nb::sig("def q(self) -> numpy.typing.NDArray[numpy.float64]")),
-          "Joint values in chain order, rad or m; the best met when there is no solution.")
+          "Joint values in chain order, rad or m. Without a solution, the nearest configuration "
+          "found.")
       .def_ro("success", &IkResult::success)
-      .def_ro("position_error", &IkResult::position_error, "Metres.")
-      .def_ro("rotation_error", &IkResult::rotation_error, "Radians.")
+      .def_ro("position_error", &IkResult::position_error, "Norm of the position error, metres.")
+      .def_ro("rotation_error", &IkResult::rotation_error, "Norm of the rotation error, radians.")
       .def_ro("iterations", &IkResult::iterations,
-              "Steps; those that lanes take at once count as one.")
-      .def_ro("restarts", &IkResult::restarts, "Starts before the first that led to this solution.")
+              "Number of steps; steps that vector lanes take together count as one.")
+      .def_ro("restarts", &IkResult::restarts,
+              "Number of starts before the one that led to this solution.")
       .def("__bool__", [](const IkResult& r) { return r.success; })
       .def("__repr__", [](const IkResult& r) {
         return "<IkResult " + std::string(r.success ? "success" : "no solution") + ", " +
@@ -315,13 +320,12 @@ void BindKinematics(nb::module_& m) {
   BindChain(m);
   nb::class_<Kinematics> kinematics(
       m, "Kinematics",
-      "Kinematics of a robot's arm, from the robot base frame to the TCP.\n\nWhat takes "
-      "joint values q (n,) takes many at once, (B, n), and answers with B in front of the shape "
-      "(differential_ik, which is for control loops, does not); "
-      "arguments with one row are for all. Arrays that are contiguous and of float64 are read "
-      "where they are, and the answer is written into `out` when it is given. No result depends "
-      "on the batch that it is in. (The Pose that fk returns for one q is computed on its own, and "
-      "rounded otherwise than the matrix in a batch or in `out`.)",
+      "Kinematics of a robot's arm, from the robot base frame to the TCP.\n\nFunctions that take "
+      "joint values q (n,) also take batches (B, n), and return B in front of the shape; "
+      "differential_ik, which is for control loops, does not. Arguments with one row apply to all "
+      "configurations. Contiguous float64 arrays are read in place, and the result is written into "
+      "`out` if it is given. No result depends on its batch. (The Pose that fk returns for one q "
+      "differs by rounding from the matrix in a batch or in `out`.)",
       nb::type_slots(kHandleSlots<Kinematics, &VisitKinematics>));
   GuardHandle<Kinematics>(
       kinematics, [](const Kinematics& k, SceneClaims&) { RequireRest(k); },
@@ -332,22 +336,19 @@ void BindKinematics(nb::module_& m) {
                    [](const Kinematics& k) { return SteadyChain(k.robot).joint_names(); })
       .def("ik", &SolveIk<Kinematics>, "target"_a, ROBOCELL_IK_ARGS,
            nb::sig("def ik(self, target: " ROBOCELL_IK_SIG),
-           "Joint values that put the TCP at `target` (in the robot base frame): a Pose, a "
-           "PyKDL.Frame or a 4x4 matrix. Starts at `seed`, else where the arm is.\n\n"
-           "The joints of `locked_groups` stay where the seed has them. "
-           "Limits are always obeyed; the same question has the same answer. Damped least squares "
-           "(Sugihara 2011) with evenly spread restarts.\n\n"
-           "position_weights and rotation_weights (3,): what an error along and about each axis of "
-           "the target counts; 0: any value will do. axis (3,): of the rotation only this "
-           "direction in the TCP's frame has to point where the target's points, or off by at most "
-           "`cone` rad. prefer: 'seed', 'limits' (away from them), 'manipulability' or a posture "
-           "(n,) that the solution is to be near to; joints to spare are moved there. Where there "
-           "are "
-           "none, starts go on beyond max_restarts until 256 in a row have led to no better "
-           "solution; "
-           "with less than 47 a near one is found in a seventh of the time. filter: a "
-           "CollisionFilter, or a function of joint values (k, n) that returns (k,) booleans; "
-           "what it does not keep is no solution.")
+           "Finds joint values that put the TCP at `target` (in the robot base frame): a Pose, a "
+           "PyKDL.Frame or a 4x4 matrix. The search starts at `seed`, by default at the arm's "
+           "joint values.\n\nThe joints of `locked_groups` stay at the seed. Solutions are within "
+           "the limits, and the same query returns the same solution. The method is damped least "
+           "squares (Sugihara 2011) with evenly spread restarts.\n\nposition_weights, "
+           "rotation_weights (3,): weights of the error along and about each axis of the target; 0 "
+           "leaves it free. axis (3,): of the rotation, only this direction in the TCP's frame "
+           "must agree with the target's, to within `cone` rad. prefer: secondary objective, "
+           "'seed', 'limits' (away from them), 'manipulability' or a posture (n,) to be near to; "
+           "redundant joints move accordingly. Without redundant joints, starts continue beyond "
+           "max_restarts until 256 in a row found nothing better; a max_restarts below 47 returns "
+           "a near solution in a seventh of the time. filter: a CollisionFilter, or a function of "
+           "joint values (k, n) that returns (k,) booleans; a rejected solution does not count.")
       .def("ik_solver", &MakeSolver<Kinematics>, ROBOCELL_IK_SOLVER_ARGS,
            nb::sig(ROBOCELL_IK_SOLVER_SIG), ROBOCELL_IK_SOLVER_DOC)
       .def("ik_batch", &SolveBatch, "targets"_a, "seeds"_a = nb::none(),
@@ -358,20 +359,17 @@ void BindKinematics(nb::module_& m) {
            nb::sig("def ik_batch(self, targets: object, seeds: object | None = None, "
                    "locked_groups: collections.abc.Sequence[str] = [], tolerance: float = 1e-05, "
                    "threads: int = 1, position_only: bool = False, max_restarts: int = 100, "
-                   "max_iterations: int = 40, *, " ROBOCELL_IK_WISHES_SIG
+                   "max_iterations: int = 40, *, " ROBOCELL_IK_OBJECTIVES_SIG
                    ") -> types.SimpleNamespace"),
-           "Many poses at once, as many at a time as the processor has lanes.\n\n"
-           "targets (B, 4, 4) in the robot base frame, or a list of poses; not to be written to by "
-           "other threads meanwhile. seeds (B, n) or (n,): "
-           "where each search "
-           "begins, and where the joints of `locked_groups` stay; without seeds it begins near "
-           "the target (what is asked for of the seed, for locked groups and by prefer='seed', is "
-           "then "
-           "where the robot is). Returns q (B, n), "
+           "Solves many poses, as many at a time as the processor has vector lanes.\n\ntargets: "
+           "(B, 4, 4) in the robot base frame, or a list of poses; other threads must not write to "
+           "it meanwhile. seeds: (B, n) or (n,), where each search starts, and where the joints of "
+           "`locked_groups` stay. Without seeds a search starts near the target; locked groups and "
+           "prefer='seed' then refer to the robot's present joint values. Returns q (B, n), "
            "success (B,), position_error (B,) in m, rotation_error (B,) in rad and iterations "
-           "(B,). Limits are always obeyed. An answer does not depend on the batch it is in; "
-           "processors with other instruction sets may find another solution. A filter is given "
-           "the solutions of many targets at once. The other arguments are those of ik.")
+           "(B,). Solutions are within the limits and do not depend on the batch; processors with "
+           "other instruction sets may find another solution. A filter gets the solutions of many "
+           "targets at once. The other arguments are those of ik.")
       .def("ik_solutions", &SolveAll, "target"_a, "seed"_a = nb::none(),
            "locked_groups"_a = std::vector<std::string>{}, "tolerance"_a = 1e-5,
            "position_only"_a = false, "starts"_a = 200, "separation"_a = 0.05, nb::kw_only(),
@@ -380,13 +378,13 @@ void BindKinematics(nb::module_& m) {
            nb::sig("def ik_solutions(self, target: Pose | numpy.typing.ArrayLike, seed: object | "
                    "None = None, locked_groups: collections.abc.Sequence[str] = [], tolerance: "
                    "float = 1e-05, position_only: bool = False, starts: int = 200, separation: "
-                   "float = 0.05, *, " ROBOCELL_IK_WISHES_SIG
+                   "float = 0.05, *, " ROBOCELL_IK_OBJECTIVES_SIG
                    ") -> numpy.typing.NDArray[numpy.float64]"),
-           "All solutions (S, n) that `starts` searches find and that are more than `separation` "
-           "rad apart in some joint, nearest to the seed first (or best first, by `prefer`).\n\n"
-           "Of an arm with joints to spare these are samples of endlessly many; with `prefer` each "
-           "is the best of its kind. Of others all are wanted: searches go on until 600 in a row "
-           "have found nothing new (not where `starts` is below 48). The other arguments are "
+           "Returns all solutions (S, n) that `starts` searches find and that differ by more than "
+           "`separation` rad in some joint, nearest to the seed first (or best first, by "
+           "`prefer`).\n\nFor an arm with redundant joints these are samples of infinitely many; "
+           "with `prefer` each is the best of its kind. For other arms, searches continue until "
+           "600 in a row found nothing new (unless `starts` is below 48). The other arguments are "
            "those of ik.")
       .def("differential_ik", &SolveTwist, "q"_a, "twist"_a, "frame"_a = "base", "seconds"_a = 0.0,
            "max_speed"_a = nb::none(), "posture"_a = nb::none(), "posture_rate"_a = 1.0,
@@ -395,14 +393,13 @@ void BindKinematics(nb::module_& m) {
                    "= 'base', seconds: float = 0.0, max_speed: object | None = None, posture: "
                    "object | None = None, posture_rate: float = 1.0, locked_groups: "
                    "collections.abc.Sequence[str] = []) -> types.SimpleNamespace"),
-           "Joint velocities (n,) at q (n,) that move the TCP with `twist` (6,), linear then "
-           "angular, m/s and rad/s, in the axes of the robot base frame ('base'), of the TCP "
-           "('tip') or "
-           "of the 'world'.\n\n"
-           "No joint is faster than max_speed (n,) or leaves its limits within `seconds`; among "
-           "what is left the twist is met best. Speeds are damped near singularities. Joints to "
-           "spare go to `posture` (n,), a share posture_rate of the way per second. Returns "
-           "`velocity`, the `twist` that comes of it, and whether it is `slower` than asked.")
+           "Computes joint velocities (n,) at q (n,) that move the TCP with `twist` (6,), linear "
+           "then angular, m/s and rad/s, in the axes of the robot base frame ('base'), of the TCP "
+           "('tip') or of the 'world'.\n\nNo joint exceeds max_speed (n,) or leaves its limits "
+           "within `seconds`; within these bounds the twist is matched best. Speeds are damped "
+           "near singularities. Redundant joints move towards `posture` (n,), by the share "
+           "posture_rate of the distance per second. Returns `velocity`, the resulting `twist`, "
+           "and `slower`: whether it is slower than the given one.")
       .def(
           "manipulability",
           [](const Kinematics& k, nb::handle q, nb::handle out) {
@@ -411,30 +408,29 @@ void BindKinematics(nb::module_& m) {
           "q"_a, "out"_a = nb::none(),
           nb::sig("def manipulability(self, q: object, out: numpy.typing.NDArray[numpy.float64] | "
                   "None = None) -> typing.Any"),
-          "How well the TCP can move in all directions at q (n,): the root of det(J J^T), "
-          "with fewer than six joints of det(J^T J) (Yoshikawa 1985), 0 where a direction is lost; "
-          "of a batch (B, n), (B,).")
-      .def(
-          "reach_map", &MapReachOf, ROBOCELL_REACH_MAP_ARGS,
-          nb::sig("def reach_map(self, " ROBOCELL_REACH_MAP_SIG),
-          "Where the TCP can be in the box between the corners `lower` and `upper` (3,), m, in the "
-          "robot base frame (one layer of cells where they agree along an axis).\n\n"
-          "At the centre of each cell so many evenly spread rotations are tried. Returns "
-          "`fraction` (X, Y, Z), the share that is solved within the limits; `manipulability` (X, "
-          "Y, Z), the mean of the answers'; the centres `x`, `y`, `z`; `cell` and `rotations`. "
-          "Collisions are not looked at.\n\nAn arm of less than six joints reaches hardly any "
-          "rotation that it is given exactly: of one of five joints ask where an `axis` (3,) of "
-          "the TCP points, of a shorter one for the position only, for which `rotations` does not "
-          "count.")
+          "Returns how well the TCP can move in all directions at q (n,): the root of det(J J^T), "
+          "with fewer than six joints of det(J^T J) (Yoshikawa 1985). It is 0 where a direction is "
+          "lost. A batch (B, n) returns (B,).")
+      .def("reach_map", &MapReachOf, ROBOCELL_REACH_MAP_ARGS,
+           nb::sig("def reach_map(self, " ROBOCELL_REACH_MAP_SIG),
+           "Maps where the TCP can be in the box between the corners `lower` and `upper` (3,), m, "
+           "in the robot base frame. Where the corners agree along an axis, the map has one layer "
+           "of cells.\n\nTries `rotations` evenly spread rotations at the centre of each cell. "
+           "Returns `fraction` (X, Y, Z), the share that is solved within the limits; "
+           "`manipulability` (X, Y, Z), the mean of the solutions; the centres `x`, `y`, `z`; "
+           "`cell` and `rotations`. Collisions are ignored.\n\nAn arm with less than six joints "
+           "reaches hardly any exact rotation. With five joints, map where an `axis` (3,) of the "
+           "TCP points; with fewer, the position only, for which `rotations` does not count.")
       .def(
           "reach_box", [](const Kinematics& k) { return ReachBoxOf(SteadyChain(k.robot)); },
           nb::sig(ROBOCELL_REACH_BOX_SIG),
-          "Lower and upper corner (3,), m, of a box in the robot base frame beyond which the TCP "
-          "never is: for reach_map. ArgumentError for an arm with a slide without limits.")
+          "Returns the lower and upper corner (3,), m, of a box in the robot base frame that the "
+          "TCP never leaves, for reach_map. Raises ArgumentError for an arm with a slide without "
+          "limits.")
       .def_prop_ro(
           "reach", [](const Kinematics& k) { return k.robot.reach(); },
           nb::call_guard<nb::gil_scoped_release>(),
-          "Farthest the TCP gets from the root body, metres.");
+          "The farthest distance of the TCP from the root body, metres.");
 }
 
 }  // namespace robocell::python

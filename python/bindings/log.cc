@@ -20,15 +20,14 @@ nb::object Text(std::string_view text) {
   return decoded;
 }
 
-// A function (level, message) that any thread may call.
+// A sink: a function (level, message) that any thread may call.
 class PythonSink {
  public:
   explicit PythonSink(nb::object function) : function_(std::move(function)) {}
 
   PyObject* target() const { return function_.target(); }
 
-  // What it raises goes where Python tells of errors that nobody can catch. Ctrl-C meanwhile is
-  // heard by whoever looks next.
+  // Its exceptions go to sys.unraisablehook. The next check for signals sees a Ctrl-C.
   void operator()(LogLevel level, std::string_view message) const {
     const nb::gil_scoped_acquire gil;
     const nb::error_scope other;  // what is being logged may be about an error that is set
@@ -70,20 +69,20 @@ void BindLog(nb::module_& m) {
   m.def(
       "set_log_level", [](const std::string& level) { SetLogLevel(LogLevelFromName(level)); },
       nb::arg("level"),
-      "Show messages of this level and everything more severe: 'debug', 'info', 'warn', 'error'; "
-      "with 'none' nothing.");
+      "Shows messages of this level and everything more severe: 'debug', 'info', 'warn', 'error'. "
+      "'none' shows nothing.");
   m.def(
       "log_level", [] { return std::string(LogLevelName(GetLogLevel())); },
-      "The level in force: 'debug', 'info', 'warn', 'error' or 'none'.");
+      "Returns the present level: 'debug', 'info', 'warn', 'error' or 'none'.");
   m.def("set_log_sink", &SetSink, nb::arg("sink").none(),
         nb::sig("def set_log_sink(sink: collections.abc.Callable[[str, str], typing.Any] | None) "
                 "-> collections.abc.Callable[[str, str], typing.Any] | None"),
-        "Give each message that passes the level to sink(level, message) instead of stderr, in "
-        "this process; None: to stderr again, as when Python ends. Returns the sink before, None "
+        "Passes each message of the level to sink(level, message) instead of stderr, in this "
+        "process; None restores stderr, as does the end of Python. Returns the previous sink, None "
         "for stderr.\n\n`level` is 'debug', 'info', 'warn' or 'error'. The sink is called in the "
-        "thread that logs, maybe by several at once, in the middle of the call that has something "
-        "to say: it should not use the scene that is being worked on. What it raises goes to "
-        "sys.unraisablehook, and the call goes on. TypeError for what cannot be called.");
+        "thread that logs, possibly by several threads at once, in the middle of the call that "
+        "logs: it should not use the scene of that call. Its exceptions go to sys.unraisablehook, "
+        "and the call continues. Raises TypeError for a sink that cannot be called.");
   // Other threads may log when Python is no longer there to be asked.
   nb::module_::import_("atexit").attr("register")(nb::cpp_function([] { SetLogSink({}); }));
 }

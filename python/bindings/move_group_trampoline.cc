@@ -17,7 +17,7 @@ nb::object Array(std::span<const double> values) {
   return NewArray<double>(values, {values.size()});
 }
 
-// Whether a method is the one that MoveGroup has for all groups, which would ask the group again.
+// Returns true for the method of MoveGroup itself, which would call the group again.
 bool IsInherited(nb::handle method, const char* name) {
   const nb::handle base = nb::type<MoveGroup>();
   if (!nb::hasattr(base, name) || !nb::hasattr(method, "__self__")) return false;
@@ -32,8 +32,8 @@ nb::object Method(nb::handle self, const char* name) {
               ClassName(self) + " does not");
 }
 
-// The numbers that a method returned. Of another shape they would mean something else, however many
-// they are; nothing is nothing in any shape.
+// Reads the numbers that a method returned. A wrong shape is an error, even with the right count;
+// an empty array is accepted in any shape.
 std::vector<double> NumbersOf(nb::handle self, const char* name, nb::handle numbers,
                               const std::vector<size_t>& expected) {
   std::vector<size_t> shape;
@@ -61,7 +61,7 @@ double Finite(nb::handle self, const char* name, double value) {
       fmt::format("{}.{}() must return a finite number, got {}", ClassName(self), name, value));
 }
 
-// What the method returned for these arguments.
+// Returns what the method returned for these arguments.
 template <class T, class... Args>
 T Ask(const WrittenInPython& group, const char* name, const Args&... args) {
   const nb::gil_scoped_acquire gil;
@@ -69,7 +69,7 @@ T Ask(const WrittenInPython& group, const char* name, const Args&... args) {
   return Returned<T>(self, name, Method(self, name)(args...));
 }
 
-// The same for numbers that C++ goes on with.
+// The same for numbers that C++ uses.
 template <class... Args>
 double AskNumber(const WrittenInPython& group, const char* name, const Args&... args) {
   const nb::gil_scoped_acquire gil;

@@ -1,4 +1,4 @@
-// What robocell knows about the engine it runs on.
+// Known defects of the loaded engine.
 #include <fmt/format.h>
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
@@ -12,16 +12,16 @@ namespace nb = nanobind;
 namespace robocell::python {
 
 void BindMujoco(nb::module_& m) {
-  nb::class_<EngineDefect>(m, "EngineDefect", "A known defect of the MuJoCo that is loaded.")
-      .def_ro("name", &EngineDefect::name, "A short name, used in records of episodes.")
+  nb::class_<EngineDefect>(m, "EngineDefect", "A known defect of the loaded MuJoCo.")
+      .def_ro("name", &EngineDefect::name, "Short name, used in the metadata of episodes.")
       .def_ro("what", &EngineDefect::what, "What goes wrong, and when.")
-      .def_ro("guard", &EngineDefect::guard, "What robocell does about it; empty when nothing.")
-      .def_ro("fixed_in", &EngineDefect::fixed_in, "The version of MuJoCo that is right.")
+      .def_ro("guard", &EngineDefect::guard, "What robocell does about it; empty if nothing.")
+      .def_ro("fixed_in", &EngineDefect::fixed_in, "The version of MuJoCo without the defect.")
       .def("__repr__", [](const EngineDefect& defect) {
         return fmt::format("EngineDefect(name='{}', fixed_in='{}')", defect.name, defect.fixed_in);
       });
   m.def("known_engine_defects", &KnownEngineDefects,
-        "The known defects of the MuJoCo that is loaded; `robocell doctor` prints them.");
+        "Returns the known defects of the loaded MuJoCo; `robocell doctor` prints them.");
 }
 
 }  // namespace robocell::python

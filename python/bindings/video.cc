@@ -32,12 +32,10 @@ void UseCamera(SceneRecorder& self, nb::handle camera) {
 }  // namespace
 
 void BindVideo(nb::module_& m) {
-  m.def(
-      "ffmpeg_answer", &FfmpegAnswer, nb::call_guard<nb::gil_scoped_release>(),
-      "What ffmpeg said of its version, as ROBOCELL_FFMPEG_ANSWER for the processes that this one "
-      "starts; '' when it was\n"
-      "not asked.");
-  nb::enum_<VideoResolution>(m, "VideoResolution", "Common sizes.")
+  m.def("ffmpeg_answer", &FfmpegAnswer, nb::call_guard<nb::gil_scoped_release>(),
+        "Returns the version that ffmpeg reported, as ROBOCELL_FFMPEG_ANSWER for the processes "
+        "that this one starts; '' if ffmpeg has not been asked.");
+  nb::enum_<VideoResolution>(m, "VideoResolution", "Common sizes of videos.")
       .value("R360p", VideoResolution::kR360p)
       .value("R480p", VideoResolution::kR480p)
       .value("R720p", VideoResolution::kR720p)
@@ -47,10 +45,9 @@ void BindVideo(nb::module_& m) {
   nb::class_<SceneRecorder> recorder(
       m, "VideoRecorder",
       "Records a scene as an mp4 of exact length, without a display: one frame for each "
-      "record_frame(). The camera is free\n"
-      "until another one is chosen, and shows the whole model until it is set. Cameras, and the "
-      "bodies that they track, are\n"
-      "found again by name when objects were added or removed.",
+      "record_frame(). The camera is free until another one is chosen, and shows the whole model "
+      "until it is set. Cameras, and the bodies that they track, are found again by name after "
+      "objects were added or removed.",
       nb::type_slots(kHandleSlots<SceneRecorder>));
   GuardHandle<SceneRecorder>(
       recorder, [](const SceneRecorder& r, SceneClaims& claims) { claims.Add(r.scene()); },
@@ -65,7 +62,8 @@ void BindVideo(nb::module_& m) {
                 SceneRecorder(scene, path, {.width = width, .height = height, .fps_num = fps});
           },
           "scene"_a, "path"_a, "width"_a = 1280, "height"_a = 720, "fps"_a = 60,
-          nb::call_guard<nb::gil_scoped_release>(), "Even sizes, in pixels.")
+          nb::call_guard<nb::gil_scoped_release>(),
+          "width and height: even sizes in pixels. fps: frames per second.")
       .def_static(
           "open_preset",
           [](const Scene& scene, const std::filesystem::path& path, VideoResolution resolution,
@@ -78,18 +76,15 @@ void BindVideo(nb::module_& m) {
           "scene"_a, "path"_a, "resolution"_a = VideoResolution::kR720p, "fps"_a = 60,
           nb::call_guard<nb::gil_scoped_release>())
       .def("camera_names", &SceneRecorder::camera_names,
-           "What use_camera takes by name: 'Current', 'Free', 'Tracking', then the cameras of "
-           "robots "
-           "and objects, then those of\n"
-           "SceneSpec.cameras.")
+           "Names that use_camera accepts: 'Current', 'Free', 'Tracking', then the cameras of "
+           "robots and objects, then those of SceneSpec.cameras.")
       .def("use_camera", &UseCamera, "camera"_a.none(),
            nb::sig("def use_camera(self, camera: str | OrbitCamera | FreeCamera | TrackingCamera)"
                    " -> None"),
-           "One of camera_names(), or any other one. 'Free' and '' are the free camera where "
-           "set_free_camera left it, 'Tracking' is\n"
-           "the one of set_tracking_camera (ArgumentError before that), 'Current' changes nothing. "
-           "NotFoundError with the names\n"
-           "that there are.")
+           "Selects a camera by one of camera_names(), or any other camera. 'Free' and '' are the "
+           "free camera where set_free_camera left it, 'Tracking' is the camera of "
+           "set_tracking_camera (ArgumentError before that), 'Current' changes nothing. Raises "
+           "NotFoundError with the available names.")
       .def(
           "set_free_camera",
           [](SceneRecorder& r, double distance, double azimuth, double elevation,
@@ -99,16 +94,16 @@ void BindVideo(nb::module_& m) {
             r.SetFreeCamera(distance, azimuth, elevation, point);
           },
           "distance"_a, "azimuth"_a, "elevation"_a, "lookat"_a,
-          "The free camera, from now on: looks at a point in the world; metres and degrees, as in "
-          "MuJoCo's viewer.")
+          "Uses the free camera from now on. It looks at the point `lookat` in the world; metres "
+          "and degrees, as in MuJoCo's viewer.")
       .def("set_tracking_camera", &SceneRecorder::SetTrackingCamera, "body"_a, "distance"_a = 2.0,
            "azimuth"_a = 90.0, "elevation"_a = -45.0, nb::call_guard<nb::gil_scoped_release>(),
-           "Follows a body and what hangs from it (the centre of their mass), from the same "
+           "Follows the centre of mass of a body and everything attached to it, from a constant "
            "direction.")
       .def("record_frame", &SceneRecorder::RecordFrame, nb::call_guard<nb::gil_scoped_release>(),
-           "The scene as it is now becomes one frame.")
+           "Records the present state of the scene as one frame.")
       .def("finish", &SceneRecorder::Finish, nb::call_guard<nb::gil_scoped_release>(),
-           "Ends the file; without it there is none.")
+           "Completes the file. Without this call there is no file.")
       .def_prop_ro("frames", &SceneRecorder::frames)
       .def(
           "__enter__", [](nb::object self) { return self; },

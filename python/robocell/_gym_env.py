@@ -1,4 +1,4 @@
-"""One environment as Gymnasium's."""
+"""A single environment with Gymnasium's interface."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium import spaces
 from gymnasium.utils import seeding
 
 from robocell._core import ArgumentError, Env, EnvConfig, OrbitCamera, Renderer
@@ -16,7 +15,7 @@ from robocell._window import RENDER_SIZE, Window, frame_rate, side_view
 
 
 def options_of(options: Any, takes: str | None = None) -> Mapping[str, Any]:
-    """Options of a reset, which takes only the one that is named."""
+    """Checks the options of a reset, which accepts only `takes`."""
     if options is None:
         return {}
     if not isinstance(options, Mapping):
@@ -30,14 +29,14 @@ def options_of(options: Any, takes: str | None = None) -> Mapping[str, Any]:
 
 
 class GymEnv(gymnasium.Env[Any, Any]):
-    """An environment of a configuration, with spaces; ``unwrapped.core`` is the ``rc.Env`` itself.
+    """A Gymnasium environment of a configuration; ``unwrapped.core`` is its ``rc.Env``.
 
-    Spaces are dictionaries by robot, as in ``rc.Env``: ranges of joints and positions come from the
-    robots. ``render_mode`` is None, "rgb_array" (``render`` gives pictures) or "human": a window
-    that follows every step, as with ``headless: false`` in the configuration. Without a display
-    that is a warning, once, and no window. Pictures show the robots from the side and in front, or
-    what ``render_camera`` (a camera of the scene, "" for the whole model, or an OrbitCamera and its
-    like) sees.
+    Spaces are dictionaries by robot, as in ``rc.Env``; the robots give the ranges of joints and
+    positions. ``render_mode`` is None, "rgb_array" (``render`` returns pictures) or "human" (a
+    window follows every step, as with ``headless: false`` in the configuration). Without a display
+    "human" logs one warning and opens no window. Pictures show the robots from the side and in
+    front, or the view of ``render_camera``: a camera of the scene, "" for the whole model, or an
+    OrbitCamera and similar.
     """
 
     metadata = {  # noqa: RUF012  (as in Gymnasium)
@@ -59,12 +58,10 @@ class GymEnv(gymnasium.Env[Any, Any]):
         self._generator: np.random.Generator | None = None
         self.core = Env(config)
         self.render_mode = render_mode
-        self.action_space = space_of(*self.core.action_range)
-        lower, upper = self.core.observation_range
-        seen = {key: space_of(lower[key], upper[key]) for key in lower}
-        if config.cameras.streams:
-            seen["frames"] = frame_space(config)
-        self.observation_space = spaces.Dict(seen)
+        self.action_space = space_of(self.core.commanded, self.core.action_parts)
+        self.observation_space = space_of(
+            self.core.observed, self.core.observation_parts, frame_space(config)
+        )
         self.metadata = {**self.metadata, "render_fps": frame_rate(config)}
         view = side_view(self.core.scene, config)
         self._camera = OrbitCamera(**view) if render_camera is None else render_camera
@@ -75,8 +72,8 @@ class GymEnv(gymnasium.Env[Any, Any]):
         if render_mode == "human" or not config.headless:
             self._window = Window.open(self.core.scene, view)
 
-    # Gymnasium's generator, which nothing here draws from once there was a seed: making one takes
-    # longer than a whole reset, so it is made when somebody asks for it.
+    # Gymnasium's generator. Nothing here draws from it after the first seed, and making it takes
+    # longer than a whole reset, so it is made on first use.
     @property
     def _np_random(self) -> np.random.Generator | None:
         if self._generator is None and self._np_random_seed is not None:
@@ -95,10 +92,10 @@ class GymEnv(gymnasium.Env[Any, Any]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
-        """To a start: that of the seed, or the next one of the last seed; by chance at first.
+        """Resets to the start of the seed, or to the next start of the last seed.
 
-        ``options={"keyframe": ...}`` starts the robots at a keyframe of the scene (see
-        ``Scene.reset``) in place of their homes.
+        Without any seed so far, it uses a random one. ``options={"keyframe": ...}`` starts the
+        robots at a keyframe of the scene (see ``Scene.reset``) instead of at home.
         """
         if seed is not None:
             self._seed(seed)
@@ -112,14 +109,14 @@ class GymEnv(gymnasium.Env[Any, Any]):
         return observation, info
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """One step; ``info["reason"]`` says why it ended."""
+        """Makes one step; ``info["reason"]`` says why it ended."""
         result = self.core.step(action)
         if self._window:
             self._window.show()
         return result
 
     def render(self) -> Any:
-        """The picture (H, W, 3) uint8 of the present state; None in another mode."""
+        """Returns a picture (H, W, 3) uint8 of the present state; None in other modes."""
         if self.render_mode != "rgb_array":
             return None
         if self._renderer is None:
@@ -128,7 +125,7 @@ class GymEnv(gymnasium.Env[Any, Any]):
         return self._renderer.render(self._camera, width=width, height=height)["rgb"]
 
     def close(self) -> None:
-        """Ends its use; may be repeated."""
+        """Closes the environment; may be repeated."""
         self._renderer = None
         if self._window:
             self._window.close()

@@ -1,4 +1,4 @@
-"""Environments with vectors in the place of dictionaries."""
+"""Environments with vectors instead of dictionaries."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def _require_no_streams(config: EnvConfig) -> None:
 
 
 def _observation_box(lower: NDArray[Any], upper: NDArray[Any]) -> spaces.Box:
-    """In float32; rounding of the numbers must not leave it."""
+    """Returns a float32 box that rounding cannot leave."""
     low, high = lower.astype(np.float32), upper.astype(np.float32)
     return spaces.Box(
         np.nextafter(low, np.float32(-np.inf)), np.nextafter(high, np.float32(np.inf))
@@ -34,7 +34,7 @@ def _observation_box(lower: NDArray[Any], upper: NDArray[Any]) -> spaces.Box:
 
 
 def shares_of(name: str, action: Any, size: int, copies: int | None = None) -> NDArray[np.float64]:
-    """An action as numbers of ranges: ``size`` of them, or a row of them for each copy."""
+    """Checks an action: ``size`` numbers, or a row of them for each copy."""
     shape = (size,) if copies is None else (copies, size)
     try:
         shares = np.asarray(action, dtype=np.float64)
@@ -51,18 +51,18 @@ def shares_of(name: str, action: Any, size: int, copies: int | None = None) -> N
 
 
 def scaled(shares: NDArray[Any], low: NDArray[Any], high: NDArray[Any]) -> NDArray[np.float64]:
-    """Numbers of ranges: -1 is their lower end, 1 the upper; what is beyond is cut."""
+    """Scales -1 to the lower end of each range and 1 to the upper; values beyond are clipped."""
     numbers: NDArray[np.float64] = low + (shares.clip(-1, 1) + 1) / 2 * (high - low)
     return numbers
 
 
 class FlatGymEnv(GymEnv):
-    """A ``GymEnv`` for learning code that takes boxes; what ``gym.make(..., flat=True)`` makes.
+    """A ``GymEnv`` for learning code that needs boxes; ``gym.make(..., flat=True)`` makes it.
 
-    Observations are (m,) float32: the numbers of the dictionaries, one part after another
-    (``observation_parts`` of ``core``), in metres and radians. Actions are (n,), between -1 and 1
-    for the ranges of the dictionaries; what is beyond is cut. They are those of a copy of
-    ``FlatVectorGymEnv``. There are no images. Arguments as of ``GymEnv``.
+    Observations are (m,) float32: the values of the dictionaries, one part after another
+    (``observation_parts`` of ``core``), in metres and radians. Actions are (n,) between -1 and 1,
+    scaled to the ranges of the dictionaries; values beyond are clipped. Both are the same as in a
+    copy of ``FlatVectorGymEnv``. There are no images. Arguments are those of ``GymEnv``.
     """
 
     def __init__(
@@ -86,12 +86,12 @@ class FlatGymEnv(GymEnv):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
-        """To a start, as ``GymEnv``."""
+        """Resets to a start, as ``GymEnv``."""
         observation, info = super().reset(seed=seed, options=options)
         return self._flat(observation), info
 
     def step(self, action: Any) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
-        """One step; ``info["reason"]`` says why it ended."""
+        """Makes one step; ``info["reason"]`` says why it ended."""
         seen, reward, terminated, truncated, info = super().step(self._commands(action))
         return self._flat(seen), reward, terminated, truncated, info
 
@@ -108,7 +108,7 @@ class FlatGymEnv(GymEnv):
 
 
 def _joined(tree: Any, paths: list[tuple[str, ...]]) -> NDArray[np.float64]:
-    """The arrays that paths lead to, one after another."""
+    """Joins the arrays at the paths, one after another."""
     parts = []
     for path in paths:
         part = tree
@@ -119,10 +119,10 @@ def _joined(tree: Any, paths: list[tuple[str, ...]]) -> NDArray[np.float64]:
 
 
 class FlatVectorGymEnv(VectorGymEnv):
-    """A ``VectorGymEnv`` for learning code that takes boxes, such as CleanRL's.
+    """A ``VectorGymEnv`` for learning code that needs boxes, such as CleanRL's.
 
-    Observations are (num_envs, m) float32 and actions (num_envs, n), each row as of ``FlatGymEnv``.
-    All else, final observations too, is as there. There are no images. Arguments as of
+    Observations are (num_envs, m) float32 and actions (num_envs, n); each row, and each final
+    observation, is as in ``FlatGymEnv``. There are no images. Arguments are those of
     ``VectorGymEnv``.
     """
 

@@ -1,4 +1,4 @@
-"""Copies of one environment as a vector environment of Gymnasium's."""
+"""Copies of one environment as a Gymnasium vector environment."""
 
 from __future__ import annotations
 
@@ -13,12 +13,11 @@ from numpy.typing import NDArray
 
 from robocell._core import ArgumentError, EnvBatch, EnvConfig, OrbitCamera
 from robocell._gym_env import options_of
-from robocell._spaces import frame_space, space_of
+from robocell._spaces import Part, frame_space, space_of
 from robocell._window import RENDER_SIZE, frame_rate, side_view, warn_once
 
 Observation = dict[str, Any]
 Action = Mapping[str, Any]
-Part = tuple[tuple[str, ...], int, int]  # keys, first column, number of columns
 
 RESET_OPTION = "reset_mask"
 NO_WINDOWS = (
@@ -28,25 +27,25 @@ NO_WINDOWS = (
 
 
 class VectorGymEnv(VectorEnv[Any, Any, Any]):
-    """Copies of one environment on one model, on C++ threads: one call of Python for a step of all.
+    """Copies of one environment on one model, on C++ threads. One Python call steps all copies.
 
-    Observations, rewards and ends are those of as many ``GymEnv``; all three autoreset modes of
-    Gymnasium are there. Infos have ``reason``, ``time``, ``robots`` (what was left of
-    each robot's motion, arrays under the keys that ``Env.step`` documents) and, with a task,
-    ``is_success`` and ``instruction``, each with a mask (``_reason`` ...) of the copies that made a
-    step; with SAME_STEP those that ended have theirs in ``final_info``, beside ``final_obs``.
-    Images are drawn by one renderer, one copy after the other.
+    Observations, rewards and ends are those of separate ``GymEnv``. All three autoreset modes of
+    Gymnasium are supported. Infos have ``reason``, ``time``, ``robots`` (the remaining motion of
+    each robot, arrays under the keys that ``Env.step`` documents) and, with a task, ``is_success``
+    and ``instruction``, each with a mask (``_reason`` ...) of the copies that made a step. With
+    SAME_STEP, the infos of copies that ended are in ``final_info``, beside ``final_obs``. One
+    renderer draws the images, one copy after the other.
 
     Args:
-        config: what all copies are.
+        config: configuration of all copies.
         num_envs: number of copies.
-        max_episode_steps: after so many an episode is truncated; never without.
-        autoreset_mode: when ended episodes begin anew.
-        threads: for the work, the caller's included; 0 for one for each core.
-        render_mode: None or "rgb_array": ``render`` gives a picture of each copy, all drawn by one
-            renderer. Copies have no windows.
-        render_camera: what pictures show, as of ``GymEnv``.
-        render_size: their width and height, pixels.
+        max_episode_steps: number of steps after which an episode is truncated; None: never.
+        autoreset_mode: when ended episodes restart.
+        threads: number of threads, including the caller's; 0 for one per core.
+        render_mode: None or "rgb_array": ``render`` returns a picture of each copy. Copies have no
+            windows.
+        render_camera: camera of the pictures, as in ``GymEnv``.
+        render_size: width and height of the pictures, pixels.
     """
 
     def __init__(
@@ -74,11 +73,10 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
         self._action_parts = self.core.action_parts
         self._observation_parts = self.core.observation_parts
         self._action_keys = list(_keys_of(self._action_parts))
-        self.single_action_space = self._space(self._action_parts, self.core.action_range)
-        observed = self._space(self._observation_parts, self.core.observation_range)
-        if config.cameras.streams:
-            observed["frames"] = frame_space(config)
-        self.single_observation_space = observed
+        self.single_action_space = space_of(self.core.commanded, self._action_parts)
+        self.single_observation_space = space_of(
+            self.core.observed, self._observation_parts, frame_space(config)
+        )
         self.num_envs = num_envs
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
@@ -96,21 +94,16 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
         self._ended = np.zeros(num_envs, dtype=bool)
         self._seeded = np.zeros(num_envs, dtype=bool)
 
-    @staticmethod
-    def _space(parts: Sequence[Part], flat: tuple[NDArray[Any], NDArray[Any]]) -> Any:
-        lower, upper = (_split(parts, ends) for ends in flat)
-        return space_of(lower, upper)
-
     def reset(
         self,
         *,
         seed: int | Sequence[int | None] | None = None,
         options: dict[str, Any] | None = None,
     ) -> tuple[Any, dict[str, Any]]:
-        """All copies to starts; ``options={"reset_mask": (num_envs,) bool}`` only some.
+        """Resets all copies, or with ``options={"reset_mask": (num_envs,) bool}`` some of them.
 
-        Copy i gets ``seed + i``, or its own seed of as many. Without, the next of its last seed;
-        by chance at first.
+        Copy i gets ``seed + i``, or the i-th of num_envs seeds. Without a seed it gets the next
+        start of its last seed, or a random one at first.
         """
         which = self._which(options)
         observations = self.core.reset(self._seeds(seed, which), which.tolist())
@@ -121,9 +114,9 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
     def step(
         self, actions: Any
     ) -> tuple[Any, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
-        """One step of every copy; those that ended begin anew as the autoreset mode says.
+        """Makes one step of every copy; ended copies restart as the autoreset mode says.
 
-        After an error on the way, as after Ctrl-C, all copies want a reset.
+        After an error during the step, or Ctrl-C, reset all copies.
         """
         if self.autoreset_mode == AutoresetMode.DISABLED and self._ended.any():
             raise ArgumentError(
@@ -149,7 +142,7 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
         return self._observation(flat), rewards, *ends, infos
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
-        """A picture (H, W, 3) uint8 of each copy's present state; None in another mode."""
+        """Returns a picture (H, W, 3) uint8 of each copy's present state; None in other modes."""
         if self.render_mode is None:
             return None
         width, height = self._size
@@ -190,7 +183,7 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
         return seeds
 
     def _flat(self, actions: Any) -> NDArray[np.float64]:
-        """Matrix of the actions' numbers, a row for each copy."""
+        """Returns the actions as a matrix with a row for each copy."""
         for path, keys in self._action_keys:
             self._check_keys(_at(actions, path), path, keys)
         return np.concatenate([self._rows(actions, part) for part in self._action_parts], axis=1)

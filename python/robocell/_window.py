@@ -1,4 +1,4 @@
-"""What an environment shows to people: a view of its robots, and a window of it.
+"""Shows an environment: a view of its robots, and a window.
 
 The window is MuJoCo's own viewer, which copies the state when it is told to.
 """
@@ -25,7 +25,7 @@ _warned: set[str] = set()
 
 
 def frame_rate(config: EnvConfig) -> int:
-    """How many pictures of its steps are a second, at least 1."""
+    """Returns the number of pictures per second of its steps, at least 1."""
     return max(1, round(config.sim.frequency)) if config.sim.async_control else FRAME_RATE
 
 
@@ -47,7 +47,7 @@ def side_view(scene: Scene, config: EnvConfig) -> dict[str, Any]:
 
 
 def warn_once(message: str) -> None:
-    """A warning that the process has not given yet."""
+    """Logs a warning once per process."""
     if message not in _warned:
         _warned.add(message)
         warnings.warn(message, stacklevel=4)
@@ -80,7 +80,7 @@ class Window:
 
     @classmethod
     def open(cls, scene: Scene, view: dict[str, Any]) -> Window | None:
-        """A window, or a warning and None where there can be none."""
+        """Opens a window, or logs a warning and returns None if there can be none."""
         if not has_display():
             warn_once(NO_DISPLAY)
             return None
@@ -91,10 +91,10 @@ class Window:
             return None
 
     def show(self) -> None:
-        """The present state; nothing once the user has closed the window."""
+        """Shows the present state; does nothing after the user closed the window."""
         if self._viewer.is_running():
             self._viewer.sync()
 
     def close(self) -> None:
-        """Ends it; may be repeated."""
+        """Closes the window; may be repeated."""
         self._viewer.close()

@@ -1,4 +1,4 @@
-"""Features: what a cell observes, records and commands, by name, and your own.
+"""Features: the named values that a cell observes, records and commands, and features of your own.
 
     @register_feature("tcp_height", unit="m", frame="world")
     def tcp_height(scene):
@@ -40,23 +40,23 @@ def register_feature(
     upper: Sequence[float] = (),
     description: str = "",
 ) -> Callable[[FeatureFunction], FeatureFunction]:
-    """Makes a function of a scene known as a feature, for cells whose `features` name it.
+    """Registers a function of a scene as a feature, for cells that list it in `features`.
 
-    Such cells record it as the column `features/<name>`, and policies and environments see it.
+    Such cells record it as the column `features/<name>`, and policies and environments observe it.
 
     Args:
-        name: What `features: [...]` of a run says; one part of a path.
-        shape: Of its numbers, () for a single one.
-        unit: "m/s", "1".
-        frame: What it is expressed in: "world".
-        names: Of the numbers along the last axis.
-        privileged: Whether only simulation knows it, unlike a sensor.
-        lower: Smallest of each number, row-major; none without `upper`.
-        upper: Largest of each number.
-        description: One sentence, where the name does not say it.
+        name: Name for `features: [...]` of a run; one part of a path.
+        shape: Shape of the values, () for a single number.
+        unit: Unit, such as "m/s"; "1" without a unit.
+        frame: Frame that the values are expressed in, such as "world".
+        names: Names of the values along the last axis.
+        privileged: Whether only simulation knows the values, unlike a sensor.
+        lower: Smallest value of each number, row-major; requires `upper`.
+        upper: Largest value of each number.
+        description: One sentence, if the name is not enough.
 
-    The function is called as `function(scene)` for each recorded row and returns finite numbers of
-    that shape. Registering a name again replaces it (ArgumentError for one of C++).
+    `function(scene)` is called for each recorded row and returns finite numbers of that shape.
+    Registering a name again replaces it; a name registered in C++ raises ArgumentError.
     """
     if not isinstance(name, str) or not name:
         raise ArgumentError("register_feature: `name` must be a name that is not empty")

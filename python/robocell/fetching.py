@@ -1,4 +1,4 @@
-"""Fetching robots of the MuJoCo Menagerie, and pinning what was fetched.
+"""Fetches robots of the MuJoCo Menagerie, and pins their versions.
 
 Robots come through the package ``mujoco-menagerie`` into its cache, where ``menagerie:`` names find
 them. What was fetched is written down in a record: the Menagerie's commit, the robot's version, the
@@ -72,12 +72,12 @@ class Fetched:
 
 
 def record_path() -> Path:
-    """Of what is in the cache; beside the package's own folder, which holds nothing else."""
+    """Returns the path of the cache's record, which is not in the package's own folder."""
     return _user_cache() / "robocell" / RECORD
 
 
 def read_record(path: Path) -> dict[str, Pin]:
-    """Robot -> Pin; empty when nothing was fetched. IoError when the file is no record."""
+    """Returns robot -> Pin, empty if nothing was fetched. IoError if the file is not a record."""
     try:
         entries = json.loads(path.read_text())["robots"]
         return {robot: Pin(**pin) for robot, pin in entries.items()}
@@ -90,7 +90,7 @@ def read_record(path: Path) -> dict[str, Pin]:
 
 
 def write_record(path: Path, record: dict[str, Pin]) -> None:
-    """Atomically, robots in the order of their names."""
+    """Writes the record atomically, robots in the order of their names."""
     robots = {robot: dataclasses.asdict(pin) for robot, pin in sorted(record.items())}
     path.parent.mkdir(parents=True, exist_ok=True)
     atomic_write(path, (json.dumps({"robots": robots}, indent=1) + "\n").encode())
@@ -98,7 +98,7 @@ def write_record(path: Path, record: dict[str, Pin]) -> None:
 
 @contextlib.contextmanager
 def _changing(path: Path) -> Iterator[None]:
-    """Keeps other processes from changing a record, and what it is the record of, meanwhile."""
+    """Locks a record and what it describes against other processes."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.with_name(f".{path.name}.lock").open("ab") as lock:
         with contextlib.suppress(OSError):  # a file system without locks: as well as it goes
@@ -107,14 +107,14 @@ def _changing(path: Path) -> Iterator[None]:
 
 
 def _pin(path: Path, robot: str, pin: Pin) -> None:
-    """Adds to the record as it is now: others may have been added to it. For whoever changes it."""
+    """Adds a robot to the present record, which others may have changed. The caller locks it."""
     record = read_record(path)
     if record.get(robot) != pin:
         write_record(path, {**record, robot: pin})
 
 
 def main_file(robot: str) -> str:
-    """Of a robot's folder; NotFoundError without the package, or when there is no such robot."""
+    """Returns a robot's main model file; NotFoundError without the package or robot."""
     try:
         entry = _package().get(robot)
     except _package().MenagerieError as error:
@@ -124,7 +124,7 @@ def main_file(robot: str) -> str:
 
 
 def printed_progress() -> Progress:
-    """Draws what is downloaded into the terminal; NotFoundError without the package."""
+    """Returns the progress bar of downloads; NotFoundError without the package."""
     draw: Progress = _package().print_progress
     return draw
 
@@ -185,7 +185,7 @@ def _is_same(fetched: Fetched, target: Path, *, update: bool) -> bool:
 
 
 def _replace(target: Path, source: Path) -> None:
-    """Puts a copy of a folder there. What is there is moved aside first, and goes last."""
+    """Puts a copy of a folder there. An existing folder is moved aside first and deleted last."""
     part, old = (target.with_name(f".{target.name}.{uuid.uuid4().hex}") for _ in range(2))
     try:
         shutil.copytree(source, part, ignore=shutil.ignore_patterns(".complete"))
@@ -201,7 +201,7 @@ def _replace(target: Path, source: Path) -> None:
 
 
 def require_unchanged(robot: str, folder: Path, files: dict[str, str]) -> None:
-    """IoError that names the files that are not as they were recorded."""
+    """Raises IoError with the files that differ from the record."""
     have = _hashes(folder)
     wrong = sorted(file for file in files if have.get(file) != files[file])
     if wrong:
@@ -213,13 +213,13 @@ def require_unchanged(robot: str, folder: Path, files: dict[str, str]) -> None:
 
 
 def known_robots() -> list[Any]:
-    """All robots of the installed registry: name, category, license, download_size. No network."""
+    """Returns all robots of the installed registry, without network."""
     robots: list[Any] = _package().robots()
     return robots
 
 
 def robots_like(words: Sequence[str]) -> list[Any]:
-    """Those of `known_robots` with one of the words in their names; all without a word."""
+    """Returns the `known_robots` with one of the words in their names; without words all."""
     return [
         robot
         for robot in known_robots()
@@ -234,7 +234,7 @@ def _with_in_name(word: str) -> str:
 
 
 def cached_folder(robot: str, tree: str) -> Path:
-    """Where the cache has a version of a robot; it need not be there."""
+    """Returns the folder of a version of a robot in the cache, which need not exist."""
     return Path(_cache().dir) / "models" / f"{robot}-{tree[:VERSION_DIGITS]}"
 
 
@@ -320,7 +320,7 @@ def _hashes(folder: Path) -> dict[str, str]:
 
 
 def _cache() -> Any:
-    """The package's cache, also where MENAGERIE_ROOT is set: what is fetched goes there."""
+    """Returns the package's cache, the target of fetching, also if MENAGERIE_ROOT is set."""
     cache = _package().Cache()
     cache.root = None
     return cache

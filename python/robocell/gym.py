@@ -1,4 +1,4 @@
-"""Environments as Gymnasium's.
+"""Gymnasium environments and vector environments of robocell cells.
 
 import gymnasium as gym
 import robocell.gym
@@ -58,7 +58,7 @@ def _single(config: EnvConfig, render_mode: str | None, flat: bool) -> GymEnv:
 
 
 def _configured(config: EnvConfig | File | None, fields: dict[str, Any]) -> EnvConfig:
-    """A copy, what a file says or a ready-made cell, with other fields."""
+    """Returns a copy of a configuration, a file or a ready-made cell, with fields replaced."""
     if config is None:  # Gymnasium calls without, and would tell of this module's function
         raise ArgumentError(
             "robocell/Env-v0 needs a config: an EnvConfig, its file, or the name of a ready-made "
@@ -76,13 +76,14 @@ def environment(
     flat: bool = False,
     **fields: Any,
 ) -> GymEnv:
-    """The environment ``robocell/Env-v0``: of any configuration.
+    """Makes the environment ``robocell/Env-v0`` of any configuration.
 
     Args:
-        config: it, its file, or the name of a ready-made cell (``models.cells()``); required.
-        render_mode: as of ``GymEnv``.
-        flat: whether observations and actions are vectors: ``FlatGymEnv``.
-        fields: of EnvConfig, in the place of those of the configuration.
+        config: the configuration, its file, or the name of a ready-made cell
+            (``models.cells()``); required.
+        render_mode: as in ``GymEnv``.
+        flat: whether observations and actions are vectors (``FlatGymEnv``).
+        fields: fields of EnvConfig that replace those of the configuration.
     """
     return _single(_configured(config, fields), render_mode, flat)
 
@@ -97,22 +98,22 @@ def environment_vector(
     render_mode: str | None = None,
     **fields: Any,
 ) -> VectorGymEnv:
-    """What ``gym.make_vec("robocell/Env-v0", num_envs=64, config="duo.yaml")`` makes."""
+    """Makes ``gym.make_vec("robocell/Env-v0", num_envs=64, config="duo.yaml")``."""
     own = _configured(config, fields)
     kind = FlatVectorGymEnv if flat else VectorGymEnv
     return kind(own, num_envs, max_episode_steps, autoreset_mode, threads, render_mode)
 
 
 def pick_cube_config(robot: RobotConfig | File = "rc7", **fields: Any) -> EnvConfig:
-    """A robot that is to pick up a cube from the floor in front of it.
+    """Returns the configuration of a robot that picks up a cube from the floor in front of it.
 
-    Actions are poses, ``cartesian_tquat``; with ``control_mode="joints"`` steps have the limit that
-    EnvConfig has for these.
+    Actions are poses, ``cartesian_tquat``. With ``control_mode="joints"`` steps have the limit of
+    EnvConfig for joints.
 
     Args:
-        robot: a built-in robot's name, the name of a ready-made cell (``models.cells()``), whose
-            robots and what they carry are taken, a robot file, or a configuration.
-        fields: of EnvConfig, in the place of those chosen here.
+        robot: the name of a built-in robot, the name of a ready-made cell (``models.cells()``),
+            whose robots and their equipment are used, a robot file, or a configuration.
+        fields: fields of EnvConfig that replace those chosen here.
     """
     chosen: dict[str, Any] = {
         "name": "pick_cube",
@@ -134,7 +135,7 @@ def pick_cube_config(robot: RobotConfig | File = "rc7", **fields: Any) -> EnvCon
 
 
 def _robots_of(robot: RobotConfig | File) -> dict[str, Any]:
-    """Fields of EnvConfig: one robot, or that of a ready-made cell with what it carries."""
+    """Returns fields of EnvConfig: one robot, or that of a ready-made cell with its equipment."""
     if not isinstance(robot, str) or not is_name(robot):
         return {"robots": {"robot": robot}}
     if robot in models.robots():
@@ -154,9 +155,9 @@ def pick_cube(
     flat: bool = False,
     **fields: Any,
 ) -> GymEnv:
-    """The environment ``robocell/PickCube-v0``; else arguments as of ``pick_cube_config``.
+    """Makes the environment ``robocell/PickCube-v0``; the other arguments as ``pick_cube_config``.
 
-    With ``flat=True`` observations and actions are vectors: ``FlatGymEnv``.
+    With ``flat=True`` observations and actions are vectors (``FlatGymEnv``).
     """
     return _single(pick_cube_config(robot, **fields), render_mode, flat)
 
@@ -171,9 +172,9 @@ def pick_cube_vector(
     render_mode: str | None = None,
     **fields: Any,
 ) -> VectorGymEnv:
-    """What ``gym.make_vec("robocell/PickCube-v0", num_envs=64)`` makes.
+    """Makes ``gym.make_vec("robocell/PickCube-v0", num_envs=64)``.
 
-    With ``flat=True`` observations and actions are vectors: ``FlatVectorGymEnv``.
+    With ``flat=True`` observations and actions are vectors (``FlatVectorGymEnv``).
     """
     config = pick_cube_config(robot, **fields)
     kind = FlatVectorGymEnv if flat else VectorGymEnv
@@ -181,7 +182,7 @@ def pick_cube_vector(
 
 
 def pick_place_config(robot: RobotConfig | File = "rc7", **fields: Any) -> EnvConfig:
-    """A robot that is to put a cube on a mat; arguments as of ``pick_cube_config``."""
+    """As ``pick_cube_config``, for a robot that puts a cube on a mat."""
     mat = {
         "shape": "box",
         "size": [0.06, 0.06, 0.004],
@@ -215,7 +216,7 @@ def pick_place(
     flat: bool = False,
     **fields: Any,
 ) -> GymEnv:
-    """The environment ``robocell/PickPlace-v0``; else as ``pick_cube``."""
+    """Makes the environment ``robocell/PickPlace-v0``; arguments as ``pick_cube``."""
     return _single(pick_place_config(robot, **fields), render_mode, flat)
 
 
@@ -229,7 +230,7 @@ def pick_place_vector(
     render_mode: str | None = None,
     **fields: Any,
 ) -> VectorGymEnv:
-    """What ``gym.make_vec("robocell/PickPlace-v0", num_envs=64)`` makes; else as above."""
+    """Makes ``gym.make_vec("robocell/PickPlace-v0", num_envs=64)``; as ``pick_cube_vector``."""
     config = pick_place_config(robot, **fields)
     kind = FlatVectorGymEnv if flat else VectorGymEnv
     return kind(config, num_envs, max_episode_steps, autoreset_mode, threads, render_mode)

@@ -1,4 +1,4 @@
-"""Environments as LeRobot has them; stable-baselines3 takes them too (``MultiInputPolicy``).
+"""Environments for LeRobot; stable-baselines3 accepts them too (``MultiInputPolicy``).
 
 from robocell.gym import pick_cube_config
 from robocell.lerobot import LeRobotEnv
@@ -32,14 +32,16 @@ Observation = dict[str, Any]
 class LeRobotEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     """A ``GymEnv`` with flat vectors and the names of LeRobot.
 
-    Actions are one vector between -1 and 1 for the ranges of ``GymEnv``, its dictionaries in the
-    order of their keys; what is beyond is cut. Observations, all float32 but ``pixels``:
+    An action is one vector between -1 and 1, scaled to the ranges of ``GymEnv``, in the order of
+    the keys of its dictionaries; values beyond are clipped. Observations are float32 except
+    ``pixels``:
 
-    - ``agent_pos``: all of the robots; ``environment_state``: of the task's objects and signals;
-    - ``pixels``: of each image stream the colour image, (H, W, 3) uint8.
+    - ``agent_pos``: the state of the robots;
+    - ``environment_state``: the task's objects and signals;
+    - ``pixels``: the colour image of each image stream, (H, W, 3) uint8.
 
     ``task`` is the name of the environment, ``task_description`` the instruction. An episode is
-    truncated after ``max_episode_steps``; ``info["is_success"]`` is there with every step.
+    truncated after ``max_episode_steps``. Every info contains ``is_success``.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 30}  # noqa: RUF012  (as in Gymnasium)
@@ -83,7 +85,7 @@ class LeRobotEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         for name, group in self._groups.items():
             box = flatten_space(group)
             assert isinstance(box, spaces.Box)
-            # Rounding of the numbers must not leave the space.
+            # Rounding must not move numbers out of the space.
             low = np.nextafter(box.low.astype(np.float32), np.float32(-np.inf))
             high = np.nextafter(box.high.astype(np.float32), np.float32(np.inf))
             found[name] = spaces.Box(low, high, dtype=np.float32)
@@ -97,7 +99,7 @@ class LeRobotEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
-        """To a start, as ``GymEnv``."""
+        """Resets to a start, as ``GymEnv``."""
         super().reset(seed=seed)
         self._steps = 0
         observation, info = self.env.reset(seed=seed, options=options)
@@ -106,7 +108,7 @@ class LeRobotEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     def step(
         self, action: NDArray[np.float32]
     ) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """One step."""
+        """Makes one step."""
         shares = shares_of(self.task, action, len(self._low))
         numbers = scaled(shares, self._low, self._high)
         own: Any = unflatten(self.env.action_space, numbers)
@@ -117,11 +119,11 @@ class LeRobotEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         return self._observation(observation), reward, terminated, truncated, info
 
     def render(self) -> Any:
-        """The picture (H, W, 3) uint8 of the whole cell."""
+        """Returns a picture (H, W, 3) uint8 of the whole cell."""
         return self.env.render()
 
     def close(self) -> None:
-        """Ends its use; may be repeated."""
+        """Closes the environment; may be repeated."""
         self.env.close()
 
     def _observation(self, seen: Observation) -> Observation:

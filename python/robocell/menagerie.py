@@ -1,7 +1,8 @@
-"""Robots of the MuJoCo Menagerie: where their model files are.
+"""Finds the model files of robots of the MuJoCo Menagerie.
 
-Looked for below the folder named by ``MENAGERIE_ROOT``, then in the cache of the package
-``mujoco-menagerie``. What is missing is fetched there and recorded, as `robocell fetch` does.
+The search looks below the folder ``MENAGERIE_ROOT``, then in the cache of the package
+``mujoco-menagerie``. `model_path` fetches a missing robot into the cache and records it, as
+`robocell fetch` does.
 """
 
 from __future__ import annotations
@@ -19,29 +20,29 @@ __all__ = ["folder", "folders", "model_path"]
 
 
 def folder(robot: str) -> str:
-    """Folder of a robot that is on this machine. NotFoundError says where it was looked for."""
+    """Returns the folder of a robot; NotFoundError lists where the search looked."""
     return menagerie_robot_folder(robot)
 
 
 def folders() -> dict[str, str]:
-    """Robot -> folder, of all robots that are on this machine."""
+    """Returns robot -> folder for all robots on this machine."""
     return menagerie_robot_folders()
 
 
 def model_path(name: str) -> str:
-    """Path of a robot's main model file.
+    """Returns the path of a robot's main model file.
 
     Args:
         name: The robot, such as ``"kinova_gen3"``, or one of its files, such as
             ``"ufactory_xarm7/xarm7.xml"``.
 
     Returns:
-        An absolute path. Downloads the robot when it is nowhere on this machine.
+        An absolute path. A robot that is not on this machine is downloaded.
 
     Raises:
-        NotFoundError: It is nowhere, and could not be downloaded; or what a variable
-            ``ROBOCELL_OVERRIDE_<NAME>`` names is no file.
-        ArgumentError: The robot has several models and none is named.
+        NotFoundError: The robot was not found and could not be downloaded, or the variable
+            ``ROBOCELL_OVERRIDE_<NAME>`` names no file.
+        ArgumentError: The robot has several models and the name selects none.
     """
     if (mine := override_file(name)) is not None:
         return mine
@@ -53,7 +54,7 @@ def model_path(name: str) -> str:
 
 
 def _download(robot: str, missing: NotFoundError) -> None:
-    """Fetch a robot as `robocell fetch` does; else say that it is missing and why it stays so."""
+    """Fetches a robot as `robocell fetch` does; NotFoundError says why it failed."""
     from robocell import fetching
 
     try:

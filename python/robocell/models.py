@@ -1,6 +1,6 @@
-"""The built-in models: robots, objects to pick, equipment of cells and scenes, robocell's own.
+"""The built-in models: robots, objects to pick, equipment of cells, and scenes.
 
-Cells are ready-made environments, of these robots and the MuJoCo Menagerie's.
+Cells are ready-made environments of these robots and of robots of the MuJoCo Menagerie.
 """
 
 from __future__ import annotations

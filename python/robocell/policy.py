@@ -1,4 +1,4 @@
-"""Policies: what is trained on a dataset acts in the cells that the dataset was made in.
+"""Policies: a policy trained on a dataset acts in the cells of that dataset.
 
     class Mine(Policy):
         def act(self, observation):
@@ -44,13 +44,13 @@ Action = Mapping[str, ArrayLike]
 
 @dataclass(frozen=True)
 class Context:
-    """What a policy is told when a rollout begins.
+    """What a policy gets at the beginning of a rollout.
 
     Attributes:
-        instruction: What is to be done, in words.
+        instruction: The task, in words.
         run: The cell's configuration.
-        seed: For policies that draw numbers; it follows from run, episode and attempt.
-        features: What it will see and may command: unit, frame, names, range of each.
+        seed: Seed for policies that draw random numbers; it follows from run, episode and attempt.
+        features: Features that the policy observes and may command, with unit, frame, names, range.
     """
 
     instruction: str
@@ -60,42 +60,42 @@ class Context:
 
 
 class Policy:
-    """Acts from observations alone. Subclass it with `act`, and `reset` where it remembers.
+    """Acts from observations alone. Subclasses define `act`, and `reset` if they have state.
 
     Attributes:
-        files: What it acts from beside its code, such as weights; relative ones lie beside the
-            module. Their content is part of what an evaluation is: with other files it does not go
-            on in the same folder.
+        files: Files that the policy uses beside its code, such as weights, relative to the module.
+            Their content is part of an evaluation: with other files it does not continue in the
+            same folder.
     """
 
     files: ClassVar[Sequence[str | Path]] = ()
 
     def reset(self, context: Context) -> None:
-        """Forgets the last rollout."""
+        """Clears the state of the last rollout."""
 
     def act(self, observation: Observation) -> Action:
-        """The next action, or the next few.
+        """Returns the next action, or a chunk of actions.
 
         Args:
-            observation: All that a dataset records of the present state, by its names:
+            observation: The row that a dataset records of the present state:
                 `time`, `robots/<robot>/<group>/qpos`, `/qvel` and `/target` (rad, m),
                 `base_pose`, `tcp_pose`, `tcp_pose_in_base` (xyz in metres, quaternion xyzw),
                 `opening`, `objects/<object>/pose`, sensors, registered features; an image
                 (height, width, 3) for each stream, and `<stream>.depth` (uint16, mm) and
-                `<stream>.segmentation` where the cell has them.
+                `<stream>.segmentation` if the cell has them.
 
         Returns:
-            Columns `robots/<robot>/action/...` as a dataset has them, one for each group that is
-            to move: `<group>`, absolute joint positions or an opening; `<group>_relative`, added
-            to the present targets; `tcp_pose`, the TCP in the robot's base frame; `tcp_twist`,
-            from where the TCP is. An array with one dimension more is a chunk: its actions are
-            taken one after the other before `act` is called again.
+            Columns `robots/<robot>/action/...` of a dataset, one for each group that moves:
+            `<group>`, absolute joint positions or an opening; `<group>_relative`, added to the
+            present targets; `tcp_pose`, the TCP in the robot's base frame; `tcp_twist`, relative to
+            the present TCP. An array with one more dimension is a chunk: its actions are taken one
+            after the other before `act` is called again.
         """
         raise NotImplementedError
 
 
 class PolicyExpert(Expert):
-    """Lets a policy act in rollouts. It sees what a dataset records, not the simulation."""
+    """Lets a policy act in rollouts. The policy gets what a dataset records, not the simulation."""
 
     def __init__(self, run: RunConfig, start: EpisodeStart, policy: Policy) -> None:
         super().__init__()
@@ -120,17 +120,17 @@ class PolicyExpert(Expert):
         )
 
     def see(self, row: Observation) -> None:
-        """The row that a dataset records of this state, with its images."""
+        """Stores the row that a dataset records of this state, with its images."""
         self._row = row
 
     def act(self, scene: Scene, rng: Rng) -> dict[str, dict[str, GroupCommand]]:
-        """The next action of the policy's chunk, or of a new one."""
+        """Returns the next action of the policy's chunk, or of a new chunk."""
         if not self._chunk:
             self._chunk.extend(self._actions(self._policy.act(self._row)))
         return self._features.to_action(dict(self._chunk.popleft()))
 
     def _actions(self, action: Action) -> list[dict[str, NDArray[np.float64]]]:
-        """A chunk as single actions."""
+        """Splits a chunk into single actions."""
         who = f"{type(self._policy).__name__}.act()"
         if not isinstance(action, Mapping) or not action:
             raise TypeError(
@@ -167,33 +167,33 @@ class PolicyExpert(Expert):
         return self._sizes[name]
 
     def done(self) -> bool:
-        """Never by itself: the rollout ends at success or when its steps are used up."""
+        """Returns False: the rollout ends at success or when its steps are used up."""
         return False
 
     def ends_at_success(self) -> bool:
-        """A policy does not know when it is done."""
+        """Returns True: a policy does not know when it is done."""
         return True
 
     def failure(self) -> str:
-        """What came of it is the task's to say."""
+        """Returns "": the task decides the result."""
         return ""
 
     def phase(self) -> int:
-        """There is one."""
+        """Returns 0, the only phase."""
         return 0
 
     def phase_names(self) -> list[str]:
-        """None."""
+        """Returns no names."""
         return []
 
 
 def register_policy(
     name: str, make: Callable[[RunConfig], Policy], files: Sequence[str | Path] = ()
 ) -> None:
-    """Makes a policy known as a kind of expert, for the `expert` of a run.
+    """Registers a policy as a kind of expert, for the `expert` of a run.
 
-    It is made once in each process, as `make(run)`, and reset for each rollout. `files`: what it
-    acts from beside its code, such as weights.
+    `make(run)` makes it once in each process; it is reset for each rollout. `files`: files that it
+    uses beside its code, such as weights.
     """
     made: list[Policy] = []
 
@@ -210,7 +210,7 @@ def register_policy(
 def register_named_policy(name: str, folder: Path) -> None:
     """Registers `module:Class`, `file.py:Class` or `file.py:function` under that text.
 
-    The class is made as `Class()`, or as `Class(run)` when it takes an argument.
+    The policy is made as `Class()`, or as `Class(run)` if the class takes an argument.
     """
     import inspect
 
@@ -250,9 +250,9 @@ EXPERT, RANDOM, REPLAY = "expert", "random", "replay"
 
 
 def expert_of_policy(policy: str, source: str | Path) -> str:
-    """Makes a policy known by its name; what a run's `expert` says for it.
+    """Registers a policy by its name, and returns the `expert` of a run for it.
 
-    `source` is the dataset that is replayed.
+    `source` is the dataset to replay.
     """
     if policy == EXPERT:
         return ""
@@ -273,7 +273,7 @@ def expert_of_policy(policy: str, source: str | Path) -> str:
 
 
 def replayed_starts(source: str | Path) -> tuple[int, int]:
-    """The seed of a dataset's run, and its number of episodes."""
+    """Returns the seed of a dataset's run, and its number of episodes."""
     folder = Path(source)
     if not (folder / "dataset.json").is_file():
         raise ArgumentError(f"policy '{REPLAY}' needs a dataset whose actions it takes: '{folder}'")

@@ -1,4 +1,4 @@
-"""Environments as stable-baselines3 has them, which knows no vector environments of Gymnasium's.
+"""Vector environments for stable-baselines3, which does not use those of Gymnasium.
 
 from stable_baselines3 import PPO
 from robocell.gym import pick_cube_config
@@ -6,8 +6,9 @@ from robocell.sb3 import VecEnv
 
 model = PPO("MlpPolicy", VecEnv(pick_cube_config(), 8, max_episode_steps=200))
 
-Its own ``make_vec_env("robocell/PickCube-v0", env_kwargs={"flat": True})`` works too, with single
-environments one after the other. Needs the extra ``sb3``: ``pip install 'robocell[sb3]'``.
+``make_vec_env("robocell/PickCube-v0", env_kwargs={"flat": True})`` works too, but steps single
+environments one after the other. This module needs the extra ``sb3``:
+``pip install 'robocell[sb3]'``.
 """
 
 from __future__ import annotations
@@ -29,17 +30,17 @@ from robocell._gym_flat import FlatVectorGymEnv
 
 
 class VecEnv(vec_env.VecEnv):
-    """Copies of one environment on C++ threads: ``vector`` is the ``FlatVectorGymEnv`` of them.
+    """Copies of one environment on C++ threads; ``vector`` is their ``FlatVectorGymEnv``.
 
-    Observations and actions are vectors, as there; an ended episode begins anew in the same step,
-    its last observation is ``terminal_observation`` in the info. With a task infos have
-    ``is_success``. ``VecMonitor`` around it counts rewards of episodes.
+    Observations and actions are vectors, as there. An ended episode restarts in the same step; the
+    info contains its last observation as ``terminal_observation``. With a task the info contains
+    ``is_success``. Wrap it in ``VecMonitor`` to count rewards of episodes.
 
     Args:
-        config: what all copies are; without image streams.
+        config: configuration of all copies; without image streams.
         num_envs: number of copies.
-        max_episode_steps: after so many an episode is truncated.
-        threads: for the work, the caller's included; 0 for one for each core.
+        max_episode_steps: number of steps after which an episode is truncated.
+        threads: number of threads, including the caller's; 0 for one per core.
         render_mode: None or "rgb_array", for ``VecVideoRecorder``.
     """
 
@@ -60,7 +61,7 @@ class VecEnv(vec_env.VecEnv):
         )
 
     def reset(self) -> NDArray[np.float32]:
-        """All copies to starts: those of ``seed``, once, else the next ones."""
+        """Resets all copies: to the starts of ``seed``, once, else to the next ones."""
         if options := {name for each in self._options for name in each}:
             self._reset_options()
             raise ArgumentError(f"reset takes no options here, got {', '.join(sorted(options))}")
@@ -70,13 +71,13 @@ class VecEnv(vec_env.VecEnv):
         return observation
 
     def step_async(self, actions: NDArray[Any]) -> None:
-        """Takes the actions of the step that ``step_wait`` makes."""
+        """Stores the actions for ``step_wait``."""
         self._actions = actions
 
     def step_wait(
         self,
     ) -> tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], list[dict[str, Any]]]:
-        """One step of every copy."""
+        """Makes one step of every copy."""
         observation, rewards, terminated, truncated, infos = self.vector.step(self._actions)
         ended = terminated | truncated
         out = []
@@ -89,7 +90,7 @@ class VecEnv(vec_env.VecEnv):
         return observation, rewards, ended, out
 
     def get_images(self) -> list[NDArray[np.uint8]]:
-        """A picture of each copy; none without a render mode."""
+        """Returns a picture of each copy, or none without a render mode."""
         return list(self.vector.render() or ())
 
     def close(self) -> None:
@@ -97,19 +98,19 @@ class VecEnv(vec_env.VecEnv):
         self.vector.close()
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        """What ``vector`` has under that name, for each copy the same."""
+        """Returns the attribute of ``vector``, the same for each copy."""
         return [getattr(self.vector, attr_name)] * len(self._chosen(indices))
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        """Copies have no attributes of their own: an ArgumentError."""
+        """Raises ArgumentError: copies have no attributes of their own."""
         raise ArgumentError(f"copies have no attributes of their own, {attr_name} cannot be set")
 
     def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> Any:
-        """Copies have no methods of their own: an ArgumentError."""
+        """Raises ArgumentError: copies have no methods of their own."""
         raise ArgumentError(f"copies have no methods of their own, such as {method_name}")
 
     def env_is_wrapped(self, wrapper_class: type[Any], indices: Any = None) -> list[bool]:
-        """False: nothing is wrapped."""
+        """Returns False for each copy: nothing is wrapped."""
         return [False] * len(self._chosen(indices))
 
     def _chosen(self, indices: int | Iterable[int] | None) -> Sequence[int]:
@@ -118,7 +119,7 @@ class VecEnv(vec_env.VecEnv):
 
 
 def _of_copy(infos: dict[str, Any], i: int) -> dict[str, Any]:
-    """What infos with masks say of copy i."""
+    """Returns the part of masked infos that belongs to copy i."""
     return {
         key: _of_copy(infos[key], i) if isinstance(infos[key], dict) else infos[key][i]
         for key in infos

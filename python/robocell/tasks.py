@@ -1,4 +1,6 @@
-"""Tasks and experts of your own, known by a name: in run files, environments and on all workers.
+"""Tasks, experts, scene sources and samplers of your own, known by a name.
+
+They work in run files, environments and on all workers.
 
     @register_task("stack")
     class Stack(Task):
@@ -12,8 +14,16 @@
     class StackExpert(Expert):
         def __init__(self, run, start): ...
 
-`task: {kind: stack, size: 0.04}` then works like `task: {kind: pick}`, and `robocell generate
-run.yaml --import my_tasks` makes its dataset.
+    @register_scene_source("lab")
+    class Lab(SceneSource):
+        def __init__(self): ...
+
+    @register_sampler("on_the_floor")
+    class OnTheFloor(TaskSampler):
+        def __init__(self, run): ...
+
+`task: {kind: stack, size: 0.04}` then works like `task: {kind: pick}`, `scenes: {source: lab}` like
+`scenes: {source: tabletop}`, and `robocell generate run.yaml --import my_tasks` makes the dataset.
 """
 
 from __future__ import annotations
@@ -30,81 +40,95 @@ from typing import Any, TypeVar
 
 from robocell._core import (
     ArgumentError,
+    BasePlacement,
     BaseRange,
     EpisodeStart,
     Expert,
     PickAndPlacePlanner,
     PickAndPlaceTaskConfig,
+    PickPlanner,
     PickTask,
     PickTaskConfig,
     PickTaskSampler,
     Refusal,
     RefusalReason,
+    Rng,
     SampleRequest,
+    SceneSource,
+    StartConfig,
     Task,
     TaskFields,
     TaskSampler,
     TaskSetting,
     TaskVerdict,
     _register_expert,
+    _register_sampler,
+    _register_scene_source,
     _register_task,
     expert_kinds,
+    object_kinds,
+    sampler_kinds,
     task_kinds,
 )
 
 __all__ = [
+    "BasePlacement",
     "BaseRange",
     "EpisodeStart",
     "Expert",
     "PickAndPlacePlanner",
     "PickAndPlaceTaskConfig",
+    "PickPlanner",
     "PickTask",
     "PickTaskConfig",
     "PickTaskSampler",
     "Refusal",
     "RefusalReason",
+    "Rng",
     "SampleRequest",
+    "StartConfig",
     "Task",
     "TaskFields",
     "TaskSampler",
     "TaskSetting",
     "TaskVerdict",
     "expert_kinds",
+    "object_kinds",
     "register_expert",
+    "register_sampler",
     "register_task",
+    "sampler_kinds",
     "task_kinds",
 ]
 
 TaskClass = TypeVar("TaskClass", bound=Callable[..., Task])
 ExpertClass = TypeVar("ExpertClass", bound=Callable[..., Expert])
+SourceClass = TypeVar("SourceClass", bound=Callable[..., SceneSource])
+SamplerClass = TypeVar("SamplerClass", bound=Callable[..., TaskSampler])
 
 
 def register_task(
     kind: str, *, fields: type[Any] | None = None
 ) -> Callable[[TaskClass], TaskClass]:
-    """Makes a class known as a kind of task, for run files and environments of this process.
+    """Registers a class as a kind of task, for run files and environments of this process.
 
     Args:
-        kind: Its name in `task: {kind: ...}`.
+        kind: Name of the task in `task: {kind: ...}`.
         fields: A dataclass whose fields, all with defaults, the configuration may set: bools,
             numbers, texts, and lists of numbers or texts. Default: the class `Fields` inside the
             task's class; without one the task has no fields.
 
     The task is made as `cls(fields)`, or `cls()` without fields. Registering a name again replaces
-    it, as when a notebook's cell is run again; robocell's own kinds cannot be replaced
-    (ArgumentError). A function that returns a Task will do in the place of the class.
+    it, for example when a notebook's cell is run again. Replacing one of robocell's own kinds
+    raises ArgumentError. A function that returns a Task may stand in place of the class.
     """
-    if not isinstance(kind, str) or not kind:
-        raise ArgumentError("register_task: `kind` must be a name that is not empty")
+    call = f"register_task({kind!r})"
+    _require_name("register_task", kind)
 
     def register(maker: TaskClass) -> TaskClass:
-        if not callable(maker):
-            raise TypeError(
-                f"register_task({kind!r}): expected a class derived from Task or a function that "
-                f"makes one, got {maker!r}"
-            )
+        _require_maker(call, maker, "Task")
         described = fields if fields is not None else getattr(maker, "Fields", None)
-        _register_task(kind, _maker(maker, described), _defaults(kind, described), code_of(maker))
+        _register_task(kind, _maker(maker, described), _defaults(call, described), code_of(maker))
         return maker
 
     return register
@@ -113,47 +137,99 @@ def register_task(
 def register_expert(
     kind: str, *, files: Sequence[str | Path] = ()
 ) -> Callable[[ExpertClass], ExpertClass]:
-    """Makes a class known as the expert that demonstrates the task of this kind.
+    """Registers a class as the expert that demonstrates the task of this kind.
 
-    It is made as `cls(run, start)` for each rollout: the RunConfig and the EpisodeStart.
-    Registering a name again replaces it; robocell's own cannot be replaced (ArgumentError). `files`
-    are what it acts from beside its code, such as weights: a dataset remembers what they hold.
+    The expert is made as `cls(run, start)` for each rollout, from the RunConfig and the
+    EpisodeStart. Registering a name again replaces it; replacing one of robocell's own raises
+    ArgumentError. `files`: files that the expert uses beside its code, such as weights; a dataset
+    records their content.
     """
-    if not isinstance(kind, str) or not kind:
-        raise ArgumentError("register_expert: `kind` must be a name that is not empty")
+    _require_name("register_expert", kind)
 
     def register(maker: ExpertClass) -> ExpertClass:
-        if not callable(maker):
-            raise TypeError(
-                f"register_expert({kind!r}): expected a class derived from Expert or a function "
-                f"that makes one, got {maker!r}"
-            )
+        _require_maker(f"register_expert({kind!r})", maker, "Expert")
         _register_expert(kind, maker, code_of(maker, files))
         return maker
 
     return register
 
 
-def _maker(
-    maker: Callable[..., Task], fields: type[Any] | None
-) -> Callable[[dict[str, Any]], Task]:
+def register_scene_source(
+    kind: str, *, fields: type[Any] | None = None, files: Sequence[str | Path] = ()
+) -> Callable[[SourceClass], SourceClass]:
+    """Makes a class known as a kind of scene source, for `scenes: {source: ...}` of runs.
+
+    It is made as `cls(fields)`, or `cls()` without fields, which are described as for
+    `register_task`; `source` and `houses` are taken. Registering a name again replaces it;
+    robocell's own cannot be replaced (ArgumentError). `files` are what scenes are made from beside
+    the code and the models, such as lists of places: a dataset remembers what they hold.
+    """
+    call = f"register_scene_source({kind!r})"
+    _require_name("register_scene_source", kind)
+
+    def register(maker: SourceClass) -> SourceClass:
+        _require_maker(call, maker, "SceneSource")
+        described = fields if fields is not None else getattr(maker, "Fields", None)
+        defaults = _defaults(call, described, ("source", "houses"))
+        _register_scene_source(kind, _maker(maker, described), defaults, code_of(maker, files))
+        return maker
+
+    return register
+
+
+def register_sampler(
+    kind: str, *, files: Sequence[str | Path] = ()
+) -> Callable[[SamplerClass], SamplerClass]:
+    """Makes a class known as a kind of sampler, for `sampler: ...` of runs.
+
+    It is made as `cls(run)` in each process, in the place of the sampler of the run's task.
+    Registering a name again replaces it (ArgumentError for one of C++). `files` are what it acts
+    from beside its code: a dataset remembers what they hold.
+    """
+    _require_name("register_sampler", kind)
+
+    def register(maker: SamplerClass) -> SamplerClass:
+        _require_maker(f"register_sampler({kind!r})", maker, "TaskSampler")
+        _register_sampler(kind, maker, code_of(maker, files))
+        return maker
+
+    return register
+
+
+def _require_name(function: str, kind: object) -> None:
+    if not isinstance(kind, str) or not kind:
+        raise ArgumentError(f"{function}: `kind` must be a name that is not empty")
+
+
+def _require_maker(call: str, maker: object, base: str) -> None:
+    if not callable(maker):
+        article = "an" if base[0] in "AEIOU" else "a"
+        raise TypeError(
+            f"{call}: expected a class derived from {base} or a function that makes {article} "
+            f"{base}, got {maker!r}"
+        )
+
+
+def _maker(maker: Callable[..., Any], fields: type[Any] | None) -> Callable[[dict[str, Any]], Any]:
     """What C++ calls with the values of the fields."""
     if fields is None:
         return lambda _values: maker()
     return lambda values: maker(fields(**values))
 
 
-def _defaults(kind: str, fields: type[Any] | None) -> list[tuple[str, Any, str]]:
-    """Name, default and documentation of each field."""
+def _defaults(
+    call: str, fields: type[Any] | None, taken: Sequence[str] = ("kind",)
+) -> list[tuple[str, Any, str]]:
+    """Name, default and documentation of each field; `taken` are names that it cannot have."""
     if fields is None:
         return []
     if not dataclasses.is_dataclass(fields):
-        raise TypeError(f"register_task({kind!r}): `Fields` must be a dataclass, got {fields!r}")
+        raise TypeError(f"{call}: `Fields` must be a dataclass, got {fields!r}")
     found: list[tuple[str, Any, str]] = []
     for field in dataclasses.fields(fields):
-        if field.name == "kind":
+        if field.name in taken:
             raise ArgumentError(
-                f"register_task({kind!r}): a field cannot be called 'kind', which names the task"
+                f"{call}: a field cannot be called '{field.name}', which has a meaning already"
             )
         if field.default is not dataclasses.MISSING:
             default = field.default
@@ -161,17 +237,16 @@ def _defaults(kind: str, fields: type[Any] | None) -> list[tuple[str, Any, str]]
             default = field.default_factory()
         else:
             raise ArgumentError(
-                f"register_task({kind!r}): field '{field.name}' needs a default: a configuration "
-                "may leave it out"
+                f"{call}: field '{field.name}' needs a default: a configuration may leave it out"
             )
         found.append((field.name, default, str(field.metadata.get("doc", ""))))
     return found
 
 
 def code_of(maker: object, files: Sequence[str | Path] = ()) -> Callable[[], list[str]]:
-    """The files that define it, asked for when a dataset is begun or checked.
+    """Returns a function that lists the files of the code when a dataset is begun or checked.
 
-    `files` are others that it acts from, such as weights.
+    `files` are further files that it uses, such as weights.
     """
     while isinstance(maker, functools.partial):
         maker = maker.func
@@ -181,9 +256,9 @@ def code_of(maker: object, files: Sequence[str | Path] = ()) -> Callable[[], lis
 
 
 def own_sources(module: str | None) -> list[Path]:
-    """The source files of a module and of the modules that it imports, installed ones left out.
+    """Returns the source files of a module and its imports, except installed ones.
 
-    What is not installed is what a user edits: files outside of Python's own folders and
+    Not installed are the files that a user edits: outside of Python's own folders and
     site-packages. Imports anywhere in the sources count, and where values come from.
     """
     found: dict[Path, None] = {}
@@ -211,7 +286,7 @@ def own_sources(module: str | None) -> list[Path]:
 
 
 def _file_of(module: str) -> Path | None:
-    """Where a module is loaded from, or would be; None for what has no file."""
+    """Returns the file that a module is or would be loaded from; None without a file."""
     loaded = sys.modules.get(module)
     if loaded is not None:
         file = getattr(loaded, "__file__", None)
@@ -224,7 +299,7 @@ def _file_of(module: str) -> Path | None:
 
 
 def _imports_of(file: Path, name: str) -> list[str]:
-    """Names that a source imports, whether it does so at its top or in a function."""
+    """Returns the names that a source imports, at its top or in a function."""
     try:
         tree = ast.parse(file.read_bytes())
     except (SyntaxError, ValueError, OSError):

@@ -54,13 +54,13 @@ def decoded(video: Path, *options: str) -> NDArray[Any]:
     return np.frombuffer(raw, np.uint8).reshape(-1, SIZE[1], SIZE[0], 3)
 
 
-def frames_by_ffmpeg(episode: robocell.Episode, stream: str) -> NDArray[Any]:
+def frames_by_ffmpeg(episode: robocell.data.Episode, stream: str) -> NDArray[Any]:
     """All frames of a stream of an episode."""
     gray = episode.folder / f"{stream}.mov"
     return decoded(gray) if gray.exists() else decoded(episode.folder / f"{stream}.mp4", *EXACT)
 
 
-def column_by_h5py(episode: robocell.Episode, name: str) -> NDArray[Any]:
+def column_by_h5py(episode: robocell.data.Episode, name: str) -> NDArray[Any]:
     """A whole column."""
     with h5py.File(episode.folder / "steps.h5") as steps:
         return np.asarray(steps[name][()])

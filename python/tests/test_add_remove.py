@@ -25,7 +25,7 @@ def scene() -> rc.Scene:
     robot = rc.RobotSpec(name="a", config=rc.RobotConfig.load(rc.models.robot_file("rc7")))
     spec = rc.SceneSpec(
         name="cell", timestep=0.002, add_floor=True, add_skybox=True, robots=[robot],
-        cameras=[rc.CameraSpec(name="front", pos=[2, 0, 0.5], fovy=45, look_at=[0, 0, 0.3])],
+        cameras=[rc.render.CameraSpec(name="front", pos=[2, 0, 0.5], fovy=45, look_at=[0, 0, 0.3])],
     )  # fmt: skip
     return rc.Scene.build(spec)
 
@@ -88,7 +88,7 @@ class TestState:
 
     def test_a_frozen_model_keeps_its_objects(self):
         spec = rc.SceneSpec(timestep=0.002, add_floor=True, add_skybox=False, objects=[cube()])
-        compiled = rc.compile_scene(spec)
+        compiled = rc.scene.compile_scene(spec)
         compiled.freeze()
         scene = rc.Scene.from_compiled(compiled)
         with pytest.raises(rc.Error, match=r"'other' cannot be added.* frozen .*Scene::Build"):
@@ -126,7 +126,7 @@ class TestHandles:
         np.testing.assert_array_equal(robot.jnt_pos_msr, robot.arm.joint_pos)
 
     def test_a_group_written_in_python_follows(self, scene):
-        class Watch(rc.MoveGroup):
+        class Watch(rc.robots.MoveGroup):
             get_name = lambda self: "watch"  # noqa: E731
             get_joint_names = get_actuator_names = lambda self: []
             get_joint_pos = get_joint_vel = get_joint_torque = get_ctrl = lambda self: []
@@ -168,7 +168,7 @@ class TestHandles:
                 robot.step()
 
     def test_pictures_and_videos_follow(self, scene, tmp_path: Path):
-        renderer = rc.Renderer(scene)
+        renderer = rc.render.Renderer(scene)
         bare = renderer.render("front", 64, 48, segmentation=True)["segmentation"]
         with rc.VideoRecorder(scene, tmp_path / "cell.mp4", 64, 48, 30) as video:
             video.use_camera("front")
@@ -242,7 +242,7 @@ class TestLifetimes:
         assert scene.robot("a").n_joints == 7
 
     def test_an_error_in_a_group_undoes_the_change(self, scene):
-        class Sulky(rc.MoveGroup):
+        class Sulky(rc.robots.MoveGroup):
             sulks = False
             get_name = lambda self: "arm"  # noqa: E731
             get_joint_names = lambda self: [f"joint{i}" for i in range(1, 8)]  # noqa: E731

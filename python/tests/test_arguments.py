@@ -58,9 +58,12 @@ POSE = "Pose(matrix: ArrayLike | Pose | None = None, *, translation: ArrayLike |
             "Scene.build(): `spec` must be a SceneSpec, got 'cell.yaml'; "
             "SceneSpec.load('cell.yaml') reads one from a file. ",
         ),
-        (lambda s: rc.compile_scene(s), "compile_scene(): `spec` must be a SceneSpec, got <Scene "),
         (
-            lambda s: rc.Renderer("cell.yaml"),
+            lambda s: rc.scene.compile_scene(s),
+            "compile_scene(): `spec` must be a SceneSpec, got <Scene ",
+        ),
+        (
+            lambda s: rc.render.Renderer("cell.yaml"),
             "Renderer(): `scene` must be a Scene, got 'cell.yaml'; make it with Scene.build(...) "
             "or Scene.from_compiled(...). ",
         ),
@@ -93,14 +96,16 @@ POSE = "Pose(matrix: ArrayLike | Pose | None = None, *, translation: ArrayLike |
             "Robot.apply(): `action` must be a dict {str: GroupCommand}, got [1] (list). ",
         ),
         (
-            lambda s: s.robot("a").apply({"arm": rc.GroupCommand.joints([0] * 7), "gripper": 1}),
+            lambda s: s.robot("a").apply(
+                {"arm": rc.control.GroupCommand.joints([0] * 7), "gripper": 1}
+            ),
             "Robot.apply(): `action['gripper']` must be a GroupCommand, got 1 (int); make it with "
             "GroupCommand.joints(...) or GroupCommand.relative_joints(...) or "
             "GroupCommand.leaf_pose(...) or GroupCommand.base_pose(...) or "
             "GroupCommand.opening(...) or ",
         ),
         (
-            lambda s: rc.Stepper(s, s.robots).advance({"a": {"arm": [0] * 7}}),
+            lambda s: rc.control.Stepper(s, s.robots).advance({"a": {"arm": [0] * 7}}),
             "Stepper.advance(): `action['a']['arm']` must be a GroupCommand, got [0, 0, 0, 0, 0, "
             "0, 0] (list); make it with ",
         ),
@@ -113,20 +118,20 @@ POSE = "Pose(matrix: ArrayLike | Pose | None = None, *, translation: ArrayLike |
             "condim must be a Condim or one of tangential, torsional, rolling, got int",
         ),
         (
-            lambda s: rc.Stepper(s, s.robot("a")),
+            lambda s: rc.control.Stepper(s, s.robot("a")),
             "Stepper(): `robots` must be a list of Robot, got <Robot 'a'>. It is called ",
         ),
         (lambda s: rc.Dataset(3), "Dataset(): `folder` must be a str or a path, got 3 (int). "),
         (
-            lambda s: rc.Renderer(s).render(None, "big"),
+            lambda s: rc.render.Renderer(s).render(None, "big"),
             "Renderer.render(): `width` must be a whole",
         ),
         (
-            lambda s: rc.Runner("run.yaml"),
+            lambda s: rc.generate.Runner("run.yaml"),
             "Runner(): `run` must be a RunConfig, got 'run.yaml'; RunConf",
         ),
         (
-            lambda s: rc.Rng.stream(-1, "x"),
+            lambda s: rc.tasks.Rng.stream(-1, "x"),
             "Rng.stream(): `seed` cannot be negative, got -1. It is called as Rng.stream(seed:",
         ),
         (
@@ -139,7 +144,7 @@ POSE = "Pose(matrix: ArrayLike | Pose | None = None, *, translation: ArrayLike |
             "out of range? It is called as Scene.reset(",
         ),
         (
-            lambda s: setattr(rc.ResetOptions(), "use_keyframe", 3),
+            lambda s: setattr(rc.scene.ResetOptions(), "use_keyframe", 3),
             "ResetOptions.use_keyframe must be True or False, got 3 (int)",
         ),
     ],
@@ -273,11 +278,11 @@ def test_the_whole_text_names_the_form_that_fits():
 
 
 def test_an_object_that_was_never_initialised_is_told(scene: rc.Scene):
-    class Mine(rc.Task):
+    class Mine(rc.tasks.Task):
         def __init__(self) -> None:
             pass
 
-    text = told(lambda: rc.PickPlanner(rc.RunConfig(), Mine()))
+    text = told(lambda: rc.tasks.PickPlanner(rc.RunConfig(), Mine()))
     assert text.startswith("Mine.__init__() must call super().__init__(...)")
     with pytest.warns(RuntimeWarning, match="uninitialized instance"):
         assert told(lambda: Mine().begin(scene)).startswith("Mine.__init__() must call super()")
@@ -292,7 +297,7 @@ def test_errors_that_are_not_about_arguments_stay_as_they_are(scene: rc.Scene):
 def test_an_error_within_a_callback_is_its_own(scene: rc.Scene, name: str):
     message = f"{name}(): incompatible function arguments."
 
-    def hook(context: rc.ResetContext) -> None:
+    def hook(context: rc.scene.ResetContext) -> None:
         raise TypeError(message)
 
     number = scene.on_reset(hook)
@@ -304,7 +309,7 @@ def test_an_error_within_a_callback_is_its_own(scene: rc.Scene, name: str):
 
 
 def test_an_error_of_the_engines_own_bindings_is_theirs(scene: rc.Scene):
-    def hook(context: rc.ResetContext) -> None:
+    def hook(context: rc.scene.ResetContext) -> None:
         mujoco.mj_step("x")  # type: ignore[call-arg, arg-type]
 
     number = scene.on_reset(hook)

@@ -27,9 +27,11 @@ def scene() -> rc.Scene:
     return rc.Scene.build(spec)
 
 
-def advance(scene: rc.Scene, robot: rc.Robot, **groups: rc.GroupCommand) -> rc.StepOutcome:
+def advance(
+    scene: rc.Scene, robot: rc.Robot, **groups: rc.control.GroupCommand
+) -> rc.control.StepOutcome:
     """One policy tick."""
-    return rc.Stepper(scene, [robot], 2, 1).advance({"a": groups})
+    return rc.control.Stepper(scene, [robot], 2, 1).advance({"a": groups})
 
 
 def set_attribute(value: object, name: str, wanted: object) -> None:
@@ -39,31 +41,31 @@ def set_attribute(value: object, name: str, wanted: object) -> None:
 
 WRONG: dict[str, tuple[Command, str]] = {
     "apply, too few": (
-        lambda s, r: r.apply({"arm": rc.GroupCommand.joints([1, 2])}),
+        lambda s, r: r.apply({"arm": rc.control.GroupCommand.joints([1, 2])}),
         f"{ARM}: expected 7 joint values, got 2",
     ),
     "apply, NaN": (
-        lambda s, r: r.apply({"arm": rc.GroupCommand.joints(SPOILT)}),
+        lambda s, r: r.apply({"arm": rc.control.GroupCommand.joints(SPOILT)}),
         f"{ARM}: the target of 'joint5' is nan; targets must be finite",
     ),
     "apply, relative": (
-        lambda s, r: r.apply({"arm": rc.GroupCommand.relative_joints(np.full(7, np.inf))}),
+        lambda s, r: r.apply({"arm": rc.control.GroupCommand.relative_joints(np.full(7, np.inf))}),
         f"{ARM}: the target of 'joint1' is inf",
     ),
     "apply, opening": (
-        lambda s, r: r.apply({"gripper": rc.GroupCommand.opening(NAN)}),
+        lambda s, r: r.apply({"gripper": rc.control.GroupCommand.opening(NAN)}),
         f"{GRIPPER}: the target of 'opening' is nan",
     ),
     "apply, joints for a gripper": (
-        lambda s, r: r.apply({"gripper": rc.GroupCommand.joints([0.0])}),
+        lambda s, r: r.apply({"gripper": rc.control.GroupCommand.joints([0.0])}),
         f"{GRIPPER} is a gripper: command it with an opening",
     ),
     "stepper, too many": (
-        lambda s, r: advance(s, r, arm=rc.GroupCommand.joints([0.0] * 9)),
+        lambda s, r: advance(s, r, arm=rc.control.GroupCommand.joints([0.0] * 9)),
         f"{ARM}: expected 7 joint values, got 9",
     ),
     "stepper, NaN": (
-        lambda s, r: advance(s, r, arm=rc.GroupCommand.joints(SPOILT)),
+        lambda s, r: advance(s, r, arm=rc.control.GroupCommand.joints(SPOILT)),
         f"{ARM}: the target of 'joint5' is nan",
     ),
     "port, too few": (
@@ -144,6 +146,6 @@ def test_nan_written_into_the_port_is_refused_when_it_is_used(scene: rc.Scene):
 
 def test_words_are_no_numbers(scene: rc.Scene):
     with pytest.raises((rc.ArgumentError, TypeError), match="joints"):
-        rc.GroupCommand.joints(["left"])
+        rc.control.GroupCommand.joints(["left"])
     with pytest.raises(rc.NotFoundError, match=r"no group 'am'.*Did you mean 'arm'"):
-        advance(scene, scene.robot("a"), am=rc.GroupCommand.joints(HOME))
+        advance(scene, scene.robot("a"), am=rc.control.GroupCommand.joints(HOME))

@@ -248,7 +248,7 @@ EXPECTED_OUT = "out must be a writable, C-contiguous float64 array of shape (6, 
 )
 def test_what_is_wrong_is_named(
     robot: rc.Robot,
-    call: Callable[[rc.Kinematics, np.ndarray], Any],
+    call: Callable[[rc.kinematics.Kinematics, np.ndarray], Any],
     error: type[Exception],
     message: str,
 ):

@@ -189,7 +189,7 @@ class TestRobots:
 
 class TestObjects:
     def test_a_robot_stands_on_a_table(self, table):
-        mount = rc.scene_object_element_name("table", "table_top")
+        mount = rc.scene.scene_object_element_name("table", "table_top")
         assert mount == "table_table_top"
         robot = bare_rc7(attach_to=rc.AttachTarget(rc.AttachKind.Site, mount), pos=[0, 0.1, 0])
         on_top = cube("can", attach_to={"site": mount}, fixed=True, pos=[0.1, 0, 0.03])
@@ -203,13 +203,13 @@ class TestObjects:
         np.testing.assert_allclose(scene.body_pose("can").translation, [0.3, 0.2, 0.7])
 
     def test_a_later_object_is_nothing_to_stand_on(self, table):
-        mount = rc.scene_object_element_name("table", "table_top")
+        mount = rc.scene.scene_object_element_name("table", "table_top")
         can = cube("can", attach_to={"site": mount}, fixed=True)
         with pytest.raises(rc.SpecError, match=r"object 'can'.*object 'table'"):
             rc.Scene.build(empty(objects=[can, table]))
 
     def test_a_box_falls_and_rests(self):
-        box = cube("red_cube", pos=[0.35, 0.1, 0.3], condim=rc.Condim.TORSIONAL)
+        box = cube("red_cube", pos=[0.35, 0.1, 0.3], condim=rc.scene.Condim.TORSIONAL)
         scene = rc.Scene.build(empty(objects=[box]))
         geom = scene.model.geom("red_cube_geom")
         assert geom.condim[0] == 4
@@ -225,7 +225,7 @@ class TestObjects:
             rc.Scene.build(empty(objects=[cube(**{field: None})]))
 
     def test_what_can_move_freely_hangs_on_the_world(self, table):
-        mount = rc.scene_object_element_name("table", "table_top")
+        mount = rc.scene.scene_object_element_name("table", "table_top")
         loose = cube("can", attach_to={"site": mount})
         with pytest.raises(rc.SpecError, match=r"'can': can move freely.*or set fixed: true"):
             rc.Scene.build(empty(objects=[table, loose]))
@@ -233,7 +233,7 @@ class TestObjects:
 
 class TestCamerasActuatorsPoses:
     def test_cameras_need_a_place_and_a_lens(self):
-        camera = rc.CameraSpec(name="overview")
+        camera = rc.render.CameraSpec(name="overview")
         with pytest.raises(rc.SpecError) as error:
             rc.Scene.build(empty(cameras=[camera]))
         assert "pos" in str(error.value)
@@ -276,7 +276,7 @@ class TestReset:
         scene = rc.Scene.build(empty(robots=[rc7()]))
         told = []
         scene.on_reset(lambda context: told.append(f"{context.options} {context.info}"))
-        scene.reset(rc.ResetOptions(seed=3))
+        scene.reset(rc.scene.ResetOptions(seed=3))
         assert told == [
             "ResetOptions(keyframe=None, use_keyframe=True, seed=3) "
             "ResetInfo(used_keyframe=True, keyframe=0)"
@@ -288,14 +288,14 @@ class TestReset:
         q = [0.3, 0.2, -0.1, 1.2, 0.4, 0.5, -1.0]
         order = []
 
-        def on_reset(reset: rc.ResetContext) -> None:
+        def on_reset(reset: rc.scene.ResetContext) -> None:
             order.append((reset.info.used_keyframe, reset.options.keyframe))
             robot.set_joint_pos(q, call_forward=False)
 
         scene.on_reset(on_reset)
         robot.jnt_pos_cmd = np.zeros(7)
         scene.set_body_wrench("link7", [100, 0, 0], [0, 0, 0])
-        info = scene.reset(rc.ResetOptions(keyframe=0))
+        info = scene.reset(rc.scene.ResetOptions(keyframe=0))
         assert (info.used_keyframe, info.keyframe) == (True, 0)
         assert order == [(True, 0)]
         assert robot.jnt_pos_cmd.tolist() == q
@@ -311,7 +311,7 @@ class TestReset:
         scene.reset(seed=4)
         home, state = robot.jnt_pos_cmd, scene.state()
 
-        def on_reset(reset: rc.ResetContext) -> None:
+        def on_reset(reset: rc.scene.ResetContext) -> None:
             robot.set_joint_pos(np.full(7, 0.5), call_forward=False)
             scene.set_body_wrench("cube", [0, 0, 100])
             raise ValueError("no grasp")
@@ -335,7 +335,7 @@ class TestReset:
         assert scene.time() == 0
 
     def test_a_group_that_raises_stops_no_other_robot(self):
-        class Sulky(rc.MoveGroup):
+        class Sulky(rc.robots.MoveGroup):
             sulks = False
             get_name = lambda self: "sulky"  # noqa: E731
             get_joint_names = get_actuator_names = lambda self: ["dimmer"]
@@ -375,7 +375,7 @@ class TestReset:
         assert scene.joint_pos("hinge") == pytest.approx(np.pi / 6)
         spec.robots.append(rc7(name="a", prefix="a_", pos=[0, 2, 0]))
         both = rc.Scene.build(spec)
-        info = both.reset(rc.ResetOptions(keyframe=0))
+        info = both.reset(rc.scene.ResetOptions(keyframe=0))
         assert (info.used_keyframe, info.keyframe) == (True, 0)
         assert both.joint_pos("hinge") == pytest.approx(np.pi / 6)
         assert both.joint_pos("a_joint4") == pytest.approx(1.9), "the part that has a home is there"
@@ -384,7 +384,7 @@ class TestReset:
 
     def test_default_configuration_and_keyframes_that_are_not_there(self):
         scene = rc.Scene.build(empty(robots=[rc7()]))
-        info = scene.reset(rc.ResetOptions(use_keyframe=False))
+        info = scene.reset(rc.scene.ResetOptions(use_keyframe=False))
         assert (info.used_keyframe, info.keyframe) == (False, -1)
         np.testing.assert_array_equal(scene.data.qpos, scene.model.qpos0)
         with pytest.raises(rc.ArgumentError, match="there is no keyframe 3; the scene has 1"):
@@ -414,7 +414,7 @@ class TestReset:
         assert joints("right_up") == [0.1, 1]
         assert joints({"left": "up", "right": "up"}) == [1, 1]
         assert scene.model.key("left_up").qpos.tolist() == [1, 0.1]
-        options = rc.ResetOptions(keyframe={"right": "up"})
+        options = rc.scene.ResetOptions(keyframe={"right": "up"})
         assert options.keyframe == {"right": "up"}
         scene.reset(options)
         assert scene.joint_pos("right_j") == 1

@@ -194,7 +194,7 @@ def test_chains_outlive_the_solvers_that_do_not_keep_them():
 def test_joint_values_are_taken_in_every_form(robot: rc.Robot):
     q = [0.3, 0.8, -0.5, 1.2, 0.2, 1.1, 0.4]
     frames = []
-    for form in (list(q), tuple(q), np.array(q), to_kdl(np.array(q)), rc.jnt_array(q)):
+    for form in (list(q), tuple(q), np.array(q), to_kdl(np.array(q)), rc.kinematics.jnt_array(q)):
         robot.set_joint_pos(form)
         assert robot.arm.joint_pos.tolist() == q
         robot.jnt_pos_cmd = form
@@ -202,7 +202,7 @@ def test_joint_values_are_taken_in_every_form(robot: rc.Robot):
         frames.append(robot.fk_frame(form))
         assert robot.chain.fk(form) == frames[0]
     assert all(frame == frames[0] for frame in frames)
-    assert isinstance(rc.jnt_array(q), PyKDL.JntArray)
+    assert isinstance(rc.kinematics.jnt_array(q), PyKDL.JntArray)
 
 
 @needs_pykdl
@@ -234,7 +234,7 @@ def test_a_chain_of_ones_own_in_kdl_is_the_same_here():
     )
     kdl.addSegment(segment("c", PyKDL.Joint("slide", PyKDL.Joint.TransY, 1, 0.1, 0.75), 0.4))
     kdl.addSegment(segment("tool", PyKDL.Joint(PyKDL.Joint.Fixed), 0.2))
-    chain = rc.Chain.from_kdl(kdl, limits=[(-1, 1), (-2, 2), (-0.5, 0.5)])
+    chain = rc.kinematics.Chain.from_kdl(kdl, limits=[(-1, 1), (-2, 2), (-0.5, 0.5)])
     assert chain.joint_names == ["turn", "askew", "slide"]
     assert chain.joint_limits.tolist() == [[-1, 1], [-2, 2], [-0.5, 0.5]]
     assert chain.moving_mass == pytest.approx(3.1)
@@ -257,7 +257,7 @@ def test_a_chain_goes_to_kdl_and_back():
     from test_robot import cell
 
     chain = cell().robot("a").chain
-    back = rc.Chain.from_kdl(chain.to_kdl(), chain.joint_limits)
+    back = rc.kinematics.Chain.from_kdl(chain.to_kdl(), chain.joint_limits)
     assert back.joint_names == chain.joint_names
     q = np.linspace(-0.05, 0.8, 7)
     assert back.fk(q).is_close(chain.fk(q), 1e-7, 1e-12)
@@ -268,11 +268,11 @@ def test_a_chain_goes_to_kdl_and_back():
 @needs_pykdl
 def test_what_is_no_chain_of_kdl_is_told():
     with pytest.raises(TypeError, match=r"chain must be a PyKDL.Chain, got str"):
-        rc.Chain.from_kdl("chain")
+        rc.kinematics.Chain.from_kdl("chain")
     geared = PyKDL.Chain()
     geared.addSegment(PyKDL.Segment("a", PyKDL.Joint("j", PyKDL.Joint.RotZ, 2)))
     with pytest.raises(rc.ArgumentError, match="joint 'j' has scale 2; a chain's joints have"):
-        rc.Chain.from_kdl(geared)
+        rc.kinematics.Chain.from_kdl(geared)
 
 
 @needs_pykdl
@@ -292,8 +292,8 @@ def test_a_chain_between_two_places_of_a_scene():
     from test_robot import cell
 
     scene = cell()
-    chain = rc.Chain.from_scene(scene, "base_link", tip_site="tcp")
+    chain = rc.kinematics.Chain.from_scene(scene, "base_link", tip_site="tcp")
     assert chain.tip == "tcp"
     assert chain.fk(np.zeros(7)) == scene.robot("a").fk_frame(np.zeros(7))
     with pytest.raises(rc.ArgumentError, match="give either tip_body or tip_site"):
-        rc.Chain.from_scene(scene, "base_link")
+        rc.kinematics.Chain.from_scene(scene, "base_link")

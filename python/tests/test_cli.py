@@ -221,7 +221,7 @@ def test_a_shard_that_does_not_exist_is_refused(tmp_path: Path):
 
 def test_a_changed_configuration_is_refused_with_what_differs(tmp_path: Path):
     path = write_run(tmp_path)
-    robocell.prepare_dataset(robocell.RunConfig.load(path))
+    robocell.generate.prepare_dataset(robocell.RunConfig.load(path))
     assert robocell_command("generate", path, "--seed", 7, "--dry-run").returncode == 0
     (tmp_path / "out" / "s0000_e0000").mkdir()
     text = refused("generate", path, "--seed", 7)
@@ -242,7 +242,7 @@ def test_a_dry_run_tells_what_there_is_to_do_and_does_nothing(tmp_path: Path):
 
 def test_damaged_episodes_are_told_with_the_command_that_sets_them_aside(tmp_path: Path):
     path = write_run(tmp_path)
-    robocell.prepare_dataset(robocell.RunConfig.load(path))
+    robocell.generate.prepare_dataset(robocell.RunConfig.load(path))
     damaged = tmp_path / "out" / "s0000_e0000"
     damaged.mkdir()
     (damaged / "episode.json").write_text("{")
@@ -328,12 +328,12 @@ def test_the_doctor_names_versions_graphics_and_encoder():
     assert result.returncode == 0, result.stdout
     for text in ("mujoco", "graphics: egl", "video", "libx264", "disk"):
         assert text in result.stdout
-    assert "everything that is needed to generate datasets is here" in result.stdout
+    assert "this machine can generate datasets" in result.stdout
 
 
 def test_the_doctor_names_known_defects_of_the_engine_and_the_guards_against_them():
-    defects = robocell.known_engine_defects()
-    assert (robocell.mujoco_version() == "4.0.0") == bool(defects)
+    defects = robocell.diagnose.known_engine_defects()
+    assert (robocell.diagnose.mujoco_version() == "4.0.0") == bool(defects)
     words = " ".join(robocell_command("doctor").stdout.split())
     for defect in defects:
         assert f"known mujoco: {defect.name} {defect.what}." in words
@@ -352,21 +352,21 @@ def test_the_doctor_tells_what_to_do_about_what_is_missing(tmp_path: Path):
     }
     assert advice(list(found.values())) == [
         "",
-        "video must be mended: sudo apt install ffmpeg",
-        "menagerie (for robots named `menagerie:...`; the built-in ones need it not) is optional: "
+        "video is broken: sudo apt install ffmpeg",
+        "menagerie (for robots named `menagerie:...`; built-in robots do not need it) is optional: "
         "mujoco-menagerie prefetch x",
-        "until this is mended, not all of robocell can be used",
+        "parts of robocell will not work until this is fixed",
     ]
     result = robocell_command("doctor", environment={"ROBOCELL_FFMPEG": tmp_path / "none"})
     assert result.returncode == 1
-    assert "video must be mended: sudo apt install ffmpeg" in result.stdout
+    assert "video is broken: sudo apt install ffmpeg" in result.stdout
 
 
 def test_more_workers_than_cores_are_told(tmp_path: Path):
     result = robocell_command("generate", write_run(tmp_path), "--workers=999", "--dry-run")
     assert result.returncode == 0, result.stderr
     assert "warning: 999 workers on " in result.stderr
-    assert "make nothing faster" in result.stderr
+    assert "more workers than cores are not faster" in result.stderr
     cores = len(os.sched_getaffinity(0))
     assert many_workers(cores) == ""
     assert f"{8 * cores} are started, and --workers {cores} is enough" in result.stderr

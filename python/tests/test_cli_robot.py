@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from robocell.cli.robot_checks import trial
 
 import robocell
 from command_line import (
@@ -22,7 +23,6 @@ from command_line import (
 )
 from menagerie import require_menagerie
 from robocell.cli import reach_map
-from robocell.cli.robot_checks import trial
 from robocell.cli.robot_scene import load_robot
 
 
@@ -261,12 +261,14 @@ def test_check_and_runs_say_the_same_of_a_group_that_nothing_commands(tmp_path: 
     run = write_run(tmp_path, robot=str(robot))
     assert unfit in refused("generate", run)
     loaded = load_robot(robot)
-    reasons = robocell.why_no_picks(loaded.robot)
+    reasons = robocell.diagnose.why_no_picks(loaded.robot)
     assert len(reasons) == 1
     assert unfit in reasons[0]
     config = robocell.RunConfig.load(run)
     config.cameras.streams = []  # which are of rc7's cameras
-    robocell.check_run(config, scripted_expert=False, on_this_machine=False)  # is recorded without
+    robocell.diagnose.check_run(
+        config, scripted_expert=False, on_this_machine=False
+    )  # is recorded without
 
 
 def test_check_lists_keyframes(tmp_path: Path):
@@ -291,9 +293,15 @@ def test_what_check_warns_of_runs_warn_of_and_say_from_where_the_robot_would_rea
     robot = write_robot(tmp_path, set_in("force_limit", value=0.01))
     warned = "pushes with all it may, 0.01 N m"
     assert warned in robocell_command("check", robot).stderr
-    task = {"kind": "pick", "objects": ["box"], "base_distance": [0.3, 0.5]}
-    task |= {"base_height_offset": 0.4, "base_height_noise": [0.0, 0.0]}
-    run = write_run(tmp_path, robot=str(robot), task=task, max_attempts=1, episodes_per_scene=1)
+    changes = {
+        "task": {"kind": "pick", "objects": ["box"]},
+        "start": {
+            "base_distance": [0.3, 0.5],
+            "base_height_offset": 0.4,
+            "base_height_noise": [0.0, 0.0],
+        },
+    }
+    run = write_run(tmp_path, robot=str(robot), max_attempts=1, episodes_per_scene=1, **changes)
     result = robocell_command("generate", run)
     assert result.returncode == 1, result.stdout + result.stderr
     assert warned in result.stderr

@@ -46,8 +46,8 @@ def handles(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Any, st
         "base": (robot.base, GROUP.format("base")),
         "gripper controller": (robot.controller("gripper"), GROUP.format("gripper")),
         "position controller": (robot.controller(), GROUP.format("arm")),
-        "stepper": (rc.Stepper(scene, [robot]), SCENE.format("stepper")),
-        "renderer": (rc.Renderer(scene), SCENE.format("renderer")),
+        "stepper": (rc.control.Stepper(scene, [robot]), SCENE.format("stepper")),
+        "renderer": (rc.render.Renderer(scene), SCENE.format("renderer")),
         "video recorder": (
             rc.VideoRecorder(scene, video, 64, 48),
             SCENE.format("video recorder"),
@@ -123,7 +123,7 @@ def test_a_video_can_be_finished_after_its_scene_was_closed(tmp_path: Path):
 
 
 def test_a_group_of_your_own_is_yours():
-    class Own(rc.MoveGroup):
+    class Own(rc.robots.MoveGroup):
         def get_name(self) -> str:
             return "own"
 

@@ -78,7 +78,7 @@ def test_clearance_is_the_least_distance_to_what_is_not_the_robot(obstacle: str)
     touches_itself, distance = np.array([engine.judge(x) for x in q]).T
     kept = []
     for clearance in CLEARANCES:
-        keep = rc.CollisionFilter(robot, clearance=clearance)(q)
+        keep = rc.kinematics.CollisionFilter(robot, clearance=clearance)(q)
         expected = (touches_itself == 0) & (distance >= clearance)
         wrong = np.flatnonzero(keep != expected)
         assert not wrong.size, (clearance, wrong, keep[wrong], distance[wrong])

@@ -84,7 +84,7 @@ def test_a_closed_env_says_that_env_is_closed():
 
 
 def test_a_closed_recorder_says_that_recorder_is_closed(tmp_path):
-    rc.describe_gl()
+    rc.diagnose.describe_gl()
     recorder = mjk.VideoRecorder.open(env_of_rc7(), tmp_path / "a.mp4", 64, 48, 30)
     recorder.record_frame()
     recorder.close()

@@ -508,7 +508,7 @@ def test_robots_follow_resets_after_objects_came_and_went():
 
 
 def test_headless_video_recording(robot: mjk.Robot):
-    from robocell import describe_gl
+    from robocell.diagnose import describe_gl
 
     describe_gl()
     recorder = mjk.VideoRecorder.open_preset(

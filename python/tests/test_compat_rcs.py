@@ -338,7 +338,7 @@ def test_the_pick_and_place_task(fr3):
     assert config.task.goal_tolerance == 0.01
 
 
-class Wait(rc.Task):
+class Wait(rc.tasks.Task):
     """Nothing is to be done, beside an object where there is one."""
 
     @dataclass

@@ -49,8 +49,8 @@ def two_joints(folder: Path, joint: str, actuator: str) -> rc.Robot:
       <actuator><{actuator} name="a1" joint="j1"/><{actuator} name="a2" joint="j2"/></actuator>
     </mujoco>""")
     config = rc.RobotConfig(name="arm", model=str(folder / "arm.xml"))
-    config.move_groups["arm"] = rc.MoveGroupConfig(
-        kind="arm", joints=["j1", "j2"], actuators=["a1", "a2"], leaf=rc.ElementRef("tcp")
+    config.move_groups["arm"] = rc.robots.MoveGroupConfig(
+        kind="arm", joints=["j1", "j2"], actuators=["a1", "a2"], leaf=rc.scene.ElementRef("tcp")
     )
     config.control["arm"] = "joint_velocity"
     modes = ["velocity", "torque" if actuator.startswith("motor") else "position"]
@@ -112,7 +112,7 @@ class TestModes:
         robot = rc7()
         bare = rc.RobotConfig.load(rc.models.robot_file("rc7"))
         for i in range(1, 8):
-            bare.edits.append(rc.Edit(delete={"actuator": f"servo{i}"}))
+            bare.edits.append(rc.robots.Edit(delete={"actuator": f"servo{i}"}))
         bare.move_groups["arm"].actuators = []
         bare.control.clear()
         without = build(rc.RobotSpec(name="a", config=bare)).robot("a")
@@ -208,12 +208,12 @@ class TestModes:
     def test_actions_carry_torques_and_velocities(self):
         robot = rc7(control_modes=MODES)
         robot.ctrl_mode = "torque"
-        robot.apply({"arm": rc.GroupCommand.torques(range(7))})
+        robot.apply({"arm": rc.control.GroupCommand.torques(range(7))})
         assert robot.jnt_trq_cmd.tolist() == list(range(7))
         with pytest.raises(rc.ArgumentError, match="takes joint torques, not joint positions"):
-            robot.apply({"arm": rc.GroupCommand.joints(np.zeros(7))})
+            robot.apply({"arm": rc.control.GroupCommand.joints(np.zeros(7))})
         robot.ctrl_mode = "velocity"
-        robot.apply({"arm": rc.GroupCommand.velocities([0.1] * 7)})
+        robot.apply({"arm": rc.control.GroupCommand.velocities([0.1] * 7)})
         assert robot.jnt_vel_cmd.tolist() == [0.1] * 7
 
     def test_teleports_update_frames_at_once_or_when_asked(self):
@@ -316,7 +316,7 @@ class TestImpedance:
     def test_a_joint_gives_way_as_a_spring(self):
         robot = rc7(gravcomp=False)
         impedance = robot.set_controller("arm", "joint_impedance")
-        assert isinstance(impedance, rc.JointImpedanceController)
+        assert isinstance(impedance, rc.control.JointImpedanceController)
         impedance.stiffness = 300
         assert impedance.stiffness.tolist() == [300.0] * 7
         start = robot.arm.joint_pos

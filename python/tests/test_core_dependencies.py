@@ -110,7 +110,7 @@ def test_the_doctor_names_extras_as_optional():
     words = " ".join(result.stdout.split())
     assert "extra: envs (for robocell.gym, robocell.lerobot and compat.rcs) is optional" in words
     assert "pip install 'robocell[plots]'" in words
-    assert "packages must be mended" not in words
+    assert "packages is broken" not in words
 
 
 @pytest.mark.parametrize(

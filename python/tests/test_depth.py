@@ -41,9 +41,9 @@ def test_depth_is_the_renderers_in_every_row(dataset: Path):
     depth = episode.frames("wrist", kind="depth")
     assert depth.dtype == np.uint16
     assert depth.shape == (len(episode), SIZE[1], SIZE[0])
-    scene = robocell.Scene.build(robocell.recorded_scene(episode))
+    scene = robocell.Scene.build(robocell.data.recorded_scene(episode))
     scene.set_state(episode["initial_state"])
-    renderer = robocell.Renderer(scene)
+    renderer = robocell.render.Renderer(scene)
     ctrl = episode["control/ctrl"]
     ticks = round(episode.metadata["rates"]["policy_ms"] / episode.metadata["rates"]["control_ms"])
     for row in range(len(episode)):
@@ -71,7 +71,7 @@ def test_any_decoder_reads_the_same_and_the_file_says_what_it_is(dataset: Path):
 
 
 def test_depth_is_counted_verified_and_missed_by_name(dataset: Path):
-    assert robocell.verify(dataset, decode_videos=True).ok
+    assert robocell.data.verify(dataset, decode_videos=True).ok
     episode = robocell.Dataset(dataset)[0]
     assert (episode.cameras, episode.depth_cameras) == (["wrist", "exo"], ["wrist"])
     rows = sum(len(each) for each in robocell.Dataset(dataset))

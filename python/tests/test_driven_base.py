@@ -81,7 +81,7 @@ def test_it_carries_what_its_gripper_holds(hand: rc.Robot):
     assert base.pose.is_close(away, 1e-3, 1e-3)
     now = base.pose.inverse() * hand.scene.body_pose("cube")
     assert now.is_close(held, 0.05, 3e-3)
-    hand.apply({"base": rc.GroupCommand.base_pose(rc.Pose(translation=[0, 0, 0.3]))})
+    hand.apply({"base": rc.control.GroupCommand.base_pose(rc.Pose(translation=[0, 0, 0.3]))})
     assert base.target == rc.Pose(translation=[0, 0, 0.3])
     base.max_linear_speed = 1
     assert (base.max_linear_speed, base.max_angular_speed) == (1, 2)

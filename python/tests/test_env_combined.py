@@ -92,7 +92,7 @@ def test_one_of_them_collides_and_not_the_other(tmp_path):
 def test_names_must_begin_with_those_of_the_robots(tmp_path):
     config = rc.EnvConfig(**fields(), alternative_combined_robot_mjcf=str(model(tmp_path, "arm_")))
     with pytest.raises(rc.SpecError) as error:
-        rc.Scene.build(rc.env_scene_spec(config))
+        rc.Scene.build(rc.envs.env_scene_spec(config))
     assert "the names of robot 'left' must begin with 'robotleft_'; its bodies are " in str(
         error.value
     )
@@ -103,11 +103,11 @@ def test_they_stand_where_the_model_has_them(tmp_path):
     config = rc.EnvConfig(**fields(), robot_to_shared_base_frame=STANDS)
     config.alternative_combined_robot_mjcf = str(model(tmp_path))
     with pytest.raises(rc.SpecError, match="the robots stand where alternative_combined_robot_mj"):
-        rc.env_scene_spec(config)
+        rc.envs.env_scene_spec(config)
 
 
 def test_a_robot_is_part_of_an_earlier_one(tmp_path):
-    spec = rc.env_scene_spec(
+    spec = rc.envs.env_scene_spec(
         rc.EnvConfig(**fields(), alternative_combined_robot_mjcf=str(model(tmp_path)))
     )
     assert (spec.robots[0].part_of, spec.robots[1].part_of) == ("", "left")

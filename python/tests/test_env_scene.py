@@ -55,7 +55,7 @@ class TestConfig:
     def test_mappings_of_mappings_are_edited_in_place(self, duo, box):
         duo.robot_frame_objects["left"] = {}
         of_left = duo.robot_frame_objects["left"]
-        of_left["mount"] = rc.EnvObject(mjcf_path=str(box))
+        of_left["mount"] = rc.envs.EnvObject(mjcf_path=str(box))
         of_left["mount"].offset = at(0, 0, 2)
         assert duo.robot_frame_objects["left"]["mount"].offset == at(0, 0, 2)
         for other in (copy.deepcopy(duo), pickle.loads(pickle.dumps(duo))):
@@ -84,7 +84,7 @@ class TestConfig:
         robot.write_text((folder / "rc7.yaml").read_text().replace("rc7.xml", "own.xml"))
         config = rc.EnvConfig(robots={"robot": robot})
         for other in (copy.copy(config), pickle.loads(pickle.dumps(config))):
-            assert rc.Scene.build(rc.env_scene_spec(other)).name == "env"
+            assert rc.Scene.build(rc.envs.env_scene_spec(other)).name == "env"
 
 
 class TestMistakes:
@@ -92,7 +92,7 @@ class TestMistakes:
 
     def message(self, config: rc.EnvConfig) -> str:
         with pytest.raises(rc.SpecError) as error:
-            rc.env_scene_spec(config)
+            rc.envs.env_scene_spec(config)
         return str(error.value)
 
     def test_an_object_of_the_room_and_of_the_rig(self, duo, box):
@@ -162,7 +162,7 @@ def test_robots_stand_at_the_product_of_the_three_transforms(duo):
         duo.shared_base_frame_to_root_frame = random_pose(rng)
         stands = {robot: random_pose(rng) for robot in duo.robots}
         duo.robot_to_shared_base_frame = stands
-        scene = rc.Scene.build(rc.env_scene_spec(duo))
+        scene = rc.Scene.build(rc.envs.env_scene_spec(duo))
         shared = duo.root_frame_to_world * duo.shared_base_frame_to_root_frame
         assert scene.shared_base_frame_to_world.is_close(shared, 1e-9, 1e-9)
         for robot, pose in stands.items():
@@ -182,10 +182,10 @@ def test_moving_the_root_moves_the_rig_rigidly_and_nothing_else(duo, box):
         "wrist": rc.CameraAdderConfig(offset=at(0.05, 0, 0), robot_name="right"),
     }
     duo.cameras = {"streams": [{"name": n, "camera": n} for n in duo.camera_adds]}
-    before = rc.Scene.build(rc.env_scene_spec(duo))
+    before = rc.Scene.build(rc.envs.env_scene_spec(duo))
     move = rc.Pose(translation=[0.4, -0.3, 0.2], rpy=[0.5, -0.4, 2])
     duo.root_frame_to_world = move * duo.root_frame_to_world
-    after = rc.Scene.build(rc.env_scene_spec(duo))
+    after = rc.Scene.build(rc.envs.env_scene_spec(duo))
     assert after.body_names() == before.body_names()
     for body in before.body_names():
         by = rc.Pose() if body in ("world", "lamp_box") else move
@@ -201,7 +201,7 @@ def test_the_workflow_one_frame_after_the_other(box):
     expected = {"robotrobot_base_link": rc.Pose()}
 
     def look() -> rc.Scene:
-        scene = rc.Scene.build(rc.env_scene_spec(config))
+        scene = rc.Scene.build(rc.envs.env_scene_spec(config))
         for body, pose in expected.items():
             assert scene.body_pose(body).is_close(pose, 1e-9, 1e-9), body
         return scene

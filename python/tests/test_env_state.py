@@ -1,4 +1,4 @@
-"""States and records of environments as values, saved scenes, objects that vary."""
+"""States of environments as values, saved scenes, objects that vary."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def test_a_state_goes_on_in_another_environment():
     act(env)
     state = pickle.loads(pickle.dumps(env.get_state()))
     then = act(env)
-    other.set_state(rc.EnvState(state.numbers))
+    other.set_state(rc.envs.EnvState(state.numbers))
     same(act(other), then)
     with pytest.raises(rc.ArgumentError, match="must be one of world, root, got 'rot'"):
         other.set_state(state, frame="rot")
@@ -52,46 +52,6 @@ def test_a_state_of_the_rig_elsewhere():
     state = env.get_state()
     same(other.set_state(state, frame="root"), env.set_state(state), 1e-9)
     same(act(other), act(env), 1e-5)
-
-
-def flat(record: rc.EnvRecord) -> list[np.ndarray]:
-    return [record.start.numbers, record.actions, record.observations, record.rewards]
-
-
-def test_a_record_is_replayed_and_kept_in_a_file(tmp_path):
-    env = rc.Env(config())
-    env.reset(seed=1)
-    env.start_record()
-    act(env)
-    record = env.stop_record()
-    assert (record.steps, record.actions.shape) == (3, (3, 8))
-    np.savez(
-        tmp_path / "record.npz",
-        start=record.start.numbers,
-        actions=record.actions,
-        observations=record.observations,
-        rewards=record.rewards,
-    )
-    kept = dict(np.load(tmp_path / "record.npz"))
-    again = rc.EnvRecord(**(kept | {"start": rc.EnvState(kept["start"])}))
-    other = rc.Env(config())
-    replay = other.replay(again)
-    assert (replay.same, replay.steps, replay.difference) == (True, 3, "")
-    kept["actions"][1, 2] += 0.01
-    replay = other.replay(rc.EnvRecord(**(kept | {"start": record.start})))
-    assert (replay.same, replay.steps) == (False, 2)
-    assert replay.difference.startswith("after step 2: robot.tquat[")
-    file = tmp_path / "record.npy"
-    record.save(file)
-    assert np.load(file).shape == (4 + sum(len(each.ravel()) for each in flat(record)),)
-    for same_again in (rc.EnvRecord.load(file), pickle.loads(pickle.dumps(record))):
-        assert all(map(np.array_equal, flat(same_again), flat(record)))
-        assert other.replay(same_again).same
-    file.write_text("steps: 3")
-    with pytest.raises(rc.IoError, match=r"record.npy' is no record of an environment: it is no"):
-        rc.EnvRecord.load(file)
-    moved = rc.Env(config(root_frame_to_world=ELSEWHERE))
-    assert moved.replay(again, frame="root", tolerance=1e-5).same
 
 
 def test_a_scene_that_was_saved_is_simulated(tmp_path):
@@ -159,7 +119,7 @@ def test_states_that_are_no_numbers_change_nothing():
             numbers = whole.copy()
             numbers[i] = bad
             with pytest.raises(rc.ArgumentError) as told:
-                env.set_state(rc.EnvState(numbers))
+                env.set_state(rc.envs.EnvState(numbers))
             refused += f"'pick_cube': number {i} of the state is {bad}" in str(told.value)
             assert np.array_equal(env.get_state().numbers, whole)
     assert refused > len(indices)
@@ -167,24 +127,9 @@ def test_states_that_are_no_numbers_change_nothing():
     env.close()
 
 
-def test_records_are_pickled_and_one_at_a_time():
+def test_a_saved_state_needs_a_name():
     env = rc.Env(config())
     env.reset(seed=1)
-    with pytest.raises(
-        rc.Error, match=r"nothing is being recorded: start_record .* begins it, and"
-    ):
-        env.stop_record()
-    env.start_record()
-    act(env)
-    with pytest.raises(rc.Error, match="it is being recorded already, 3 steps by now; stop_record"):
-        env.start_record()
-    record = env.stop_record()
-    again = pickle.loads(pickle.dumps(record))
-    assert again.steps == 3
-    assert np.array_equal(again.start.numbers, record.start.numbers)
-    for name in ("actions", "observations", "rewards"):
-        assert np.array_equal(getattr(again, name), getattr(record, name))
-    assert env.replay(again).same
     with pytest.raises(rc.ArgumentError, match="'pick_cube': a saved state needs a name"):
         env.save("")
     env.close()

@@ -80,7 +80,7 @@ def test_the_registered_environment_and_its_vector():
     vector.close()
 
 
-class Reach(rc.Task):
+class Reach(rc.tasks.Task):
     """The TCP is to come to a point that is drawn at each reset."""
 
     def __init__(self, near=0.05):
@@ -255,14 +255,14 @@ def test_functions_make_tasks_too_and_python_may_replace_its_own():
     env.reset(seed=1)
     assert go(env, np.array([0.4, 0, 0.3]), 1)[2], "near enough"
     env.close()
-    assert {"pick", "pick_and_place", "reach"} <= set(rc.task_kinds())
+    assert {"pick", "pick_and_place", "reach"} <= set(rc.tasks.task_kinds())
     with pytest.raises(rc.ArgumentError, match="task 'pick' is registered already"):
         rc.register_task("pick")(Reach)
     with pytest.raises(TypeError, match=r"expected a class derived from Task or a function"):
         rc.register_task("mine")(3)
 
 
-class Silent(rc.Task):
+class Silent(rc.tasks.Task):
     def reward(self, scene):
         return 0
 
@@ -366,7 +366,7 @@ import robocell as rc
 from robocell.gym import pick_cube_config
 
 
-class Reach(rc.Task):
+class Reach(rc.tasks.Task):
     def bind(self, scene, setting):
         self.robot = scene.robot("robot")
 
@@ -387,7 +387,7 @@ config = pick_cube_config(task={"kind": "reach"})
 
 @pytest.mark.parametrize(
     "made",
-    ["env = rc.Env(config)", "env = rc.EnvBatch(config, 2)", "env = GymEnv(config)"],
+    ["env = rc.Env(config)", "env = rc.envs.EnvBatch(config, 2)", "env = GymEnv(config)"],
 )
 def test_a_script_that_ends_with_an_environment_says_nothing_of_leaks(tmp_path, made):
     script = tmp_path / "script.py"
@@ -403,7 +403,7 @@ def test_a_script_that_ends_with_an_environment_says_nothing_of_leaks(tmp_path, 
     assert done.stderr == ""
 
 
-@pytest.mark.parametrize("make", [rc.Env, lambda config: rc.EnvBatch(config, 2)])
+@pytest.mark.parametrize("make", [rc.Env, lambda config: rc.envs.EnvBatch(config, 2)])
 def test_an_environment_and_its_task_are_collected(make):
     class Circle(Silent):
         env = None
@@ -429,7 +429,7 @@ def test_an_environment_and_its_task_are_collected(make):
 
 def test_a_start_that_the_task_refuses_is_drawn_again_or_told():
     @rc.register_task("choosy_of_test")
-    class Choosy(rc.Task):
+    class Choosy(rc.tasks.Task):
         tries = 0
 
         @dataclass
@@ -443,11 +443,11 @@ def test_a_start_that_the_task_refuses_is_drawn_again_or_told():
         def arrange(self, scene, rng):
             Choosy.tries += 1
             if self.never or Choosy.tries % 3:
-                return rc.Refusal("too crowded", "by one")
+                return rc.tasks.Refusal("too crowded", "by one")
             return None
 
         def judge(self, scene):
-            return rc.TaskVerdict()
+            return rc.tasks.TaskVerdict()
 
         def instruction(self):
             return "wait"

@@ -36,7 +36,7 @@ def test_equipment_is_found_by_name_and_loads_in_stock_mujoco():
         path = rc.models.resolve(name)
         assert path == str(Path(rc.models.root()) / "equipment" / name / f"{name}.xml")
         assert mujoco.MjModel.from_xml_path(path).nbody > 1
-    assert not set(EQUIPMENT) & set(rc.object_kinds()), "nothing that tasks pick"
+    assert not set(EQUIPMENT) & set(rc.tasks.object_kinds()), "nothing that tasks pick"
 
 
 def test_a_door_and_a_drawer_are_pulled_open():

@@ -35,18 +35,18 @@ def test_c_plus_plus_errors_arrive_as_their_class():
 
 def test_versions_are_texts():
     assert rc.__version__.count(".") == 2
-    assert rc.mujoco_version() == mujoco.mj_versionString()
-    assert rc.__mujoco_version__ == rc.mujoco_version()
+    assert rc.diagnose.mujoco_version() == mujoco.mj_versionString()
+    assert rc.__mujoco_version__ == rc.diagnose.mujoco_version()
 
 
 def test_log_levels():
-    before = rc.log_level()
+    before = rc.log.log_level()
     for level in ("error", "warn", "info", "debug", "none"):
-        rc.set_log_level(level)
-        assert rc.log_level() == level
+        rc.log.set_log_level(level)
+        assert rc.log.log_level() == level
     with pytest.raises(rc.NotFoundError):
-        rc.set_log_level("loud")
-    rc.set_log_level(before)
+        rc.log.set_log_level("loud")
+    rc.log.set_log_level(before)
 
 
 def cell(**fields: object) -> rc.SceneSpec:

@@ -120,5 +120,5 @@ def test_a_run_that_cannot_make_an_episode_is_told_so(tmp_path: Path):
     assert hasty.returncode == 1
     assert "episodes: 0 (0 of 2 items succeed)" in hasty.stdout
     assert "reasons:  timeout 6" in hasty.stdout
-    assert "none of the 2 tried succeeded: see the reasons" in hasty.stderr
+    assert "none of the 2 trials succeeded: see the reasons" in hasty.stderr
     assert "no kind" in refused("generate", run, "--dry-run", "--set", "task.objects=[mgu]")

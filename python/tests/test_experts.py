@@ -14,7 +14,7 @@ import robocell as rc
 from command_line import write_run
 
 
-class Idle(rc.Expert):
+class Idle(rc.tasks.Expert):
     """Does nothing for some actions, then has failed."""
 
     def __init__(self, actions: int = 3) -> None:
@@ -23,11 +23,13 @@ class Idle(rc.Expert):
         self.kept: list[object] = []
         self.draws: list[float] = []
 
-    def begin(self, scene: rc.Scene, rng: rc.Rng) -> None:
+    def begin(self, scene: rc.Scene, rng: rc.tasks.Rng) -> None:
         self.kept = [scene, rng, rng.fork("mine")]
         self.draws.append(rng.uniform())
 
-    def act(self, scene: rc.Scene, rng: rc.Rng) -> dict[str, dict[str, rc.GroupCommand]]:
+    def act(
+        self, scene: rc.Scene, rng: rc.tasks.Rng
+    ) -> dict[str, dict[str, rc.control.GroupCommand]]:
         self.draws.append(rng.uniform())
         self.left -= 1
         return {}
@@ -52,24 +54,26 @@ def load(tmp_path: Path, **fields: object) -> rc.RunConfig:
     run.cameras.streams.clear()
     for name, value in fields.items():
         setattr(run, name, value)
-    rc.prepare_dataset(run)
+    rc.generate.prepare_dataset(run)
     return run
 
 
-def make(run: rc.RunConfig, expert: Callable[[rc.RunConfig, rc.EpisodeStart], rc.Expert]):
-    """The report of the run's first item."""
-    return rc.Runner(run, expert=expert).run(rc.make_plan(run)[0])
+def make(
+    run: rc.RunConfig, expert: Callable[[rc.RunConfig, rc.tasks.EpisodeStart], rc.tasks.Expert]
+):
+    """The result of the run's first item."""
+    return rc.generate.Runner(run, expert=expert).run(rc.generate.make_plan(run)[0])
 
 
 def test_what_an_expert_factory_gets_may_be_kept(tmp_path):
-    kept: list[tuple[rc.RunConfig, rc.EpisodeStart]] = []
+    kept: list[tuple[rc.RunConfig, rc.tasks.EpisodeStart]] = []
 
-    def expert(run: rc.RunConfig, start: rc.EpisodeStart) -> rc.Expert:
+    def expert(run: rc.RunConfig, start: rc.tasks.EpisodeStart) -> rc.tasks.Expert:
         kept.append((run, start))
         return Idle()
 
-    report = make(load(tmp_path, max_attempts=2), expert)
-    assert report.accepted == len(kept)
+    result = make(load(tmp_path, max_attempts=2), expert)
+    assert result.accepted == len(kept)
     gc.collect()
     for run, start in kept:
         assert run.run == "tiny"
@@ -84,23 +88,23 @@ def test_what_an_expert_factory_gets_may_be_kept(tmp_path):
 def test_an_expert_lives_as_long_as_it_is_used(tmp_path):
     alive: list[weakref.ref] = []
 
-    def expert(run: rc.RunConfig, start: rc.EpisodeStart) -> rc.Expert:
+    def expert(run: rc.RunConfig, start: rc.tasks.EpisodeStart) -> rc.tasks.Expert:
         made = Idle()
         made.note = object()
         alive.append(weakref.ref(made))
         gc.collect()
         return made
 
-    report = make(load(tmp_path, max_attempts=2), expert)
-    assert report.failures == {"idle": report.accepted}
+    result = make(load(tmp_path, max_attempts=2), expert)
+    assert result.failures == {"idle": result.accepted}
     gc.collect()
-    assert [ref() for ref in alive] == [None] * report.accepted
+    assert [ref() for ref in alive] == [None] * result.accepted
 
 
 def test_a_kept_stream_says_that_it_was_lent(tmp_path):
     experts: list[Idle] = []
 
-    def expert(run: rc.RunConfig, start: rc.EpisodeStart) -> rc.Expert:
+    def expert(run: rc.RunConfig, start: rc.tasks.EpisodeStart) -> rc.tasks.Expert:
         experts.append(Idle())
         return experts[-1]
 
@@ -171,7 +175,7 @@ def test_an_experts_exception_comes_through(tmp_path):
 
 
 def test_experts_called_from_python_draw_from_the_stream_given():
-    rng, same = rc.Rng.stream(1, "test"), rc.Rng.stream(1, "test")
+    rng, same = rc.tasks.Rng.stream(1, "test"), rc.tasks.Rng.stream(1, "test")
     expert = Idle()
     expert.begin(
         rc.Scene.build(rc.SceneSpec(timestep=0.002, add_floor=True, add_skybox=False)), rng

@@ -24,9 +24,9 @@ def make(folder: Path, episodes: int, **fields: object) -> rc.Dataset:
     for name, value in fields.items():
         setattr(run, name, value)
     run.output, run.episodes = str(folder), episodes
-    rc.prepare_dataset(run)
-    runner = rc.Runner(run)
-    for item in rc.make_plan(run):
+    rc.generate.prepare_dataset(run)
+    runner = rc.generate.Runner(run)
+    for item in rc.generate.make_plan(run):
         assert runner.run(item).success
     return rc.Dataset(folder)
 

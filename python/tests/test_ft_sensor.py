@@ -22,7 +22,7 @@ def wrist() -> tuple[rc.RobotSpec, rc.ToolFrameSpec]:
     gripper.attach_to = rc.AttachTarget(rc.AttachKind.Site, "wrist_ft_site")
     arm = rc.RobotSpec(path="menagerie:kinova_gen3", attachments=[sensor, gripper])
     tool = rc.ToolFrameSpec(tool_body="ft_sensor", tcp_site="g_pinch")
-    ft = rc.ForceTorqueSensorSpec()
+    ft = rc.robots.ForceTorqueSensorSpec()
     ft.name = "wrist_ft"
     ft.frame_site = "wrist_ft_site"
     tool.ft_sensors = [ft]
@@ -63,7 +63,7 @@ def test_the_gripper_hangs_from_the_sensor(robot: rc.Robot, q: list[float]):
 def test_tare_and_compensation():
     arm, tool = wrist()
     tool.ft_sensors.append(
-        rc.ForceTorqueSensorSpec(
+        rc.robots.ForceTorqueSensorSpec(
             name="pushed", force_sensor="wrist_ft_force", torque_sensor="wrist_ft_torque",
             compensate_tool=True,
         )
@@ -101,7 +101,7 @@ def test_after_a_reset_it_reads_the_new_state_and_can_be_tared(robot: rc.Robot):
 def test_wrong_names_are_told(robot: rc.Robot):
     with pytest.raises(rc.NotFoundError, match=r"no ft sensor 'wrist'.*Did you mean 'wrist_ft'\?"):
         robot.ft_sensor_wrench("wrist")
-    tool = rc.ToolFrameSpec(ft_sensors=[rc.ForceTorqueSensorSpec(name="wrist")])
+    tool = rc.ToolFrameSpec(ft_sensors=[rc.robots.ForceTorqueSensorSpec(name="wrist")])
     with pytest.raises(
         rc.NotFoundError, match=r"no force sensor 'wrist_force'\. Its force sensors"
     ):
@@ -109,5 +109,5 @@ def test_wrong_names_are_told(robot: rc.Robot):
     with pytest.raises(rc.SpecError, match=r"ft_sensors\[0\]\.name"):
         rc.Robot.from_scene(
             robot.scene, "base_link", "bracelet_link",
-            tool=rc.ToolFrameSpec(ft_sensors=[rc.ForceTorqueSensorSpec()]),
+            tool=rc.ToolFrameSpec(ft_sensors=[rc.robots.ForceTorqueSensorSpec()]),
         )  # fmt: skip

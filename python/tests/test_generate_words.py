@@ -34,7 +34,7 @@ def test_repair_is_advised_only_where_it_helps(tmp_path: Path):
     assert cli.in_the_way(foreign, tmp_path).endswith(foreign)
     half = "'e2' is half an episode: episode.json is missing"
     told = cli.in_the_way(f"{foreign}\n{half}", tmp_path)
-    assert told.endswith(f"{half}\nSet damaged ones aside: robocell verify --repair {tmp_path}")
+    assert told.endswith(f"{half}\nTo set damaged ones aside: robocell verify --repair {tmp_path}")
 
 
 def test_ctrl_c_before_there_are_workers_is_told_without_a_traceback(
@@ -43,14 +43,14 @@ def test_ctrl_c_before_there_are_workers_is_told_without_a_traceback(
     def interrupted(*of: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(sys.modules[cli.Job.__module__], "check_apart", interrupted)
+    monkeypatch.setattr(sys.modules[cli.Job.__module__], "check_in_child", interrupted)
     monkeypatch.setattr(sys, "argv", ["robocell", "generate", "run.yaml"])
     with pytest.raises(typer.Exit) as end:
         cli.generate(write_run(tmp_path))
     assert end.value.exit_code == 130
     assert capsys.readouterr().err == (
         "warning: interrupted before an episode was begun.\n"
-        "This begins again: robocell generate run.yaml\n"
+        "To begin again: robocell generate run.yaml\n"
     )
 
 

@@ -215,7 +215,7 @@ import os, sys
 import robocell as rc
 from robocell.gym import GymEnv, pick_cube_config
 
-streams = [rc.CameraConfig(name="eye", camera="exo_camera")]
+streams = [rc.render.CameraConfig(name="eye", camera="exo_camera")]
 config = pick_cube_config(cameras={"resolution": [64, 48], "streams": streams})
 
 
@@ -273,7 +273,7 @@ def test_gymnasiums_processes_draw_with_another_context():
 
 
 def images_config() -> rc.EnvConfig:
-    streams = [rc.CameraConfig(name="eye", camera="exo_camera")]
+    streams = [rc.render.CameraConfig(name="eye", camera="exo_camera")]
     return pick_cube_config(cameras={"resolution": [64, 48], "streams": streams})
 
 
@@ -355,7 +355,7 @@ def test_pictures_show_the_robot_from_the_side_and_in_front():
             config(root_frame_to_world=root, scene="empty_world"), "rgb_array", render_size=(64, 48)
         )
         env.reset(seed=0)
-        renderer = rc.Renderer(env.core.scene)
+        renderer = rc.render.Renderer(env.core.scene)
         bodies = renderer.render(env._camera, width=64, height=48, segmentation=True)
         robot = bodies["segmentation"] > 0
         rows, columns = np.nonzero(robot)

@@ -79,7 +79,7 @@ def test_what_learning_code_does_with_it():
 
 def test_what_is_no_vector_is_refused():
     config = pick_cube_config()
-    config.cameras.streams = [rc.CameraConfig(name="eye", camera="robotrobot_exo_camera")]
+    config.cameras.streams = [rc.render.CameraConfig(name="eye", camera="robotrobot_exo_camera")]
     with pytest.raises(rc.ArgumentError, match=r"flat observations have no images; .* \(eye\)"):
         FlatVectorGymEnv(config, 2)
     vector = FlatVectorGymEnv(pick_cube_config(), 2)
@@ -143,7 +143,7 @@ def test_an_action_of_one_has_its_numbers():
     with pytest.raises(rc.ArgumentError, match="must be 8 numbers, it is no array: could not"):
         env.step("far")
     config = pick_cube_config()
-    config.cameras.streams = [rc.CameraConfig(name="eye", camera="exo_camera")]
+    config.cameras.streams = [rc.render.CameraConfig(name="eye", camera="exo_camera")]
     with pytest.raises(rc.ArgumentError, match=r"flat observations have no images; .* \(eye\)"):
         FlatGymEnv(config)
     env.close()

@@ -138,7 +138,7 @@ class TestPreferences:
 
 class TestFilters:
     def test_the_ready_one_keeps_arms_out_of_a_wall(self, robot):
-        free = rc.CollisionFilter(robot)
+        free = rc.kinematics.CollisionFilter(robot)
         q = reachable(robot, 300, 1)
         mask = free(q)
         assert 20 < mask.sum() < 280
@@ -149,14 +149,14 @@ class TestFilters:
         assert len(targets) == 100
         assert found.success.sum() > 10
         assert free(found.q[found.success]).all()
-        assert rc.CollisionFilter(robot, ignored=["wall"])(q).sum() > mask.sum()
+        assert rc.kinematics.CollisionFilter(robot, ignored=["wall"])(q).sum() > mask.sum()
         with pytest.raises(rc.NotFoundError, match="Did you mean 'wall'"):
-            rc.CollisionFilter(robot, ignored=["wal"])
+            rc.kinematics.CollisionFilter(robot, ignored=["wal"])
         with pytest.raises(rc.ArgumentError, match=r"q must be \(k, 7\), got \(7,\)"):
             free(q[0])
 
     def test_threads_take_turns_with_one_filter(self, robot):
-        free = rc.CollisionFilter(robot)
+        free = rc.kinematics.CollisionFilter(robot)
         q = reachable(robot, 1000, 6)
         alone = free(q)
         with ThreadPoolExecutor(4) as pool:
@@ -258,7 +258,7 @@ class TestDifferentialIk:
 
     def test_the_controller_is_told_a_twist(self, robot):
         jog = robot.set_controller("arm", "differential_ik")
-        assert isinstance(jog, rc.DifferentialIkController)
+        assert isinstance(jog, rc.control.DifferentialIkController)
         start = robot.fk_frame()
         jog.twist = [0, 0, 0.05, 0, 0, 0]
         jog.max_speed = [1] * 7
@@ -369,7 +369,7 @@ class TestRobots:
             ours, theirs = (ik(target, **options) for ik in (robot.ik, robot.kinematics.ik))
             assert ours.success
             np.testing.assert_array_equal(ours.q, theirs.q)
-        free = rc.CollisionFilter(robot)
+        free = rc.kinematics.CollisionFilter(robot)
         assert free(robot.ik(pose=target, filter=free).q[None]).all()
         assert not robot.ik(target, locked_groups=["arm"])
         with pytest.raises(rc.ArgumentError, match=r"prefer must be one of .*Did you mean 'seed'"):

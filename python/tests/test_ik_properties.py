@@ -55,7 +55,7 @@ def random_xml(rng: np.random.Generator, joints: int, tiny: bool = False) -> str
 class Case:
     """A chain of robocell, and the engine's own model of the same file."""
 
-    chain: rc.Chain
+    chain: rc.kinematics.Chain
     model: mujoco.MjModel
     data: mujoco.MjData
     rng: np.random.Generator
@@ -96,7 +96,7 @@ def make_case(folder: Path, joints: int, tiny: bool = False) -> Case:
     path.write_text(xml)
     spec = rc.SceneSpec(timestep=0.002, add_floor=False, add_skybox=False)
     spec.robots.append(rc.RobotSpec(path=str(path)))
-    chain = rc.Chain.from_scene(rc.Scene.build(spec), "base", tip_site="tip")
+    chain = rc.kinematics.Chain.from_scene(rc.Scene.build(spec), "base", tip_site="tip")
     model = mujoco.MjModel.from_xml_string(xml)
     return Case(chain, model, mujoco.MjData(model), rng)
 

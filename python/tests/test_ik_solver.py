@@ -89,7 +89,7 @@ class TestAnswers:
         assert solver.result.q[0] == seed[0]
 
     def test_a_closed_filter_keeps_configurations_out(self, robot):
-        free = rc.CollisionFilter(robot)
+        free = rc.kinematics.CollisionFilter(robot)
         solver = robot.ik_solver(filter=free)
         q = next(q for q in reachable(robot, 50) if free(q[None])[0])
         assert solver.solve(robot.kinematics.fk(q), q)

@@ -8,11 +8,13 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import robocell as rc
+from robocell.data import EnvRecorder, replay_actions
 from robocell.gym import VectorGymEnv, pick_cube_config
 from test_experts import Idle, load
 from test_robot import cell
@@ -75,18 +77,19 @@ def test_waiting_for_real_time_ends():
     env.close()
 
 
-def test_a_replay_ends():
+def test_a_replay_ends(tmp_path: Path):
+    stay = {"robot": {"tquat": [0, 0, 0, 0, 0, 0, 1], "gripper": 1}}
+    quick = rc.Env(pick_cube_config())
+    with EnvRecorder(quick, tmp_path):
+        quick.reset(seed=0)
+        quick.step(stay)
+    quick.close()
     sim = {"async_control": True, "frequency": 1e-3, "on_collision": "report"}
     env = rc.Env(pick_cube_config(sim=sim))
-    env.reset(seed=0)
-    env.start_record()
-    nothing = env.stop_record()
-    stay = [[0, 0, 0, 0, 0, 0, 1, 1]]
-    record = rc.EnvRecord(nothing.start, stay, np.tile(nothing.observations, (2, 1)), [0])
     with interrupted():
-        env.replay(record)
+        replay_actions(env, rc.Dataset(tmp_path)[0])
     with pytest.raises(rc.Error, match="call reset to go on"):
-        env.step({"robot": {"tquat": stay[0][:7], "gripper": 1}})
+        env.step(stay)
     env.close()
 
 
@@ -107,10 +110,10 @@ def test_a_step_of_a_vector_ends(threads):
     vector.close()
 
 
-class InterruptsTheSecond(rc.Task):
+class InterruptsTheSecond(rc.tasks.Task):
     """Sends Ctrl-C into the step of the second copy, when the first has stepped."""
 
-    def bind(self, scene: rc.Scene, setting: rc.TaskSetting) -> None:
+    def bind(self, scene: rc.Scene, setting: rc.tasks.TaskSetting) -> None:
         self.first = setting.place.endswith("[0]'")
 
     def reward(self, scene: rc.Scene) -> float:
@@ -163,7 +166,7 @@ def test_a_diverged_part_ends_the_steps():
 
 def test_a_long_policy_tick_ends():
     scene = cell()
-    stepper = rc.Stepper(scene, [scene.robot("a")], control_ticks=2_000_000_000)
+    stepper = rc.control.Stepper(scene, [scene.robot("a")], control_ticks=2_000_000_000)
     with interrupted():
         stepper.advance({})
     assert stepper.policy_ticks == 0
@@ -194,50 +197,52 @@ class Endless(Idle):
         return False
 
 
-def endless(run: rc.RunConfig, start: rc.EpisodeStart) -> rc.Expert:
+def endless(run: rc.RunConfig, start: rc.tasks.EpisodeStart) -> rc.tasks.Expert:
     return Endless()
 
 
 def test_an_endless_episode_ends_and_finished_ones_stay(tmp_path):
-    run = load(tmp_path, keep=rc.Keep.ALL, max_attempts=2)
+    run = load(tmp_path, keep=rc.generate.Keep.ALL, max_attempts=2)
     run.rates.max_steps = 1_000_000
-    made: list[rc.Expert] = []
+    made: list[rc.tasks.Expert] = []
 
-    def first_short_then_endless(run: rc.RunConfig, start: rc.EpisodeStart) -> rc.Expert:
+    def first_short_then_endless(
+        run: rc.RunConfig, start: rc.tasks.EpisodeStart
+    ) -> rc.tasks.Expert:
         made.append(Endless() if made else Idle())
         return made[-1]
 
     run.max_attempts = 20
-    rc.prepare_dataset(run)
+    rc.generate.prepare_dataset(run)
     with interrupted(3.0):
-        rc.Runner(run, expert=first_short_then_endless).run(rc.make_plan(run)[0])
+        rc.generate.Runner(run, expert=first_short_then_endless).run(rc.generate.make_plan(run)[0])
     assert len(rc.Dataset(tmp_path / "out").ids) == 1
-    assert rc.verify(tmp_path / "out").ok
+    assert rc.data.verify(tmp_path / "out").ok
 
 
 def test_the_scripted_expert_is_interrupted_too(tmp_path):
     run = load(tmp_path)
-    runner = rc.Runner(run)
+    runner = rc.generate.Runner(run)
     with interrupted(0.05):
-        for item in rc.make_plan(run) * 100:
+        for item in rc.generate.make_plan(run) * 100:
             runner.run(item)
 
 
 def test_a_handler_that_only_sets_the_stop_flag_ends_the_run_without_an_exception(tmp_path):
     run = load(tmp_path)
     run.rates.max_steps = 1_000_000
-    rc.prepare_dataset(run)
-    stop = rc.StopFlag()
+    rc.generate.prepare_dataset(run)
+    stop = rc.generate.StopFlag()
     before = signal.signal(signal.SIGTERM, lambda *_: stop.set())
     timer = threading.Timer(1.5, os.kill, (os.getpid(), signal.SIGTERM))
     timer.start()
     try:
-        report = rc.Runner(run, expert=endless).run(rc.make_plan(run)[0], stop)
+        result = rc.generate.Runner(run, expert=endless).run(rc.generate.make_plan(run)[0], stop)
     finally:
         signal.signal(signal.SIGTERM, before)
         timer.join()
-    assert report.stopped
-    assert not report.committed
+    assert result.stopped
+    assert not result.committed
 
 
 @pytest.mark.parametrize("work", ["step_n", "ik_batch"])

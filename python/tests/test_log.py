@@ -19,9 +19,9 @@ Lines = list[tuple[str, str]]
 @pytest.fixture
 def lines() -> Iterator[Lines]:
     kept: Lines = []
-    before = rc.set_log_sink(lambda level, text: kept.append((level, text)))
+    before = rc.log.set_log_sink(lambda level, text: kept.append((level, text)))
     yield kept
-    rc.set_log_sink(before)
+    rc.log.set_log_sink(before)
 
 
 def command_beyond_limits(scene: rc.Scene) -> None:
@@ -38,12 +38,12 @@ def test_a_sink_gets_level_and_message(lines: Lines):
 
 
 def test_a_sink_gets_only_what_passes_the_level(lines: Lines):
-    before = rc.log_level()
-    rc.set_log_level("error")
+    before = rc.log.log_level()
+    rc.log.set_log_level("error")
     try:
         command_beyond_limits(cell())
     finally:
-        rc.set_log_level(before)
+        rc.log.set_log_level(before)
     assert lines == []
 
 
@@ -51,17 +51,17 @@ def test_the_sink_before_is_returned(lines: Lines):
     def first(level: str, text: str) -> None:
         """Take it and keep nothing."""
 
-    ours = rc.set_log_sink(first)
+    ours = rc.log.set_log_sink(first)
     ours("warn", "through the former one")
     assert lines == [("warn", "through the former one")]
-    assert rc.set_log_sink(None) is first
-    assert rc.set_log_sink(ours) is None
+    assert rc.log.set_log_sink(None) is first
+    assert rc.log.set_log_sink(ours) is None
 
 
 def test_what_cannot_be_called_is_refused(lines: Lines):
     message = r"set_log_sink\(\): `sink` must be a function \(level, message\) or None, got 7"
     with pytest.raises(TypeError, match=message):
-        rc.set_log_sink(7)
+        rc.log.set_log_sink(7)
     command_beyond_limits(cell())
     assert len(lines) == 1
 
@@ -75,11 +75,11 @@ def test_what_a_sink_raises_is_told_and_the_call_goes_on(monkeypatch: pytest.Mon
     def broken(level: str, text: str) -> None:
         raise ValueError(f"no {level} wanted")
 
-    before = rc.set_log_sink(broken)
+    before = rc.log.set_log_sink(broken)
     try:
         command_beyond_limits(cell())
     finally:
-        rc.set_log_sink(before)
+        rc.log.set_log_sink(before)
     assert told == [(broken, "no warn wanted")]
 
 
@@ -91,12 +91,12 @@ def test_ctrl_c_in_a_sink_is_heard():
         command_beyond_limits(cell())
         cell()  # heard at the next look
 
-    before = rc.set_log_sink(interrupted)
+    before = rc.log.set_log_sink(interrupted)
     try:
         with pytest.raises(KeyboardInterrupt):
             log_and_go_on()
     finally:
-        rc.set_log_sink(before)
+        rc.log.set_log_sink(before)
 
 
 def test_threads_that_log_at_once_all_reach_it(lines: Lines):
@@ -117,7 +117,7 @@ def test_a_process_ends_with_a_sink_of_its_own_set():
                 raise AssertionError
             def __del__(self):
                 print("let go of")
-        rc.set_log_sink(Sink())
+        rc.log.set_log_sink(Sink())
     """
     done = subprocess.run(
         [sys.executable, "-c", textwrap.dedent(code)], capture_output=True, text=True, check=True

@@ -12,7 +12,7 @@ from robocell.gym import pick_cube_config
 from test_experts import load
 
 
-class Never(rc.PickTask):
+class Never(rc.tasks.PickTask):
     """Judges otherwise than PickTask, and asks it too."""
 
     def __init__(self, target: str, kind: str, objects: list[str]) -> None:
@@ -36,7 +36,7 @@ class Recorder(rc.PickTaskSampler):
     def __init__(self, run: rc.RunConfig) -> None:
         super().__init__(run)
         self.stages: list[str] = []
-        self.placement: rc.BasePlacement | None = None
+        self.placement: rc.tasks.BasePlacement | None = None
         self.made: list[Never] = []
 
     def make_base_scene(self, scene_index):
@@ -49,7 +49,9 @@ class Recorder(rc.PickTaskSampler):
 
     def choose_base_placement(self, request, rng):
         self.stages.append("choose_base_placement")
-        self.placement = rc.BasePlacement(0.44, super().choose_base_placement(request, rng).height)
+        self.placement = rc.tasks.BasePlacement(
+            0.44, super().choose_base_placement(request, rng).height
+        )
         return self.placement
 
     def place_objects(self, support, objects, rng):
@@ -63,9 +65,9 @@ class Recorder(rc.PickTaskSampler):
         self.stages.append("propose_base_pose")
         return super().propose_base_pose(robot, support, target_in_world, placement, rng)
 
-    def check_base_pose(self, scene, robot, target_body):
-        self.stages.append("check_base_pose")
-        return super().check_base_pose(scene, robot, target_body)
+    def validate_base_pose(self, scene, robot, target_body):
+        self.stages.append("validate_base_pose")
+        return super().validate_base_pose(scene, robot, target_body)
 
     def make_task(self, target, kind, objects):
         self.stages.append("make_task")
@@ -79,20 +81,22 @@ STAGES = [
     "choose_base_placement",
     "place_objects",
     "propose_base_pose",
-    "check_base_pose",
+    "validate_base_pose",
     "make_task",
 ]
 
 
-def sample(sampler: rc.TaskSampler, attempts: int = 20) -> rc.EpisodeStart:
+def sample(sampler: rc.tasks.TaskSampler, attempts: int = 20) -> rc.tasks.EpisodeStart:
     for attempt in range(attempts):
-        made = sampler.sample(rc.SampleRequest(0, 0, attempt), rc.Rng.stream(attempt, "test"))
-        if isinstance(made, rc.EpisodeStart):
+        made = sampler.sample(
+            rc.tasks.SampleRequest(0, 0, attempt), rc.tasks.Rng.stream(attempt, "test")
+        )
+        if isinstance(made, rc.tasks.EpisodeStart):
             return made
     raise AssertionError(f"nothing accepted: {made}")
 
 
-def target_body(start: rc.EpisodeStart) -> str:
+def target_body(start: rc.tasks.EpisodeStart) -> str:
     return next(name for name in start.scene.body_names() if name.startswith("target"))
 
 
@@ -112,8 +116,8 @@ def test_every_stage_of_a_samplers_subclass_runs(tmp_path: Path):
 
 def test_episodes_carry_the_labels_of_a_subclass_of_pick_task(tmp_path: Path):
     run = load(tmp_path)
-    report = rc.Runner(run, sampler=Recorder).run(rc.make_plan(run)[0])
-    assert report.success
+    result = rc.generate.Runner(run, sampler=Recorder).run(rc.generate.make_plan(run)[0])
+    assert result.success
     episode = rc.Dataset(run.output)[0]
     assert episode.metadata["instruction"].startswith("do not pick up the ")
     assert (episode["reward"] >= 7).all()
@@ -127,12 +131,12 @@ def test_a_subclass_that_overrides_nothing_changes_nothing(tmp_path: Path):
         pass
 
     run = load(tmp_path)
-    item = rc.make_plan(run)[0]
-    assert rc.Runner(run, sampler=Same).run(item).success
+    item = rc.generate.make_plan(run)[0]
+    assert rc.generate.Runner(run, sampler=Same).run(item).success
     steps = (Path(run.output) / item.id / "steps.h5").read_bytes()
     run.output = str(tmp_path / "plain")
-    rc.prepare_dataset(run)
-    assert rc.Runner(run).run(item).success
+    rc.generate.prepare_dataset(run)
+    assert rc.generate.Runner(run).run(item).success
     assert (Path(run.output) / item.id / "steps.h5").read_bytes() == steps
 
 
@@ -140,32 +144,32 @@ def test_the_sample_of_a_subclass_runs_and_can_call_the_scripted_one(tmp_path: P
     class Second(rc.PickTaskSampler):
         def sample(self, request, rng):
             if request.attempt == 0:
-                return rc.Refusal(rc.RefusalReason.CAMERA_CONSTRAINT, "as told")
+                return rc.tasks.Refusal(rc.tasks.RefusalReason.CAMERA_CONSTRAINT, "as told")
             return super().sample(request, rng)
 
     run = load(tmp_path)
-    report = rc.Runner(run, sampler=Second).run(rc.make_plan(run)[0])
-    assert report.success
-    assert dict(report.refusals)["camera constraint"] == 1
+    result = rc.generate.Runner(run, sampler=Second).run(rc.generate.make_plan(run)[0])
+    assert result.success
+    assert dict(result.refusals)["camera constraint"] == 1
 
 
 def test_refusals_of_a_stage_are_counted_with_the_places_tried(tmp_path: Path):
     class Picky(rc.PickTaskSampler):
-        def check_base_pose(self, scene, robot, target_body):
-            return rc.Refusal(rc.RefusalReason.BASE_IN_COLLISION, "as told")
+        def validate_base_pose(self, scene, robot, target_body):
+            return rc.tasks.Refusal(rc.tasks.RefusalReason.BASE_IN_COLLISION, "as told")
 
     run = load(tmp_path, max_attempts=2)
-    report = rc.Runner(run, sampler=Picky).run(rc.make_plan(run)[0])
-    reason = "no base pose is free of collisions"
+    report = rc.generate.Runner(run, sampler=Picky).run(rc.generate.make_plan(run)[0])
+    reason = "base: no base pose is free of collisions"
     assert (report.attempts, report.accepted, dict(report.refusals)) == (2, 0, {reason: 2})
     assert dict(report.redrawn) == {reason: 2 * 7}  # of 8 places each, the last is the refusal
 
 
 def test_the_scripted_expert_can_be_extended(tmp_path: Path):
-    class Slow(rc.PickPlanner):
+    class Slow(rc.tasks.PickPlanner):
         """Waits before it begins."""
 
-        def __init__(self, run: rc.RunConfig, start: rc.EpisodeStart) -> None:
+        def __init__(self, run: rc.RunConfig, start: rc.tasks.EpisodeStart) -> None:
             super().__init__(run, start)
             self.waits = 5
 
@@ -177,12 +181,12 @@ def test_the_scripted_expert_can_be_extended(tmp_path: Path):
             return [*super().phase_names(), "extra"]
 
     run = load(tmp_path)
-    item = rc.make_plan(run)[0]
-    assert rc.Runner(run).run(item).success
+    item = rc.generate.make_plan(run)[0]
+    assert rc.generate.Runner(run).run(item).success
     plain = rc.Dataset(run.output)[0]
     run.output = str(tmp_path / "slow")
-    rc.prepare_dataset(run)
-    assert rc.Runner(run, expert=Slow).run(item).success
+    rc.generate.prepare_dataset(run)
+    assert rc.generate.Runner(run, expert=Slow).run(item).success
     slow = rc.Dataset(run.output)[0]
     assert (slow["phase"][:6] == 0).all()
     assert len(slow) >= len(plain) + 4
@@ -221,17 +225,17 @@ def test_a_stage_that_returns_nothing_is_named(tmp_path: Path):
         def choose_base_placement(self, request, rng):
             return None
 
-        def check_base_pose(self, scene, robot, target_body):
+        def validate_base_pose(self, scene, robot, target_body):
             return "free"
 
     run = load(tmp_path)
     wanted = r"Nowhere.choose_base_placement\(\) must return a BasePlacement, got None"
     with pytest.raises(TypeError, match=wanted):
-        rc.Runner(run, sampler=Nowhere).run(rc.make_plan(run)[0])
+        rc.generate.Runner(run, sampler=Nowhere).run(rc.generate.make_plan(run)[0])
     del Nowhere.choose_base_placement
-    wanted = r"Nowhere.check_base_pose\(\) must return a Refusal or None, got 'free'"
+    wanted = r"Nowhere.validate_base_pose\(\) must return a Refusal or None, got 'free'"
     with pytest.raises(TypeError, match=wanted):
-        rc.Runner(run, sampler=Nowhere).run(rc.make_plan(run)[0])
+        rc.generate.Runner(run, sampler=Nowhere).run(rc.generate.make_plan(run)[0])
 
 
 class BesideAPool(rc.PickTaskSampler):
@@ -259,7 +263,7 @@ def test_what_is_parked_is_not_sampled_and_in_nobodys_way(tmp_path: Path):
 
 
 def test_every_method_of_the_pick_task_can_be_called_by_a_subclass():
-    class Mine(rc.PickTask):
+    class Mine(rc.tasks.PickTask):
         def memory(self):
             return [*super().memory(), 5]
 
@@ -277,4 +281,6 @@ def test_every_method_of_the_pick_task_can_be_called_by_a_subclass():
     memory = task.memory()
     assert len(memory) == 4
     task.recall(np.asarray(memory))
-    assert set(task.starts(rc.Rng.stream(0, "test"))) == {scene.compiled.object("cube").root_body}
+    assert set(task.starts(rc.tasks.Rng.stream(0, "test"))) == {
+        scene.compiled.object("cube").root_body
+    }

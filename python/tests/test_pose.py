@@ -127,30 +127,36 @@ def test_without_pykdl_the_install_line_is_given(monkeypatch):
 
 
 def test_minimum_jerk_is_a_motion_from_rest_to_rest():
-    assert rc.minimum_jerk(-1, 2).position == 0
-    assert rc.minimum_jerk(2, 2).position == 1
-    assert rc.minimum_jerk(0, 0).position == 1
+    assert rc.control.minimum_jerk(-1, 2).position == 0
+    assert rc.control.minimum_jerk(2, 2).position == 1
+    assert rc.control.minimum_jerk(0, 0).position == 1
     h = 1e-4
     for time in np.linspace(0.1, 1.9, 19):
-        before, now, after = (rc.minimum_jerk(time + d, 2) for d in (-h, 0, h))
+        before, now, after = (rc.control.minimum_jerk(time + d, 2) for d in (-h, 0, h))
         assert now.velocity == pytest.approx((after.position - before.position) / (2 * h), abs=1e-6)
         assert now.acceleration == pytest.approx(
             (after.velocity - before.velocity) / (2 * h), abs=1e-5
         )
     with pytest.raises(rc.ArgumentError, match="the duration of a motion must be >= 0 s, not -1"):
-        rc.minimum_jerk(0, -1)
+        rc.control.minimum_jerk(0, -1)
 
 
 def test_durations_keep_the_limits_and_not_more():
-    duration = rc.minimum_jerk_duration(0.3, 0.2, np.inf)
-    fastest = max(rc.minimum_jerk(t, duration).velocity for t in np.linspace(0, duration, 1001))
+    duration = rc.control.minimum_jerk_duration(0.3, 0.2, np.inf)
+    fastest = max(
+        rc.control.minimum_jerk(t, duration).velocity for t in np.linspace(0, duration, 1001)
+    )
     assert 0.3 * fastest == pytest.approx(0.2, rel=1e-5)
     start, goal = [0, 0.5], np.array([0.3, -0.5])
-    assert rc.joint_move_duration(start, goal, [1, 1], [np.inf] * 2) == rc.minimum_jerk_duration(
-        1, 1, np.inf
-    )
+    assert rc.control.joint_move_duration(
+        start, goal, [1, 1], [np.inf] * 2
+    ) == rc.control.minimum_jerk_duration(1, 1, np.inf)
     turn = rc.Pose(rotvec=[0, 0, 0.5]) * rc.Pose(translation=[0, 0.1, 0])
-    assert rc.pose_move_duration(rc.Pose(), turn, angular_velocity=0.5) == pytest.approx(1.875)
-    assert rc.pose_move_duration(rc.Pose(), turn, linear_velocity=0.1) == pytest.approx(1.875)
+    assert rc.control.pose_move_duration(rc.Pose(), turn, angular_velocity=0.5) == pytest.approx(
+        1.875
+    )
+    assert rc.control.pose_move_duration(rc.Pose(), turn, linear_velocity=0.1) == pytest.approx(
+        1.875
+    )
     with pytest.raises(rc.ArgumentError, match="max_velocity has 2 numbers, but the start has 1"):
-        rc.joint_move_duration([0], [1], [1, 2], [1])
+        rc.control.joint_move_duration([0], [1], [1, 2], [1])

@@ -37,7 +37,7 @@ def test_rows_times_and_frames_have_exactly_the_rate(
         attributes = steps["cameras/exo"].attrs
         assert (attributes["fps_num"], attributes["fps_den"]) == fps
     assert len(episode.frames("exo")) == len(episode)
-    assert robocell.check_replay(episode).ok
+    assert robocell.data.verify_replay(episode).ok
 
 
 def test_a_rate_that_does_not_fit_names_the_nearest_and_the_timestep(tmp_path: Path):
@@ -49,8 +49,8 @@ def test_a_rate_that_does_not_fit_names_the_nearest_and_the_timestep(tmp_path: P
 
 
 def test_rates_are_fields_with_exact_results_in_python_too():
-    rates = robocell.Rates(policy_hz=30, sim_hz=480)
+    rates = robocell.control.Rates(policy_hz=30, sim_hz=480)
     assert rates.policy_rate() == (30, 1)
     assert rates.timestep() == 1 / 480
     assert rates.policy_period() == pytest.approx(1 / 30, abs=1e-15)
-    assert robocell.Rates().policy_rate() == (500, 33)
+    assert robocell.control.Rates().policy_rate() == (500, 33)

@@ -186,7 +186,7 @@ def test_pickles_are_paths_and_know_what_was_known(
 
 
 def test_many_episodes_keep_few_files_open(dataset: robocell.Dataset, tmp_path: Path):
-    robocell.release_idle_files()
+    robocell.data.release_idle_files()
     source, before = dataset[0], open_files()
     episodes = []
     for i in range(120):
@@ -194,7 +194,7 @@ def test_many_episodes_keep_few_files_open(dataset: robocell.Dataset, tmp_path: 
         folder.mkdir(parents=True)
         for file in source.folder.iterdir():
             (folder / file.name).hardlink_to(file)
-        episodes.append(robocell.Episode(folder))
+        episodes.append(robocell.data.Episode(folder))
         assert len(episodes[-1].column("reward")[0:3]) == 3
     assert open_files() - before <= 40
     for episode in episodes:
@@ -203,7 +203,7 @@ def test_many_episodes_keep_few_files_open(dataset: robocell.Dataset, tmp_path: 
         episode.frame("exo", 0)
     # Of the eight decoders of a kind: what they say, and what they decode.
     assert open_files() - before <= 40 + 2 * 8
-    robocell.release_idle_files()
+    robocell.data.release_idle_files()
     assert open_files() == before
 
 

@@ -24,9 +24,9 @@ def dataset(tmp_path_factory: pytest.TempPathFactory) -> robocell.Dataset:
 
 @pytest.fixture(autouse=True)
 def no_decoders_before() -> Iterator[None]:
-    robocell.release_idle_files()
+    robocell.data.release_idle_files()
     yield
-    robocell.release_idle_files()
+    robocell.data.release_idle_files()
 
 
 @pytest.mark.parametrize("stream", STREAMS)
@@ -157,7 +157,7 @@ def test_decoders_are_few_and_end_when_told(dataset: robocell.Dataset):
 def test_a_video_that_was_replaced_is_read_anew(dataset: robocell.Dataset, tmp_path: Path):
     folder = tmp_path / dataset.ids[0]
     shutil.copytree(dataset[0].folder, folder)
-    episode = robocell.Episode(folder)
+    episode = robocell.data.Episode(folder)
     episode.frame("exo", 3)
     shutil.copy(folder / "wrist.mp4", tmp_path / "other.mp4")
     (tmp_path / "other.mp4").rename(folder / "exo.mp4")
@@ -168,7 +168,7 @@ def test_a_video_that_was_replaced_is_read_anew(dataset: robocell.Dataset, tmp_p
 def test_a_cut_video_is_an_error_each_time(dataset: robocell.Dataset, tmp_path: Path):
     folder = tmp_path / dataset.ids[0]
     shutil.copytree(dataset[0].folder, folder)
-    episode = robocell.Episode(folder)
+    episode = robocell.data.Episode(folder)
     whole = (folder / "wrist.depth.mov").read_bytes()
     (folder / "wrist.depth.mov").write_bytes(whole[: len(whole) // 2])
     for _ in range(2):
@@ -179,7 +179,7 @@ def test_a_cut_video_is_an_error_each_time(dataset: robocell.Dataset, tmp_path: 
     np.testing.assert_array_equal(episode.frame("wrist", 3, "depth"), expected[3])
 
 
-def read_some(episode: robocell.Episode, first: int) -> list[bytes]:
+def read_some(episode: robocell.data.Episode, first: int) -> list[bytes]:
     """What a process reads; the column as well."""
     frames = [episode.frame("wrist", i).tobytes() for i in range(first, first + 12)]
     return [*frames, episode["robots/rc7/arm/qpos"].tobytes()]

@@ -24,7 +24,7 @@ def scene() -> rc.Scene:
         add_floor=True,
         add_skybox=False,
         objects=[ball("ball")],
-        cameras=[rc.CameraSpec(name="side", pos=[0, -3, 0.7], fovy=45, look_at=[0, 0, 0.7])],
+        cameras=[rc.render.CameraSpec(name="side", pos=[0, -3, 0.7], fovy=45, look_at=[0, 0, 0.7])],
     )
     return rc.Scene.build(spec)
 
@@ -115,9 +115,9 @@ def test_every_kind_of_camera(scene: rc.Scene, tmp_path: Path):
         video.record_frame()
         video.use_camera("")
         video.record_frame()
-        video.use_camera(rc.TrackingCamera("ball", distance=3, elevation=0))
+        video.use_camera(rc.render.TrackingCamera("ball", distance=3, elevation=0))
         video.record_frame()
-        video.use_camera(rc.OrbitCamera(lookat=[0, 0, 0.7], distance=3, elevation=0))
+        video.use_camera(rc.render.OrbitCamera(lookat=[0, 0, 0.7], distance=3, elevation=0))
         video.record_frame()
     seen = [height_of_red(frame) for frame in frames_of(tmp_path / "a.mp4", 64, 48)]
     whole, free, tracking, *falling, fixed, free_again, tracking_again, orbit = seen
@@ -135,7 +135,9 @@ def test_cameras_by_name(tmp_path: Path):
         rc.SceneSpec(
             name="cell", timestep=0.002, add_floor=True, add_skybox=False, objects=[ball("ball")],
             robots=[rc.RobotSpec(name="r", config=config, prefix="r_", pos=[0, 1.5, 0])],
-            cameras=[rc.CameraSpec(name="side", pos=[0, -3, 0.7], fovy=45, look_at=[0, 0, 0.7])],
+            cameras=[
+                rc.render.CameraSpec(name="side", pos=[0, -3, 0.7], fovy=45, look_at=[0, 0, 0.7])
+            ],
         )
     )  # fmt: skip
     path = tmp_path / "a.mp4"
@@ -154,7 +156,7 @@ def test_cameras_by_name(tmp_path: Path):
         for name in [*names, "Current"]:
             video.use_camera(name)
             video.record_frame()
-    renderer = rc.Renderer(scene)
+    renderer = rc.render.Renderer(scene)
     frames = frames_of(path, 64, 48)
     first, current, free, tracking, exo, wrist, side, last = frames
     low = height_of_red(first)
@@ -170,14 +172,14 @@ def test_cameras_by_name(tmp_path: Path):
 
 
 def test_images_take_the_same_cameras(scene: rc.Scene):
-    renderer = rc.Renderer(scene)
+    renderer = rc.render.Renderer(scene)
     whole = renderer.render("", 64, 48)["rgb"]
     assert not np.isnan(height_of_red(whole))
     scene.step_n(100)
-    view = rc.TrackingCamera("ball", distance=3, azimuth=90, elevation=0)
+    view = rc.render.TrackingCamera("ball", distance=3, azimuth=90, elevation=0)
     assert abs(height_of_red(renderer.render(view, 64, 48)["rgb"])) < 1.5
     with pytest.raises(rc.NotFoundError, match=r"no body 'bal'. Its bodies: .*Did you mean 'ball'"):
-        renderer.render(rc.TrackingCamera("bal"), 64, 48)
+        renderer.render(rc.render.TrackingCamera("bal"), 64, 48)
 
 
 def test_cameras_are_found_again_when_objects_come_and_go(scene: rc.Scene, tmp_path: Path):

@@ -14,7 +14,7 @@ import robocell as rc
 BARE = """
 import robocell as rc
 scene = rc.Scene.build(rc.SceneSpec(name="s", timestep=0.002, add_floor=True, add_skybox=True))
-print(rc.Renderer(scene).description)
+print(rc.render.Renderer(scene).description)
 """
 
 
@@ -25,7 +25,7 @@ def scene() -> rc.Scene:
 
 def test_soft_draws_what_gl_draws(scene: rc.Scene):
     gl, soft = (
-        rc.Renderer(scene, backend=name).render("", 160, 120, depth=True, segmentation=True)
+        rc.render.Renderer(scene, backend=name).render("", 160, 120, depth=True, segmentation=True)
         for name in ("gl", "soft")
     )
     assert np.mean(gl["segmentation"] != soft["segmentation"]) < 1e-3
@@ -34,15 +34,15 @@ def test_soft_draws_what_gl_draws(scene: rc.Scene):
 
 def test_an_unknown_back_end_lists_those_that_there_are(scene: rc.Scene):
     with pytest.raises(rc.NotFoundError, match=r"no back end 'sofd'.*auto, gl, soft.*'soft'"):
-        rc.Renderer(scene, backend="sofd")
+        rc.render.Renderer(scene, backend="sofd")
 
 
 def test_a_quality_has_a_name_and_excludes_single_effects(scene: rc.Scene):
-    rc.Renderer(scene, backend="soft", quality="high")
+    rc.render.Renderer(scene, backend="soft", quality="high")
     with pytest.raises(rc.NotFoundError, match="Its qualities: fast, standard, high"):
-        rc.Renderer(scene, quality="best")
+        rc.render.Renderer(scene, quality="best")
     with pytest.raises(ValueError, match="not both"):
-        rc.Renderer(scene, quality="high", shadows=True)
+        rc.render.Renderer(scene, quality="high", shadows=True)
 
 
 def description(**variables: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
+import re
 import shutil
 import time
 from pathlib import Path
@@ -67,19 +67,19 @@ def test_the_first_difference_is_named_with_row_tick_and_joint(changed: Path):
 
 
 def test_the_difference_is_a_value_in_python(changed: Path):
-    report = robocell.check_replay(robocell.Dataset(changed)[IDS[1]])
-    assert not report.ok
-    assert (report.first.row, report.first.tick, report.first.column) == (9, 891, QPOS)
-    assert report.first.recorded - report.first.replayed == pytest.approx(1e-6, rel=1e-3)
-    assert report.first.units == "rad"
-    assert report.first.others == 0
-    assert report.rows == 9
+    result = robocell.data.verify_replay(robocell.Dataset(changed)[IDS[1]])
+    assert not result.ok
+    assert (result.first.row, result.first.tick, result.first.column) == (9, 891, QPOS)
+    assert result.first.recorded - result.first.replayed == pytest.approx(1e-6, rel=1e-3)
+    assert result.first.units == "rad"
+    assert result.first.others == 0
+    assert result.rows == 9
 
 
 def test_the_scene_of_an_episode_is_read_with_the_folders_of_its_models(dataset: Path):
     # The demo's robot names its model relative to its own file.
     episode = robocell.Dataset(dataset)[IDS[0]]
-    scene = robocell.Scene.build(robocell.recorded_scene(episode))
+    scene = robocell.Scene.build(robocell.data.recorded_scene(episode))
     assert [robot.name for robot in scene.robots] == ["rc7"]
 
 
@@ -121,32 +121,32 @@ def test_a_damaged_episode_is_named_and_does_not_stop_the_others(dataset: Path, 
 
 
 @pytest.fixture(scope="module")
-def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Of an environment, with its configuration beside it."""
-    folder = tmp_path_factory.mktemp("record")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An episode of an environment, with its configuration beside the dataset."""
+    folder = tmp_path_factory.mktemp("recorded")
     rc7 = robocell.models.robot_file("rc7")
     (folder / "env.yaml").write_text(f"robots: {{robot: {rc7}}}\nsim: {{frequency: 10}}\n")
     env = robocell.Env(robocell.EnvConfig.load(folder / "env.yaml"))
-    env.reset(seed=1)
-    env.start_record()
-    for i in range(3):
-        env.step({"robot": {"joints": [0.02 * i] * 7, "gripper": 1}})
-    env.stop_record().save(str(folder / "record.npy"))
+    with robocell.data.EnvRecorder(env, folder / "out"):
+        env.reset(seed=1)
+        for i in range(3):
+            env.step({"robot": {"joints": [0.02 * i] * 7, "gripper": 1}})
     env.close()
-    return folder / "record.npy"
+    return folder / "out"
 
 
-def test_the_record_of_an_environment_is_replayed(record: Path, tmp_path: Path):
-    result = robocell_command(
-        "replay", record, "--env", record.parent / "env.yaml", "--tolerance", 0
-    )
-    assert (result.returncode, result.stdout) == (0, f"{record}: 3 steps, all as recorded\n")
+def test_episodes_of_an_environment_are_replayed(recorded: Path, tmp_path: Path):
+    env = recorded.parent / "env.yaml"
+    for options in ((), ("--actions",), ("--env", env)):
+        result = robocell_command("replay", recorded, *options, "--tolerance", 0)
+        assert result.returncode == 0, result.stdout
+        assert re.fullmatch(r"episode-000000: 3 rows, \d+ control ticks: the same\n", result.stdout)
     shorter = tmp_path / "shorter.yaml"
-    text = (record.parent / "env.yaml").read_text()
-    shorter.write_text(text.replace("frequency: 10", "max_convergence_time: 0.004"))
-    result = robocell_command("replay", record, "--env", shorter)
+    shorter.write_text(env.read_text().replace("frequency: 10", "max_convergence_time: 0.004"))
+    result = robocell_command("replay", recorded, "--env", shorter)
     assert result.returncode == 1
-    assert f"{record}: after step 2: robot." in result.stdout
+    assert "episode-000000: differs first in row 2" in result.stdout
+    assert ": robot.tquat[" in result.stdout
 
 
 def test_a_replay_does_not_wait_for_real_time(tmp_path: Path):
@@ -157,42 +157,24 @@ def test_a_replay_does_not_wait_for_real_time(tmp_path: Path):
     config = robocell.EnvConfig.load(tmp_path / "env.yaml")
     config.sim.realtime = False
     env = robocell.Env(config)
-    env.reset(seed=1)
-    env.start_record()
-    env.step({"robot": {"joints": [0] * 7, "gripper": 1}})
-    env.stop_record().save(str(tmp_path / "record.npy"))
+    with robocell.data.EnvRecorder(env, tmp_path / "out"):
+        env.reset(seed=1)
+        env.step({"robot": {"joints": [0] * 7, "gripper": 1}})
     env.close()
     started = time.monotonic()
     result = robocell_command(
-        "replay", tmp_path / "record.npy", "--env", tmp_path / "env.yaml", "--tolerance", 0
+        "replay", tmp_path / "out", "--env", tmp_path / "env.yaml", "--tolerance", 0
     )
     assert result.returncode == 0, result.stderr
     assert time.monotonic() - started < 40, "the step alone is 50 s"
 
 
-def test_what_a_record_needs_is_told(dataset: Path, record: Path, tmp_path: Path):
-    assert "a record of an environment needs --env with its configuration" in refused(
-        "replay", record
-    )
-    assert "leave e1 out" in refused("replay", record, "e1", "--env", "rc7")
-    assert "--env is for a record" in refused("replay", dataset, "--env", "rc7")
-    assert "no cell 'none'" in refused("replay", record, "--env", "none")
-    mistyped, folder = record.with_name("recrd.npy"), record.parent
-    assert (
-        f"no record '{mistyped}'. Files *.npy in {folder}/: record.npy. Did you mean '{record}'?"
-        in refused("replay", mistyped, "--env", folder / "env.yaml")
-    )
-    assert f"no record '{mistyped}'" in refused("replay", mistyped)
-    nowhere = folder / "none" / "record.npy"
-    assert f"no record '{nowhere}': there is no folder '{nowhere.parent}'" in refused(
-        "replay", nowhere, "--env", "rc7"
-    )
-    os.mkfifo(tmp_path / "pipe")
-    assert f"'{tmp_path / 'pipe'}' is no file; give the file of a record" in refused(
-        "replay", tmp_path / "pipe", "--env", "rc7"
-    )
-    broken = tmp_path / "broken.npy"
-    broken.write_bytes(record.read_bytes()[:50])
-    result = robocell_command("replay", broken, "--env", "rc7")
-    assert result.returncode == 3
-    assert str(broken) in result.stderr
+def test_what_a_replay_of_actions_needs_is_told(dataset: Path, recorded: Path):
+    for options in (("--actions",), ("--env", "rc7")):
+        result = robocell_command("replay", dataset, *options)
+        assert result.returncode == 2
+        assert "was not recorded in an environment; generated ones are" in result.stderr
+    assert "no cell 'none'" in refused("replay", recorded, "--env", "none")
+    result = robocell_command("replay", recorded, "--env", "xarm7")
+    assert result.returncode == 2
+    assert "is of another configuration: feature 'action/robot/joints'" in result.stderr

@@ -12,7 +12,7 @@ import pytest
 import robocell as rc
 from test_experts import Idle, load
 
-Expert = Callable[[rc.RunConfig, rc.EpisodeStart], rc.Expert]
+Expert = Callable[[rc.RunConfig, rc.tasks.EpisodeStart], rc.tasks.Expert]
 
 
 class Returns(Idle):
@@ -35,11 +35,11 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> rc.RunConfig:
 
 def told(run: rc.RunConfig, **parts: Any) -> str:
     with pytest.raises(TypeError) as caught:
-        rc.Runner(run, **parts).run(rc.make_plan(run)[0])
+        rc.generate.Runner(run, **parts).run(rc.generate.make_plan(run)[0])
     return str(caught.value)
 
 
-OPEN = rc.GroupCommand.opening(1)
+OPEN = rc.control.GroupCommand.opening(1)
 ACTION = "Mine.act() must return {robot: {group: GroupCommand}}: "
 
 
@@ -66,12 +66,14 @@ def test_what_an_expert_returns_is_told(run: rc.RunConfig, method: str, value: A
 
 
 def test_numpys_own_bool_is_one(run: rc.RunConfig):
-    report = rc.Runner(run, expert=expert_returning("done", np.True_)).run(rc.make_plan(run)[0])
-    assert report.accepted == 1
+    result = rc.generate.Runner(run, expert=expert_returning("done", np.True_)).run(
+        rc.generate.make_plan(run)[0]
+    )
+    assert result.accepted == 1
 
 
 def test_a_method_that_is_missing_is_named(run: rc.RunConfig):
-    class Lazy(rc.Expert):
+    class Lazy(rc.tasks.Expert):
         pass
 
     assert told(run, expert=lambda *_: Lazy()).startswith(
@@ -79,7 +81,7 @@ def test_a_method_that_is_missing_is_named(run: rc.RunConfig):
     )
     assert "phase_names" in told(run, expert=lambda *_: Lazy())
 
-    class Sampler(rc.TaskSampler):
+    class Sampler(rc.tasks.TaskSampler):
         pass
 
     assert told(run, sampler=lambda _: Sampler()) == (
@@ -93,11 +95,11 @@ def test_an_instance_in_the_place_of_a_factory_is_told(run: rc.RunConfig):
 
     text = "an instance of {0}; give the function that makes it, such as lambda *_: {0}(...)"
     with pytest.raises(TypeError) as caught:
-        rc.Runner(run, sampler=Own(run))  # type: ignore[arg-type]
+        rc.generate.Runner(run, sampler=Own(run))  # type: ignore[arg-type]
     assert "`sampler` must be a function (run) -> TaskSampler" in str(caught.value)
     assert text.format("Own") in str(caught.value)
     with pytest.raises(TypeError, match="an instance of Idle; give the function that makes it"):
-        rc.Runner(run, expert=Idle())  # type: ignore[arg-type]
+        rc.generate.Runner(run, expert=Idle())  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -119,23 +121,25 @@ def test_a_phase_without_a_name_is_not_recorded(
             return names
 
     with pytest.raises(ValueError) as caught:
-        rc.Runner(run, expert=lambda *_: Mine()).run(rc.make_plan(run)[0])
+        rc.generate.Runner(run, expert=lambda *_: Mine()).run(rc.generate.make_plan(run)[0])
     assert message in str(caught.value)
     assert not list(rc.Dataset(run.output))
 
 
 @pytest.mark.parametrize("reward", [float("nan"), float("-inf")])
 def test_a_reward_that_is_no_number_is_not_recorded(run: rc.RunConfig, reward: float):
-    class Task(rc.PickTask):
+    class Task(rc.tasks.PickTask):
         def reward(self, scene: rc.Scene) -> float:
             return reward
 
     class Sampler(rc.PickTaskSampler):
-        def make_task(self, target: str, kind: str, objects: list[str]) -> rc.Task:
+        def make_task(self, target: str, kind: str, objects: list[str]) -> rc.tasks.Task:
             return Task(target, kind, objects)
 
     with pytest.raises(ValueError, match=f"reward\\(\\) is {reward} at t = .* must be finite"):
-        rc.Runner(run, sampler=Sampler, expert=lambda *_: Idle()).run(rc.make_plan(run)[0])
+        rc.generate.Runner(run, sampler=Sampler, expert=lambda *_: Idle()).run(
+            rc.generate.make_plan(run)[0]
+        )
     assert not list(rc.Dataset(run.output))
 
 
@@ -154,16 +158,16 @@ def test_a_forgotten_super_init_is_named(run: rc.RunConfig):
 
 
 def test_stages_and_tasks_are_told_too(run: rc.RunConfig):
-    class Task(rc.PickTask):
+    class Task(rc.tasks.PickTask):
         def reward(self, scene: rc.Scene) -> float:
             return None  # type: ignore[return-value]
 
     class Sampler(rc.PickTaskSampler):
-        def make_task(self, target: str, kind: str, objects: Any) -> rc.Task:
+        def make_task(self, target: str, kind: str, objects: Any) -> rc.tasks.Task:
             return Task(target, kind, objects)
 
     class Placed(rc.PickTaskSampler):
-        def choose_base_placement(self, request: rc.SampleRequest, rng: rc.Rng) -> Any:
+        def choose_base_placement(self, request: rc.tasks.SampleRequest, rng: rc.tasks.Rng) -> Any:
             return (0.4, 0.0)
 
     assert told(run, sampler=Sampler) == "Task.reward() must return a number, got None"
@@ -176,6 +180,6 @@ def test_what_makes_the_parts_must_be_a_function(run: rc.RunConfig):
         "Runner: `expert` must be a function (run, start) -> Expert, got an instance of Idle; "
     )
     with pytest.raises(TypeError, match=re.escape(message)):
-        rc.Runner(run, expert=Idle())  # type: ignore[arg-type]
+        rc.generate.Runner(run, expert=Idle())  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="`sampler` must be a function"):
-        rc.Runner(run, sampler=5)  # type: ignore[arg-type]
+        rc.generate.Runner(run, sampler=5)  # type: ignore[arg-type]

@@ -65,7 +65,7 @@ class TestState:
             robot.update()
 
 
-class Lamp(rc.MoveGroup):
+class Lamp(rc.robots.MoveGroup):
     """A group with one number of its own."""
 
     def __init__(self, kind: object = None) -> None:
@@ -119,7 +119,7 @@ class TestOwnGroups:
         scene.robot("a").set_group(lamp)
         assert scene.robot("a").group("lamp") is lamp
         assert lamp.kind == "generic"
-        scene.robot("a").apply({"lamp": rc.GroupCommand.joints([0.5])})
+        scene.robot("a").apply({"lamp": rc.control.GroupCommand.joints([0.5])})
         scene.robot("a").update()
         assert lamp.commands == [0.5]
 
@@ -129,7 +129,7 @@ class TestOwnGroups:
         robot.set_group(lamp)
         for brightest in (1.0, 0.25, 0.5):
             lamp.get_joint_pos_limits = lambda most=brightest: [(0.0, most)]
-            robot.apply({"lamp": rc.GroupCommand.joints([2.0])})
+            robot.apply({"lamp": rc.control.GroupCommand.joints([2.0])})
             robot.update()
             assert lamp.commands[-1] == brightest
 
@@ -166,7 +166,7 @@ class TestOwnGroups:
 
     def test_says_its_kind(self, scene):
         assert KindLamp("arm").kind == "arm"
-        assert KindLamp(rc.MoveGroupKind.ARM).kind == "arm"
+        assert KindLamp(rc.robots.MoveGroupKind.ARM).kind == "arm"
         robot = scene.robot("a")
         robot.set_group(KindLamp("generic"))
         assert robot.group("lamp").kind == "generic"
@@ -193,7 +193,7 @@ class TestOwnGroups:
             "group 'lamp' has no controller: Short.ctrl_for_joint_pos: expected 1 values, got 3"
         )
         with pytest.raises(rc.NotFoundError, match=message):
-            robot.apply({"lamp": rc.GroupCommand.joints([0.5])})
+            robot.apply({"lamp": rc.control.GroupCommand.joints([0.5])})
 
     @pytest.mark.parametrize(
         ("limits", "shape"),
@@ -215,7 +215,7 @@ class TestOwnGroups:
         robot.set_group(Two())
         message = rf"Two.get_joint_pos_limits: expected an array of shape \(2, 2\), got {shape}"
         with pytest.raises(rc.NotFoundError, match=f"'lamp' has no controller: {message}"):
-            robot.apply({"lamp": rc.GroupCommand.joints([0.5, 0.5])})
+            robot.apply({"lamp": rc.control.GroupCommand.joints([0.5, 0.5])})
         with pytest.raises(rc.ArgumentError, match=message):
             _ = robot.group("lamp").joint_pos_limits
         with pytest.raises(rc.ArgumentError, match=message.replace("joint_pos", "ctrl")):
@@ -254,13 +254,13 @@ class TestOwnGroups:
         robot = scene.robot("a")
         robot.set_group(Doubling())
         assert robot.group("lamp").integrate(np.ones(1), np.full(1, 0.25)) == [1.5]
-        assert rc.MoveGroup.integrate(Doubling(), [1.0], [0.25]) == [1.5]
+        assert rc.robots.MoveGroup.integrate(Doubling(), [1.0], [0.25]) == [1.5]
         message = r"must define integrate\(\); Lamp does not"
         with pytest.raises(rc.Error, match=message):
             Lamp().integrate([1.0], [0.25])
 
     def test_a_gripper_that_measures_nan_is_told_by_name(self, scene):
-        class Vague(rc.GripperGroup):
+        class Vague(rc.robots.GripperGroup):
             get_name = lambda self: "vague"  # noqa: E731
             get_joint_names = get_actuator_names = get_joint_pos = lambda self: []
             get_joint_vel = get_joint_torque = get_ctrl = lambda self: []
@@ -280,7 +280,7 @@ class TestOwnGroups:
             scene.robot("a").set_group(object())
 
 
-class OwnGripper(rc.GripperGroup):
+class OwnGripper(rc.robots.GripperGroup):
     """Opens and closes in no time."""
 
     def __init__(self) -> None:
@@ -331,7 +331,7 @@ def test_a_gripper_of_ones_own_is_the_robots_gripper(scene):
     assert robot.gripper is mine
     assert mine.kind == "gripper"
     assert mine.is_grasping("cube")
-    robot.apply({"gripper": rc.GroupCommand.opening(0.25)})
+    robot.apply({"gripper": rc.control.GroupCommand.opening(0.25)})
     robot.update()
     assert mine.opening == 0.25
     robot.gripper.open()
@@ -381,11 +381,11 @@ class TestGripper:
         robot = scene.robot("a")
         robot.gripper.opening = 1
         assert settle(robot) > 0.95
-        robot.apply({"gripper": rc.GroupCommand.opening(0)})
+        robot.apply({"gripper": rc.control.GroupCommand.opening(0)})
         robot.gripper.opening = 1
         assert settle(robot) > 0.95
         robot.gripper.opening = 0
-        robot.apply({"gripper": rc.GroupCommand.opening(1)})
+        robot.apply({"gripper": rc.control.GroupCommand.opening(1)})
         assert settle(robot) > 0.95
 
 
@@ -395,7 +395,7 @@ class TestLockedGroups:
     @pytest.fixture
     def robot(self) -> rc.Robot:
         config = rc.RobotConfig.load(robot_file("rc7"))
-        config.move_groups["wrist"] = rc.MoveGroupConfig(
+        config.move_groups["wrist"] = rc.robots.MoveGroupConfig(
             kind="generic", joints=["joint6", "joint7"]
         )
         spec = rc.SceneSpec(name="s", timestep=0.002, add_floor=True, add_skybox=False)
@@ -419,7 +419,9 @@ class TestLockedGroups:
 
     def test_a_group_that_is_commanded_shares_nothing_with_another(self):
         config = rc.RobotConfig.load(robot_file("rc7"))
-        config.move_groups["wrist"] = rc.MoveGroupConfig(joints=["joint7"], actuators=["servo7"])
+        config.move_groups["wrist"] = rc.robots.MoveGroupConfig(
+            joints=["joint7"], actuators=["servo7"]
+        )
         spec = rc.SceneSpec(name="s", timestep=0.002)
         spec.robots.append(rc.RobotSpec(name="a", config=config))
         said = (

@@ -18,7 +18,7 @@ SCRIPT = f"""
 import robocell as rc
 
 run = rc.RunConfig.load({str(DEMO)!r})
-runner = rc.Runner(run, lambda run, start: print(runner))
+runner = rc.generate.Runner(run, lambda run, start: print(runner))
 """
 
 WITH_A_SAMPLER = f"""
@@ -30,18 +30,19 @@ class Mine(rc.PickTaskSampler):
         return Judge(target, kind, objects)
 
 
-class Judge(rc.PickTask):
+class Judge(rc.tasks.PickTask):
     def reward(self, scene):
         return runner and super().reward(scene)
 
 
 run = rc.RunConfig.load({str(DEMO)!r})
 run.task.objects = ["box"]
-runner = rc.Runner(run, sampler=Mine)
+runner = rc.generate.Runner(run, sampler=Mine)
 sampler = Mine(run)
 for attempt in range(20):
-    start = sampler.sample(rc.SampleRequest(attempt=attempt), rc.Rng.stream(attempt, "test"))
-    if isinstance(start, rc.EpisodeStart):
+    request, rng = rc.tasks.SampleRequest(attempt=attempt), rc.tasks.Rng.stream(attempt, "test")
+    start = sampler.sample(request, rng)
+    if isinstance(start, rc.tasks.EpisodeStart):
         break
 assert type(start.task) is Judge
 """
@@ -64,11 +65,11 @@ def test_a_script_that_ends_with_a_runner_says_nothing_of_leaks(tmp_path: Path, 
 
 def test_a_circle_of_a_runner_and_its_expert_function_is_collected():
     class Maker:
-        def __call__(self, run: rc.RunConfig, start: rc.EpisodeStart) -> rc.Expert:
+        def __call__(self, run: rc.RunConfig, start: rc.tasks.EpisodeStart) -> rc.tasks.Expert:
             raise NotImplementedError
 
     maker = Maker()
-    maker.runner = rc.Runner(rc.RunConfig.load(DEMO), maker)  # type: ignore[attr-defined]
+    maker.runner = rc.generate.Runner(rc.RunConfig.load(DEMO), maker)  # type: ignore[attr-defined]
     gone = weakref.ref(maker)
     del maker
     gc.collect()
@@ -76,11 +77,11 @@ def test_a_circle_of_a_runner_and_its_expert_function_is_collected():
 
 
 def test_a_runner_keeps_its_function_alive():
-    def make(run: rc.RunConfig, start: rc.EpisodeStart) -> rc.Expert:
+    def make(run: rc.RunConfig, start: rc.tasks.EpisodeStart) -> rc.tasks.Expert:
         raise NotImplementedError
 
     alive = weakref.ref(make)
-    runner = rc.Runner(rc.RunConfig.load(DEMO), make)
+    runner = rc.generate.Runner(rc.RunConfig.load(DEMO), make)
     del make
     gc.collect()
     assert alive() is not None

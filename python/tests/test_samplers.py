@@ -12,7 +12,7 @@ import robocell as rc
 from test_experts import Idle, load
 
 
-class Wait(rc.Task):
+class Wait(rc.tasks.Task):
     """Success: some time has passed."""
 
     def __init__(self) -> None:
@@ -42,7 +42,7 @@ class Patient(Idle):
         return ""
 
 
-class Waiting(rc.TaskSampler):
+class Waiting(rc.tasks.TaskSampler):
     """The robot beside a cube; refuses the first attempts."""
 
     def __init__(self, run: rc.RunConfig, refused: int = 0) -> None:
@@ -51,11 +51,13 @@ class Waiting(rc.TaskSampler):
         self.refused = refused
         self.asked: list[tuple[int, int, int, float]] = []
 
-    def sample(self, request: rc.SampleRequest, rng: rc.Rng) -> rc.EpisodeStart | rc.Refusal:
+    def sample(
+        self, request: rc.tasks.SampleRequest, rng: rc.tasks.Rng
+    ) -> rc.tasks.EpisodeStart | rc.tasks.Refusal:
         x = rng.uniform(0.3, 0.5)
         self.asked.append((request.scene, request.episode, request.attempt, x))
         if request.attempt < self.refused:
-            return rc.Refusal(rc.RefusalReason.NO_GRASP, "as told")
+            return rc.tasks.Refusal(rc.tasks.RefusalReason.NO_GRASP, "as told")
         spec = rc.SceneSpec(name="waiting", timestep=0.002, add_floor=True, add_skybox=False)
         cube = rc.SceneObject(name="cube", shape=rc.Shape.BOX, size=[0.02] * 3, pos=[x, 0, 0.02])
         cube.rgba, cube.mass, cube.friction = [0.9, 0.2, 0.2, 1], 0.1, [1, 0.02, 0.001]
@@ -64,26 +66,26 @@ class Waiting(rc.TaskSampler):
         spec.robots.append(rc.RobotSpec(name=config.name, config=config, prefix="r/"))
         scene = rc.Scene.build(spec)
         scene.reset()
-        return rc.EpisodeStart(scene, Wait(), "cube", ["box"])
+        return rc.tasks.EpisodeStart(scene, Wait(), "cube", ["box"])
 
 
-def runner(run: rc.RunConfig, samplers: list[Waiting], refused: int = 0) -> rc.Runner:
+def runner(run: rc.RunConfig, samplers: list[Waiting], refused: int = 0) -> rc.generate.Runner:
     """A runner with the sampler above, which is put into `samplers`."""
 
-    def sampler(run: rc.RunConfig) -> rc.TaskSampler:
+    def sampler(run: rc.RunConfig) -> rc.tasks.TaskSampler:
         samplers.append(Waiting(run, refused))
         return samplers[-1]
 
-    return rc.Runner(run, expert=lambda run, start: Patient(3), sampler=sampler)
+    return rc.generate.Runner(run, expert=lambda run, start: Patient(3), sampler=sampler)
 
 
 def test_a_sampler_and_a_task_in_python_make_episodes(tmp_path: Path):
     run = load(tmp_path)
     samplers: list[Waiting] = []
-    report = runner(run, samplers, refused=2).run(rc.make_plan(run)[0])
+    result = runner(run, samplers, refused=2).run(rc.generate.make_plan(run)[0])
     gc.collect()
-    assert (report.success, report.attempts, report.accepted) == (True, 3, 1)
-    assert dict(report.refusals) == {"no grasp": 2}
+    assert (result.success, result.attempts, result.accepted) == (True, 3, 1)
+    assert dict(result.refusals) == {"no grasp": 2}
     asked = samplers[0].asked
     assert [ask[:3] for ask in asked] == [(0, 0, 0), (0, 0, 1), (0, 0, 2)]
     episode = rc.Dataset(run.output)[0]
@@ -99,50 +101,56 @@ def test_a_sampler_and_a_task_in_python_make_episodes(tmp_path: Path):
 def test_the_task_that_was_given_is_the_task_of_the_start():
     scene = rc.Scene.build(rc.SceneSpec(name="s", timestep=0.002, add_floor=True, add_skybox=False))
     task = Wait()
-    assert rc.EpisodeStart(scene, task).task is task
+    assert rc.tasks.EpisodeStart(scene, task).task is task
     with pytest.raises(TypeError, match="task must be a Task, got 7"):
-        rc.EpisodeStart(scene, 7)  # type: ignore[arg-type]
+        rc.tasks.EpisodeStart(scene, 7)  # type: ignore[arg-type]
 
 
 def test_the_scripted_sampler_can_be_asked_and_wrapped(tmp_path: Path):
     run = load(tmp_path)
     own = rc.PickTaskSampler(run)
 
-    class First(rc.TaskSampler):
+    class First(rc.tasks.TaskSampler):
         """Hands on what the scripted one makes."""
 
-        def sample(self, request: rc.SampleRequest, rng: rc.Rng) -> rc.EpisodeStart | rc.Refusal:
+        def sample(
+            self, request: rc.tasks.SampleRequest, rng: rc.tasks.Rng
+        ) -> rc.tasks.EpisodeStart | rc.tasks.Refusal:
             return own.sample(request, rng)
 
-    item = rc.make_plan(run)[0]
-    wrapped = rc.Runner(run, sampler=lambda run: First()).run(item)
+    item = rc.generate.make_plan(run)[0]
+    wrapped = rc.generate.Runner(run, sampler=lambda run: First()).run(item)
     steps = (Path(run.output) / item.id / "steps.h5").read_bytes()
     assert wrapped.success
     run.output = str(tmp_path / "plain")
-    rc.prepare_dataset(run)
-    assert rc.Runner(run).run(item).success
+    rc.generate.prepare_dataset(run)
+    assert rc.generate.Runner(run).run(item).success
     assert (Path(run.output) / item.id / "steps.h5").read_bytes() == steps
 
 
 def test_a_wrapped_sampler_hears_that_somebody_asks_for_an_end(tmp_path: Path):
     run = load(tmp_path)
     own = rc.PickTaskSampler(run)
-    stop = rc.StopFlag()
-    kept: list[rc.SampleRequest] = []
+    stop = rc.generate.StopFlag()
+    kept: list[rc.tasks.SampleRequest] = []
 
-    class Stopping(rc.TaskSampler):
+    class Stopping(rc.tasks.TaskSampler):
         """Somebody asks for an end while the scripted one is about to begin."""
 
-        def sample(self, request: rc.SampleRequest, rng: rc.Rng) -> rc.EpisodeStart | rc.Refusal:
+        def sample(
+            self, request: rc.tasks.SampleRequest, rng: rc.tasks.Rng
+        ) -> rc.tasks.EpisodeStart | rc.tasks.Refusal:
             assert not request.stopped
             stop.set()
             assert request.stopped
             kept.append(request)
             return own.sample(request, rng)
 
-    report = rc.Runner(run, sampler=lambda run: Stopping()).run(rc.make_plan(run)[0], stop=stop)
-    assert report.stopped
-    assert not report.committed
+    result = rc.generate.Runner(run, sampler=lambda run: Stopping()).run(
+        rc.generate.make_plan(run)[0], stop=stop
+    )
+    assert result.stopped
+    assert not result.committed
     assert not kept[0].stopped, "the call is over"
 
 
@@ -157,10 +165,12 @@ def test_other_threads_go_on_while_a_start_is_sampled(tmp_path: Path):
         while not done.wait(0.001):
             turns.append(1)
 
-    class Watched(rc.TaskSampler):
+    class Watched(rc.tasks.TaskSampler):
         """Notes what another thread did meanwhile."""
 
-        def sample(self, request: rc.SampleRequest, rng: rc.Rng) -> rc.EpisodeStart | rc.Refusal:
+        def sample(
+            self, request: rc.tasks.SampleRequest, rng: rc.tasks.Rng
+        ) -> rc.tasks.EpisodeStart | rc.tasks.Refusal:
             before = len(turns)
             result = own.sample(request, rng)
             during.append(len(turns) - before)
@@ -169,7 +179,11 @@ def test_other_threads_go_on_while_a_start_is_sampled(tmp_path: Path):
     thread = threading.Thread(target=count)
     thread.start()
     try:
-        assert rc.Runner(run, sampler=lambda run: Watched()).run(rc.make_plan(run)[0]).success
+        assert (
+            rc.generate.Runner(run, sampler=lambda run: Watched())
+            .run(rc.generate.make_plan(run)[0])
+            .success
+        )
     finally:
         done.set()
         thread.join()
@@ -177,14 +191,14 @@ def test_other_threads_go_on_while_a_start_is_sampled(tmp_path: Path):
 
 
 def test_what_is_no_sampler_or_no_start_is_told(tmp_path: Path):
-    class Wrong(rc.TaskSampler):
+    class Wrong(rc.tasks.TaskSampler):
         def sample(self, request, rng):
             return "here"
 
     run = load(tmp_path)
     with pytest.raises(TypeError, match=r"sampler\(\) must return a TaskSampler, got 7"):
-        rc.Runner(run, sampler=lambda run: 7)  # type: ignore[arg-type, return-value]
+        rc.generate.Runner(run, sampler=lambda run: 7)  # type: ignore[arg-type, return-value]
     with pytest.raises(
         TypeError, match=r"sample\(\) must return an EpisodeStart or a Refusal, got 'here'"
     ):
-        rc.Runner(run, sampler=lambda run: Wrong()).run(rc.make_plan(run)[0])
+        rc.generate.Runner(run, sampler=lambda run: Wrong()).run(rc.generate.make_plan(run)[0])

@@ -94,7 +94,7 @@ class TestSharing:
             scene.step()
 
     def test_scenes_on_one_frozen_model_are_independent(self):
-        compiled = rc.compile_scene(small_spec())
+        compiled = rc.scene.compile_scene(small_spec())
         compiled.freeze()
         a, b = rc.Scene.from_compiled(compiled), rc.Scene.from_compiled(compiled)
         assert a.model is b.model is compiled.model
@@ -110,10 +110,10 @@ class TestSharing:
     def test_a_compiled_scene_is_kept_on_the_disk(self, by, tmp_path, monkeypatch):
         monkeypatch.setenv("ROBOCELL_CACHE_DIR", str(tmp_path))
         cache = tmp_path / "scenes" if by == "folder" else True
-        first = rc.compile_scene(small_spec(), cache=cache)
+        first = rc.scene.compile_scene(small_spec(), cache=cache)
         (entry,) = (tmp_path / "scenes").iterdir()
         inode = entry.stat().st_ino
-        second = rc.compile_scene(small_spec(), cache=str(cache) if by == "folder" else True)
+        second = rc.scene.compile_scene(small_spec(), cache=str(cache) if by == "folder" else True)
         assert entry.stat().st_ino == inode, "written again instead of read"
         scenes = [rc.Scene.from_compiled(compiled) for compiled in (first, second)]
         for scene in scenes:
@@ -122,7 +122,7 @@ class TestSharing:
         np.testing.assert_array_equal(scenes[0].data.qpos, scenes[1].data.qpos)
 
     def test_two_scenes_on_a_model_that_is_not_frozen_are_refused(self):
-        compiled = rc.compile_scene(small_spec())
+        compiled = rc.scene.compile_scene(small_spec())
         first = rc.Scene.from_compiled(compiled)
         message = "scene 'small': its compiled scene is used by another scene.*freeze.*compile"
         with pytest.raises(rc.Error, match=message):
@@ -138,7 +138,7 @@ class TestSharing:
             spec.objects.append(
                 rc.SceneObject(name=name, mjcf_path="mug", fixed=False, parked=parked)
             )
-        compiled = rc.compile_scene(spec)
+        compiled = rc.scene.compile_scene(spec)
         first = rc.Scene.from_compiled(compiled)
         masks = first.model.geom_contype.copy()
         first.add_object("outside")
@@ -155,7 +155,7 @@ class TestSharing:
 
     def test_a_scene_holds_no_python_object_for_what_it_was_made_from(self):
         """Letting go of one would need the interpreter, on whatever thread the scene dies."""
-        compiled = rc.compile_scene(small_spec())
+        compiled = rc.scene.compile_scene(small_spec())
         references = sys.getrefcount(compiled)
         scene = rc.Scene.from_compiled(compiled)
         assert sys.getrefcount(compiled) == references
@@ -164,7 +164,7 @@ class TestSharing:
         assert scene.step()
 
     def test_a_model_is_free_again_when_its_scene_is_gone_or_closed(self):
-        compiled = rc.compile_scene(small_spec())
+        compiled = rc.scene.compile_scene(small_spec())
         rc.Scene.from_compiled(compiled).step()
         gc.collect()
         rc.Scene.from_compiled(compiled).close()
@@ -172,7 +172,7 @@ class TestSharing:
 
     @pytest.mark.parametrize("first", ["model", "freeze"])
     def test_a_frozen_model_is_read_only(self, first):
-        compiled = rc.compile_scene(small_spec())
+        compiled = rc.scene.compile_scene(small_spec())
         model = compiled.model if first == "model" else None
         compiled.freeze()
         model = compiled.model
@@ -191,7 +191,7 @@ class TestSharing:
         scene.model.opt.gravity[2] = -1
 
     def test_a_copy_of_a_compiled_scene_has_a_model_of_its_own(self):
-        compiled = rc.compile_scene(small_spec())
+        compiled = rc.scene.compile_scene(small_spec())
         compiled.freeze()
         copy = compiled.copy()
         assert not copy.frozen
@@ -207,7 +207,7 @@ class TestSharing:
     def test_a_compiled_scene_tells_what_became_of_its_spec(self):
         spec = arm_spec()
         spec.objects[0].parked = True
-        compiled = rc.compile_scene(spec)
+        compiled = rc.scene.compile_scene(spec)
         copy = compiled.copy_spec()
         assert copy == spec
         copy.name = "other"
@@ -237,7 +237,7 @@ class TestSharing:
         """Python may change threads at any line of the hand-over."""
         version = mujoco.mj_versionString
         monkeypatch.setattr(mujoco, "mj_versionString", lambda: (time.sleep(0.05), version())[1])
-        compiled = rc.compile_scene(small_spec())
+        compiled = rc.scene.compile_scene(small_spec())
         models = []
         ask = lambda: models.append(compiled.model)  # noqa: E731
         threads = [threading.Thread(target=ask) for _ in range(4)]
@@ -318,7 +318,7 @@ class TestReset:
     def test_hooks_are_called_with_the_scene(self, scene):
         seen = []
 
-        def lift(reset: rc.ResetContext) -> None:
+        def lift(reset: rc.scene.ResetContext) -> None:
             seen.append((reset.options.seed, reset.info.used_keyframe))
             reset.scene.set_body_pose("cube", [0, 0, 1], [0, 0, 0, 1])
 
@@ -326,7 +326,7 @@ class TestReset:
         scene.reset(seed=5)
         assert scene.body_pose("cube").translation.tolist() == [0, 0, 1]
         scene.remove_reset_hook(hook)
-        scene.reset(rc.ResetOptions(seed=6))
+        scene.reset(rc.scene.ResetOptions(seed=6))
         assert scene.body_pose("cube").translation.tolist() == [0, 0, 0.5]
         assert seen == [(5, True)]
 
@@ -352,7 +352,7 @@ class TestReset:
                 scene.reset(body_poses=nothing)
         with pytest.raises(TypeError, match="body_poses must be keyed by names, got int"):
             scene.reset(body_poses={3: there})
-        options = rc.ResetOptions(seed=3, body_poses={"cube": there})
+        options = rc.scene.ResetOptions(seed=3, body_poses={"cube": there})
         assert options.body_poses["cube"] == there
         assert repr(options).endswith(f"seed=3, body_poses={{'cube': {there!r}}})")
         scene.reset(options)
@@ -365,7 +365,7 @@ class TestReset:
         assert options.body_poses == {}
 
     def test_an_error_in_a_hook_comes_out_of_reset(self, scene):
-        def fail(reset: rc.ResetContext) -> None:
+        def fail(reset: rc.scene.ResetContext) -> None:
             raise KeyError("mine")
 
         scene.on_reset(fail)
@@ -385,7 +385,7 @@ class TestReset:
                 self.scene = rc.Scene.build(small_spec())
                 self.scene.on_reset(self.prepare)
 
-            def prepare(self, reset: rc.ResetContext) -> None:
+            def prepare(self, reset: rc.scene.ResetContext) -> None:
                 reset.scene.time()
 
         cell = Cell()
@@ -397,7 +397,7 @@ class TestReset:
 
     def test_options_exclude_each_other(self, scene):
         with pytest.raises(rc.ArgumentError, match="give either options or"):
-            scene.reset(rc.ResetOptions(), seed=1)
+            scene.reset(rc.scene.ResetOptions(), seed=1)
 
 
 class TestCalls:

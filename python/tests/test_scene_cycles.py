@@ -42,8 +42,8 @@ HANDLES: dict[str, Callable[[rc.Scene], Any]] = {
     "controller": lambda scene: robot_of(scene).controller("arm"),
     "impedance": lambda scene: robot_of(scene).set_controller("arm", "joint_impedance"),
     "kinematics": lambda scene: robot_of(scene).kinematics,
-    "filter": lambda scene: rc.CollisionFilter(robot_of(scene)),
-    "stepper": lambda scene: rc.Stepper(scene, [robot_of(scene)]),
+    "filter": lambda scene: rc.kinematics.CollisionFilter(robot_of(scene)),
+    "stepper": lambda scene: rc.control.Stepper(scene, [robot_of(scene)]),
     "all": lambda scene: [make(scene) for name, make in HANDLES.items() if name != "all"],
     "model": lambda scene: scene.model,
     "data": lambda scene: scene.data,
@@ -112,7 +112,7 @@ def test_a_handle_of_cpp_keeps_the_hooks():
 
 
 def test_a_group_that_refers_to_its_robot_is_collected():
-    class Wrist(rc.MoveGroup):
+    class Wrist(rc.robots.MoveGroup):
         def get_name(self) -> str:
             return "wrist"
 

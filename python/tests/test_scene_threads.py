@@ -84,10 +84,10 @@ def test_handles_in_a_list_are_in_use_too():
     busy = IN_USE.format("Scene.reset")
     for i in (1, 11):
         with resetting(scenes[i]):
-            assert busy in refused(lambda: rc.Stepper(scenes[0], robots))
-            assert busy in refused(lambda: rc.Stepper(scenes[0], robots=tuple(robots)))
+            assert busy in refused(lambda: rc.control.Stepper(scenes[0], robots))
+            assert busy in refused(lambda: rc.control.Stepper(scenes[0], robots=tuple(robots)))
     with pytest.raises(rc.ArgumentError, match="belongs to another scene"):
-        rc.Stepper(scenes[0], robots)
+        rc.control.Stepper(scenes[0], robots)
     for scene in scenes:
         scene.forward()  # all are let go of
 
@@ -109,8 +109,8 @@ def test_whatever_a_second_thread_asks_for_is_refused(tmp_path: Path):
         "gripper": robot.gripper,
         "base": robot.base,
         "gripper controller": robot.controller("gripper"),
-        "stepper": rc.Stepper(scene, [robot]),
-        "renderer": rc.Renderer(scene),
+        "stepper": rc.control.Stepper(scene, [robot]),
+        "renderer": rc.render.Renderer(scene),
         "video": rc.VideoRecorder(scene, tmp_path / "v.mp4", 64, 48),
     }
     kinds = ["cartesian_pose", "joint_impedance", "cartesian_impedance", "differential_ik"]
@@ -134,19 +134,19 @@ def test_whatever_a_second_thread_asks_for_is_refused(tmp_path: Path):
 def test_so_it_is_when_it_is_an_argument_or_kept(tmp_path: Path):
     scene = cell()
     robot = scene.robot("a")
-    task, kept = rc.Task(), rc.CollisionFilter(robot)
+    task, kept = rc.tasks.Task(), rc.kinematics.CollisionFilter(robot)
     calls: list[Callable[[], Any]] = [
         lambda: rc.Robot.of(scene, "a"),
         lambda: rc.Robot.of(name="a", scene=scene),
         lambda: rc.Robot.from_scene(scene, "base_link", "link7"),
         lambda: rc.Robot(robot),
-        lambda: rc.robots_of(scene),
-        lambda: rc.try_robot(robot),
-        lambda: rc.check_config(robot),
-        lambda: rc.Stepper(scene, [robot]),
-        lambda: rc.Renderer(scene),
+        lambda: rc.robots.robots_of(scene),
+        lambda: rc.diagnose.check_robot(robot),
+        lambda: rc.diagnose.validate_robot(robot),
+        lambda: rc.control.Stepper(scene, [robot]),
+        lambda: rc.render.Renderer(scene),
         lambda: rc.VideoRecorder(scene, tmp_path / "v.mp4"),
-        lambda: rc.CollisionFilter(robot),
+        lambda: rc.kinematics.CollisionFilter(robot),
         kept.update,
         lambda: task.reward(scene),
     ]
@@ -207,9 +207,9 @@ def test_it_says_what_to_do():
 
 def test_hooks_use_the_scene_that_calls_them():
     scene = cell()
-    robot, renderer, seen = scene.robot("a"), rc.Renderer(scene), []
+    robot, renderer, seen = scene.robot("a"), rc.render.Renderer(scene), []
 
-    def hook(context: rc.ResetContext) -> None:
+    def hook(context: rc.scene.ResetContext) -> None:
         context.scene.set_body_pose("cube", [0.5, 0, 0.5], [0, 0, 0, 1])
         robot.set_joint_pos(robot.jnt_pos_msr)
         seen.extend([scene.time(), renderer.render("", 16, 16)["rgb"].shape])
@@ -232,7 +232,7 @@ def test_a_hook_that_waits_for_another_thread_does_not_wait_for_ever():
 def test_what_a_call_raises_lets_go_of_the_scene_too():
     scene = cell()
 
-    def sulk(context: rc.ResetContext) -> None:
+    def sulk(context: rc.scene.ResetContext) -> None:
         raise ValueError("no")
 
     hook = scene.on_reset(sulk)
@@ -255,7 +255,7 @@ def test_what_a_call_raises_lets_go_of_the_scene_too():
 def test_threads_that_all_want_it_get_it_in_turns():
     """Or an Error; nothing else comes of it."""
     scene = cell()
-    robot, renderer = scene.robot("a"), rc.Renderer(scene)
+    robot, renderer = scene.robot("a"), rc.render.Renderer(scene)
     present = {"cube"}
 
     def come_and_go() -> None:
@@ -331,7 +331,7 @@ def test_the_scene_of_an_environment_that_another_thread_uses(waiting: rc.EnvCon
 
 def test_the_scene_of_a_batch_of_environments(waiting: rc.EnvConfig):
     """It is their thread that uses it."""
-    batch = rc.EnvBatch(waiting, 1, 1)
+    batch = rc.envs.EnvBatch(waiting, 1, 1)
     scene = batch.scene
     Waiting.door = Door()
     with Waiting.door.held(lambda: batch.reset(seeds=[1])):
@@ -349,15 +349,19 @@ def test_the_scene_of_an_episode_that_is_made(tmp_path: Path):
     door, scenes = Door(), []
 
     class Slow(Idle):
-        def act(self, scene: rc.Scene, rng: rc.Rng) -> dict[str, dict[str, rc.GroupCommand]]:
+        def act(
+            self, scene: rc.Scene, rng: rc.tasks.Rng
+        ) -> dict[str, dict[str, rc.control.GroupCommand]]:
             door()
             return super().act(scene, rng)
 
-    def expert(run: rc.RunConfig, start: rc.EpisodeStart) -> rc.Expert:
+    def expert(run: rc.RunConfig, start: rc.tasks.EpisodeStart) -> rc.tasks.Expert:
         scenes.append(start.scene)
         return Slow()
 
-    with door.held(lambda: rc.Runner(run, expert=expert).run(rc.make_plan(run)[0])):
+    with door.held(
+        lambda: rc.generate.Runner(run, expert=expert).run(rc.generate.make_plan(run)[0])
+    ):
         told = refused(scenes[0].step)
         assert told.startswith(IN_USE.replace("cell", scenes[0].name).format("RunRollout"))
     scenes[0].step()

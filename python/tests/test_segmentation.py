@@ -39,15 +39,15 @@ def test_segmentation_is_the_renderers_in_every_row(dataset: Path):
     episode = robocell.Dataset(dataset)[0]
     recorded = episode.frames("exo", kind="segmentation")
     assert (recorded.dtype, recorded.shape) == (np.uint16, (len(episode), SIZE[1], SIZE[0]))
-    scene = robocell.Scene.build(robocell.recorded_scene(episode))
+    scene = robocell.Scene.build(robocell.data.recorded_scene(episode))
     scene.set_state(episode["initial_state"])
-    renderer = robocell.Renderer(scene)
+    renderer = robocell.render.Renderer(scene)
     ctrl = episode["control/ctrl"]
     ticks = len(ctrl) // len(episode)
     for row in range(len(episode)):
         image = renderer.render("robot_0/exo_camera", *SIZE, rgb=False, segmentation=True)
         bodies = image["segmentation"]
-        expected = np.where(bodies < 0, robocell.NO_SEGMENT, bodies)
+        expected = np.where(bodies < 0, robocell.data.NO_SEGMENT, bodies)
         np.testing.assert_array_equal(recorded[row], expected, str(row))
         for tick in range(row * ticks, (row + 1) * ticks):
             scene.data.ctrl[:] = ctrl[tick]
@@ -57,7 +57,7 @@ def test_segmentation_is_the_renderers_in_every_row(dataset: Path):
 
 def test_labels_name_every_body_and_whose_it_is(dataset: Path):
     episode = robocell.Dataset(dataset)[0]
-    scene = robocell.Scene.build(robocell.recorded_scene(episode))
+    scene = robocell.Scene.build(robocell.data.recorded_scene(episode))
     labels = episode.segment_labels
     assert [label.name for label in labels] == [
         scene.model.body(i).name for i in range(scene.model.nbody)
@@ -70,16 +70,16 @@ def test_labels_name_every_body_and_whose_it_is(dataset: Path):
     for owner in owners - {""}:
         assert any(column.startswith(owner + "/") for column in episode.columns), owner
     seen = np.unique(episode.frames("exo", kind="segmentation"))
-    names = {labels[i].owner for i in seen if i != robocell.NO_SEGMENT}
+    names = {labels[i].owner for i in seen if i != robocell.data.NO_SEGMENT}
     assert target in names
     assert any(name.startswith("robots/") for name in names)
     described = json.loads((episode.folder / "episode.json").read_text())
-    assert described["segmentation"]["none"] == robocell.NO_SEGMENT
+    assert described["segmentation"]["none"] == robocell.data.NO_SEGMENT
     assert described["segmentation"]["labels"][0] == {"name": "world", "owner": ""}
 
 
 def test_segmentation_is_counted_verified_and_missed_by_name(dataset: Path):
-    assert robocell.verify(dataset, decode_videos=True).ok
+    assert robocell.data.verify(dataset, decode_videos=True).ok
     episode = robocell.Dataset(dataset)[0]
     assert episode.segmentation_cameras == ["wrist", "exo"]
     assert episode.depth_cameras == ["exo"]
@@ -107,4 +107,4 @@ def test_the_same_run_gives_the_same_bytes(dataset: Path, tmp_path: Path):
 
 def test_an_episode_with_segmentation_is_replayed(dataset: Path):
     for episode in robocell.Dataset(dataset):
-        assert robocell.check_replay(episode).ok
+        assert robocell.data.verify_replay(episode).ok

@@ -12,7 +12,7 @@ class Robot(rc.RobotSpec):
     """A subclass: it has attributes, so it can take part in cycles."""
 
 
-class Group(rc.MoveGroupConfig):
+class Group(rc.robots.MoveGroupConfig):
     pass
 
 

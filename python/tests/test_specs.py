@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import robocell as rc
+from robocell import _core
 
 
 def cube(name: str = "cube") -> rc.SceneObject:
@@ -48,7 +49,7 @@ LIST_STEPS = [
     lambda x, c, d, **_: x.__iadd__([c, d]) and None,
 ]
 
-ALL = [v for v in vars(rc).values() if isinstance(v, type) and hasattr(v, "to_yaml")]
+ALL = [v for v in vars(_core).values() if isinstance(v, type) and hasattr(v, "to_yaml")]
 
 
 class TestFields:
@@ -84,7 +85,7 @@ class TestFields:
         options.impratio = 3
         spec.options.integrator = "euler"
         assert spec.options.impratio == 3
-        assert options.integrator == rc.Integrator.EULER
+        assert options.integrator == rc.scene.Integrator.EULER
 
     def test_optional_specs_keep_the_object_that_was_put_in(self):
         config = arm_config()
@@ -105,19 +106,19 @@ class TestFields:
             rc.RobotSpec().attach_to.name = "x"
 
     def test_names_and_ranges(self):
-        group = rc.MoveGroupConfig(joints="joint1..joint7", actuators="servo")
+        group = rc.robots.MoveGroupConfig(joints="joint1..joint7", actuators="servo")
         assert group.joints == tuple(f"joint{i}" for i in range(1, 8))
         assert group.actuators == ("servo",)
         group.joints = (name for name in ("a", "b"))
         assert group.joints == ("a", "b")
-        assert rc.SceneSource(houses=range(4)).houses == (0, 1, 2, 3)
+        assert rc.SceneSourceSpec(houses=range(4)).houses == (0, 1, 2, 3)
 
     def test_enums_are_taken_by_value_and_by_name(self):
         spec = cube()
         spec.shape = "sphere"
         assert spec.shape is rc.Shape.SPHERE
         assert spec.condim is None
-        spec.condim = rc.Condim.ROLLING
+        spec.condim = rc.scene.Condim.ROLLING
         assert spec.condim.value == 6
         assert [kind.name for kind in rc.AttachKind] == [
             "World", "Root", "SharedBase", "Body", "Site", "Frame", "RobotBase", "Attachment",
@@ -134,10 +135,15 @@ class TestFields:
         assert repr(spec.attach_to) == "AttachTarget(AttachKind.Body, 'table')"
 
     def test_elements(self):
-        group = rc.MoveGroupConfig(leaf={"geom": {"body": "finger", "index": 2}})
-        assert group.leaf == rc.ElementRef(kind=rc.ElementKind.GEOM, body="finger", index=2)
+        group = rc.robots.MoveGroupConfig(leaf={"geom": {"body": "finger", "index": 2}})
+        assert group.leaf == rc.scene.ElementRef(
+            kind=rc.scene.ElementKind.GEOM, body="finger", index=2
+        )
         group.fingers = ["left", {"site": "right"}]
-        assert group.fingers == (rc.ElementRef("left"), rc.ElementRef("right", kind="site"))
+        assert group.fingers == (
+            rc.scene.ElementRef("left"),
+            rc.scene.ElementRef("right", kind="site"),
+        )
 
     def test_paths_are_taken_as_text(self):
         assert rc.RobotSpec(path=pathlib.Path("a") / "b.xml").path == "a/b.xml"
@@ -312,12 +318,12 @@ class TestLists:
 class TestMaps:
     def test_values_stay_the_objects_that_were_put_in(self):
         config = rc.RobotConfig()
-        group = rc.MoveGroupConfig(kind="arm")
+        group = rc.robots.MoveGroupConfig(kind="arm")
         config.move_groups["arm"] = group
         assert config.move_groups["arm"] is group
         config.move_groups["gripper"] = {"kind": "gripper"}
         assert list(config.move_groups) == ["arm", "gripper"]
-        assert config.move_groups["gripper"].kind is rc.MoveGroupKind.GRIPPER
+        assert config.move_groups["gripper"].kind is rc.robots.MoveGroupKind.GRIPPER
 
     def test_numbers_are_edited_in_place(self):
         config = arm_config()
@@ -330,14 +336,14 @@ class TestMaps:
 
     def test_it_does_everything_that_a_mapping_does(self):
         control = rc.RobotConfig(control={"a": "joint_position"}).control
-        assert control["a"] is rc.ControlKind.JOINT_POSITION
-        control.update({"b": rc.ControlKind.RELATIVE_JOINT_POSITION})
+        assert control["a"] is rc.control.ControlKind.JOINT_POSITION
+        control.update({"b": rc.control.ControlKind.RELATIVE_JOINT_POSITION})
         assert control == dict(control.items())
         assert "b" in control
         assert 3 not in control
         assert control.get("c") is None
         assert control.pop("c", 5) == 5
-        assert control.pop("a") is rc.ControlKind.JOINT_POSITION
+        assert control.pop("a") is rc.control.ControlKind.JOINT_POSITION
         del control["b"]
         assert len(control) == 0
         assert isinstance(control, collections.abc.MutableMapping)
@@ -438,7 +444,7 @@ class TestValues:
 
     def test_repr_gives_the_spec_back(self):
         spec = rc.SceneSpec(timestep=0.002, objects=[cube()], robots=[{"config": arm_config()}])
-        assert eval(repr(spec), vars(rc)) == spec
+        assert eval(repr(spec), {**vars(rc.scene), **vars(rc.robots), **vars(rc.control)}) == spec
 
     def test_yaml_gives_the_spec_back(self):
         spec = rc.SceneSpec(timestep=0.002, add_floor=True, add_skybox=True, objects=[cube()])
@@ -467,7 +473,7 @@ class TestValues:
 class TestPlaces:
     def test_what_was_added_in_python_has_no_place_in_the_file(self):
         config = rc.RobotConfig.load(rc.models.robot_file("rc7"))
-        config.edits.append(rc.Edit(joint="joint9", damping=1.0))
+        config.edits.append(rc.robots.Edit(joint="joint9", damping=1.0))
         spec = rc.SceneSpec(timestep=0.002, add_floor=True, add_skybox=False)
         spec.robots.append(rc.RobotSpec(name="q", config=config))
         with pytest.raises(rc.NotFoundError) as caught:

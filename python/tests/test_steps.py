@@ -29,7 +29,7 @@ def dataset(folder: Path) -> robocell.Dataset:
     return robocell.Dataset(folder)
 
 
-def expected_values(episode: robocell.Episode, name: str) -> Any:
+def expected_values(episode: robocell.data.Episode, name: str) -> Any:
     return (
         frames_by_ffmpeg(episode, name)
         if name in episode.streams

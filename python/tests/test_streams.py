@@ -74,7 +74,7 @@ def test_a_run_goes_on_when_its_terminal_is_gone(tmp_path: Path):
     command, terminal = on_a_terminal(run, controlling=False)
     close_after_first_episode(terminal, run)
     assert command.wait(timeout=LONG_S) == 0
-    assert len(robocell.verify(tmp_path / "out").good) == 3
+    assert len(robocell.data.verify(tmp_path / "out").good) == 3
     (told,) = reports.load(tmp_path / "out/report.json").commands
     assert told.end == "complete"
 
@@ -84,7 +84,7 @@ def test_a_terminal_that_is_closed_ends_a_run_tidily(tmp_path: Path):
     command, terminal = on_a_terminal(run, controlling=True)
     close_after_first_episode(terminal, run)
     assert command.wait(timeout=LONG_S) == 130
-    assert robocell.verify(tmp_path / "out").ok
+    assert robocell.data.verify(tmp_path / "out").ok
     (told,) = reports.load(tmp_path / "out/report.json").commands
     assert told.end == "interrupted"
 

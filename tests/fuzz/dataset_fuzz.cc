@@ -2,7 +2,7 @@
 // episode or an Error.
 //
 // The first byte chooses what is done: edits of one of the files, each a position and a value, or
-// an episode.json of the fuzzer's own without its last field, `run`, and last brace; it is signed,
+// an episode.json of the fuzzer's own without its last field, `run`, and last brace; its hash is right,
 // so that it is looked into.
 #include <algorithm>
 #include <cstddef>
@@ -19,7 +19,7 @@
 #include "robocell/data/dataset.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_reader.h"
-#include "robocell/data/signed_json.h"
+#include "robocell/data/self_hashed_json.h"
 #include "robocell/data/testing/sample_episode.h"
 #include "robocell/data/verify.h"
 #include "robocell/testing/temp_dir.h"
@@ -84,8 +84,8 @@ void Forge(Sample& sample, std::string text) {
   const auto file =
       std::find_if(sample.files.begin(), sample.files.end(),
                    [](const fs::path& path) { return path.filename() == robocell::kEpisodeFile; });
-  text += ", \"run\": {\"json_sha256\": \"" + std::string(robocell::kUnsigned) + "\"}}";
-  Write(*file, robocell::SignJson(text));
+  text += ", \"run\": {\"json_sha256\": \"" + std::string(robocell::kHashPlaceholder) + "\"}}";
+  Write(*file, robocell::InsertSelfHash(text));
   (void)robocell::Verify(sample.dataset.path());
   Use(sample.episode);
   Write(*file, sample.contents[static_cast<size_t>(file - sample.files.begin())]);

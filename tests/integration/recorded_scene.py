@@ -54,11 +54,11 @@ class RecordedScene:
         root = model.body_rootid[int(model.joint(f"{name}_joint").bodyid[0])]
         return np.flatnonzero(model.body_rootid == root)
 
-    def renderer(self) -> rc.Renderer:
+    def renderer(self) -> rc.render.Renderer:
         """As the run's images were made."""
         run = rc.RunConfig.from_yaml(f"{self.metadata['identity']}\noutput: {self.binary.parent}")
         quality = run.cameras.quality
-        return rc.Renderer(
+        return rc.render.Renderer(
             self.scene,
             shadows=quality.shadows,
             multisamples=quality.multisamples,

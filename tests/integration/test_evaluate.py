@@ -121,15 +121,15 @@ def test_a_policy_sees_the_rows_that_a_dataset_records(dataset: Path, tmp_path: 
     )
     spies: list[Spy] = []
 
-    def expert(run: rc.RunConfig, start: rc.EpisodeStart) -> rc.Expert:
+    def expert(run: rc.RunConfig, start: rc.tasks.EpisodeStart) -> rc.tasks.Expert:
         spies.append(Spy(actions))
         return PolicyExpert(run, start, spies[-1])
 
-    run.keep = rc.Keep.FIRST
+    run.keep = rc.generate.Keep.FIRST
     run.episodes, run.max_attempts = 1, 20
-    rc.prepare_dataset(run)
-    report = rc.Runner(run, expert=expert).run(rc.make_plan(run)[0])
-    assert report.committed
+    rc.generate.prepare_dataset(run)
+    result = rc.generate.Runner(run, expert=expert).run(rc.generate.make_plan(run)[0])
+    assert result.committed
     played = rc.Dataset(run.output)[0]
     spy = spies[-1]
     assert len(spy.seen) == len(played)

@@ -50,7 +50,7 @@ def test_cubes_are_stacked_by_any_number_of_workers(run_file: Path, tmp_path: Pa
         assert episode.metadata["instruction"] == "put the red cube on the blue one"
         red, blue = episode["objects/red/pose"][-1], episode["objects/blue/pose"][-1]
         assert red[2] - blue[2] == pytest.approx(0.04, abs=0.003)
-        assert rc.check_replay(episode).ok
+        assert rc.data.verify_replay(episode).ok
     assert files_of(tmp_path / "two") == files_of(tmp_path / "one")
 
 
@@ -200,7 +200,7 @@ def test_overrides_of_a_configuration_keep_the_folders_of_its_files(tmp_path: Pa
     run = source.load(["robot.gravcomp=false", "seed=7"])
     assert run.seed == 7
     assert run.robot.gravcomp is False
-    rc.check_run(run)
+    rc.diagnose.check_run(run)
 
 
 def test_a_dataset_is_acted_in_with_the_code_that_made_it_only(run_file: Path, tmp_path: Path):
@@ -248,11 +248,11 @@ def test_code_files_of_one_name_are_all_remembered(tmp_path: Path):
     for folder in ("a", "b"):
         (tmp_path / folder / "weights.txt").write_text(folder)
     rc.register_expert("two_files_of_test", files=[tmp_path / f / "weights.txt" for f in "ab"])(
-        lambda run, start: rc.PickPlanner(run, start)
+        lambda run, start: rc.tasks.PickPlanner(run, start)
     )
     run = rc.RunConfig.load(ROOT / "examples" / "demo.yaml")
     run.cameras.streams.clear()
     run.expert, run.output = "two_files_of_test", str(tmp_path / "out")
-    rc.prepare_dataset(run)
+    rc.generate.prepare_dataset(run)
     files = json.loads((tmp_path / "out" / "dataset.json").read_text())["files"]
     assert {"code/weights.txt", "code/weights.txt (2)"} <= set(files)

@@ -1,6 +1,6 @@
-"""The code in README.md runs and prints what it promises, from an install as a user has it.
+"""The ten lines of README.md and docs/install.md run against an install, and print a pose.
 
-The C++ of the pages in docs/ is compiled along with it.
+The C++ of the other pages in docs/ is compiled along with them.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from test_docs_snippets import blocks
 from test_packaging import BUILD, CONSUMER, ROOT, run
 
 README = ROOT / "README.md"
+INSTALL = ROOT / "docs" / "install.md"
 INCLUDES = """#include <algorithm>
 #include <filesystem>
 #include <robocell/math/interpolation.h>
@@ -60,7 +61,7 @@ def compiled_blocks() -> str:
 
 def test_no_page_is_forgotten():
     with_code = {page.stem for page in (ROOT / "docs").glob("*.md") if blocks(page, "cpp")}
-    assert with_code == set(GIVEN)
+    assert with_code == {*GIVEN, "install"}
 
 
 def test_the_c_plus_plus_compiles_and_runs_against_an_install(tmp_path: Path):
@@ -69,7 +70,7 @@ def test_the_c_plus_plus_compiles_and_runs_against_an_install(tmp_path: Path):
     prefix, source, build = (tmp_path / name for name in ("prefix", "source", "build"))
     run("cmake", "--install", BUILD, "--prefix", prefix)
     source.mkdir()
-    program = blocks(README, "cpp")[0]
+    program = blocks(INSTALL, "cpp")[0]
     (source / "main.cc").write_text(f"{INCLUDES}{program}\n{compiled_blocks()}\n")
     (source / "CMakeLists.txt").write_text((CONSUMER / "CMakeLists.txt").read_text())
     package = prefix / "lib/cmake/robocell"
@@ -82,13 +83,14 @@ def test_the_c_plus_plus_compiles_and_runs_against_an_install(tmp_path: Path):
 def test_the_commands_of_the_c_plus_plus_build_and_run_it(tmp_path: Path):
     if not (BUILD / "librobocell.so").exists():
         pytest.skip("build/release holds no library; run make build")
-    (tmp_path / "main.cc").write_text(blocks(README, "cpp")[0])
-    (tmp_path / "CMakeLists.txt").write_text(blocks(README, "cmake")[0])
+    (tmp_path / "main.cc").write_text(blocks(INSTALL, "cpp")[0])
+    (tmp_path / "CMakeLists.txt").write_text(blocks(INSTALL, "cmake")[0])
     python = tmp_path / "bin" / "python"
     python.parent.mkdir()
     python.symlink_to(sys.executable)
     command = f'cd "{tmp_path}" && PATH="{python.parent}:$PATH" && set -e\n'
-    printed = run("bash", "-c", command + blocks(README, "sh")[0])
+    commands = next(block for block in blocks(INSTALL, "sh") if "cmake_dir" in block)
+    printed = run("bash", "-c", command + commands)
     assert re.search(r"-?\d+\.\d+", printed.splitlines()[-1]), printed
 
 
@@ -98,7 +100,7 @@ def test_an_install_is_found_by_its_prefix(tmp_path: Path):
     prefix = tmp_path / "prefix"
     run("cmake", "--install", BUILD, "--prefix", prefix)
     (tmp_path / "main.cc").write_text("int main() {}")
-    (tmp_path / "CMakeLists.txt").write_text(blocks(README, "cmake")[0])
+    (tmp_path / "CMakeLists.txt").write_text(blocks(INSTALL, "cmake")[0])
     build = tmp_path / "build"
     run("cmake", "-S", tmp_path, "-B", build, f"-DCMAKE_PREFIX_PATH={prefix}")
     found = re.search(r"robocell_DIR:PATH=(.*)", (build / "CMakeCache.txt").read_text())

@@ -102,7 +102,7 @@ def test_a_seeded_reset_stays_near_home(loaded: RobotScene):
     scene, robot, config = loaded.scene, loaded.robot, loaded.config
     home = np.array(robot.arm.joint_pos)
     noise = np.array(config.home_noise.get("arm", [0.0]))
-    scene.reset(rc.ResetOptions(seed=3))
+    scene.reset(rc.scene.ResetOptions(seed=3))
     assert np.all(np.abs(np.array(robot.arm.joint_pos) - home) <= noise + 1e-12)
 
 
@@ -112,7 +112,7 @@ def test_inverse_kinematics_finds_back_to_every_pose(loaded: RobotScene):
     assert np.all(answers.solved(IK_TOLERANCE)), np.flatnonzero(~answers.solved(IK_TOLERANCE))
 
 
-def finger_geoms(model: mujoco.MjModel, ref: rc.ElementRef) -> list[int]:
+def finger_geoms(model: mujoco.MjModel, ref: rc.scene.ElementRef) -> list[int]:
     """What collides of a finger that `fingers` names: a geom, or all of a body."""
     if ref.body:  # the i-th geom of a body
         return [int(model.body(ref.body).geomadr[0]) + ref.index]
@@ -218,17 +218,17 @@ def test_the_gripper_holds_a_box_while_the_arm_moves(grasping: RobotScene):
 def test_two_picks_are_generated_and_intact(grasping_file: Path, tmp_path: Path):
     base = rc.RobotConfig.load(grasping_file).base
     height = 0.0 if base.size is None else base.size[2]  # the robot stands level with the table
-    task = f"{{kind: pick, base_distance: [0.35, 0.5], base_height_offset: {-height}}}"
+    start = f"{{base_distance: [0.35, 0.5], base_height_offset: {-height}}}"
     run_file = tmp_path / "run.yaml"
     run_file.write_text(
-        f"run: contract\nrobot: {grasping_file}\ntask: {task}\nepisodes_per_scene: {EPISODES}\n"
+        f"run: contract\nrobot: {grasping_file}\nstart: {start}\nepisodes_per_scene: {EPISODES}\n"
         f"output: {tmp_path / 'unused'}\n"
     )
     dataset = tmp_path / "dataset"
     totals = generate(run_file, dataset, "--workers", 1)[-1]["totals"]
     assert totals["made"] == EPISODES
-    report = rc.verify(dataset)
-    assert report.ok, str(report)
+    result = rc.data.verify(dataset)
+    assert result.ok, str(result)
     assert len(list(dataset.glob("*/episode.json"))) == EPISODES
 
 

@@ -49,6 +49,6 @@ def answer(request: dict[str, Any]) -> dict[str, Any]:
 
 if __name__ == "__main__":
     # Done in a process of its own, that writes nothing: only its start would be waited for.
-    job.check_apart = lambda run_file, overrides, longest_s=0.0: Found([])
+    job.check_in_child = lambda run_file, overrides, longest_s=0.0: Found([])
     for line in sys.stdin:
         print(json.dumps(answer(json.loads(line))), flush=True)

@@ -64,7 +64,7 @@ def contexts(_folder: Path) -> Work:
     scene = cell()
 
     def work() -> None:
-        image = robocell.Renderer(scene).render(robocell.OrbitCamera(), 32, 24)
+        image = robocell.render.Renderer(scene).render(robocell.render.OrbitCamera(), 32, 24)
         assert image["rgb"].any()
 
     return work

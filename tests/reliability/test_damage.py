@@ -71,14 +71,14 @@ class Victim:
 
 
 def require_named_and_set_aside(victim: Victim, where: str) -> None:
-    report = robocell.verify(victim.dataset)
-    assert [str(problem).startswith(f"{victim.name}: ") for problem in report.problems] == [True], (
-        f"{where}: {report}"
+    result = robocell.data.verify(victim.dataset)
+    assert [str(problem).startswith(f"{victim.name}: ") for problem in result.problems] == [True], (
+        f"{where}: {result}"
     )
-    assert report.good == victim.others, f"{where}: the others stay readable"
-    assert robocell.repair(victim.dataset).moved == [victim.part], where
+    assert result.good == victim.others, f"{where}: the others stay readable"
+    assert robocell.data.repair(victim.dataset).moved == [victim.part], where
     assert (victim.dataset / ".quarantine" / victim.part).exists(), f"{where}: nothing is deleted"
-    after = robocell.verify(victim.dataset)
+    after = robocell.data.verify(victim.dataset)
     assert after.good == victim.others, f"{where}: {after}"
     missing = [problem for problem in after.problems if "it is missing" in problem.reason]
     assert after.problems == missing, f"{where}: {after}"
@@ -131,7 +131,7 @@ def test_what_repair_set_aside_is_made_again_and_nothing_else(tmp_path: Path, ca
     storm.finish()
     assert before.items() <= marks(storm).items(), "what was whole was not written again"
     assert len(storm.acknowledged) == len(files)
-    assert robocell.verify(storm.dataset, decode_videos=True).ok
+    assert robocell.data.verify(storm.dataset, decode_videos=True).ok
     assert storm.contents() == calm.contents()
 
 
@@ -145,10 +145,12 @@ def test_a_damaged_run_file_is_refused_or_means_the_same_episodes(tmp_path: Path
             try:
                 run = robocell.RunConfig.load(file)
                 run.output = str(calm.dataset)
-                robocell.check_dataset(run)
+                robocell.generate.validate_dataset(run)
             except robocell.Error:
                 refused += 1
             else:
-                assert robocell.run_identity(run) == robocell.run_identity(same), (damage, at)
+                assert robocell.generate.run_identity(run) == robocell.generate.run_identity(
+                    same
+                ), (damage, at)
     assert refused > 0
-    assert robocell.verify(calm.dataset).ok
+    assert robocell.data.verify(calm.dataset).ok

@@ -189,7 +189,9 @@ def test_a_call_that_fails_is_reported_and_loses_nothing(
             hint = "bytes are needed" if ending.is_write else "free there"
             assert hint in ending.message, f"{ending.fault}: {ending.said}"
         if not is_blank(dataset):
-            assert robocell.verify(dataset).leftovers == [], f"{ending.fault} left a half episode"
+            assert robocell.data.verify(dataset).leftovers == [], (
+                f"{ending.fault} left a half episode"
+            )
         require_completed(ending, case, calm)
 
 

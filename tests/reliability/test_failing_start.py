@@ -168,4 +168,4 @@ def test_a_call_before_or_after_the_workers_may_fail(
         assert again.code == 0, f"after {where}: {again.said}"
         assert contents(command.storm.dataset) == command.whole, where
         assert marks(command.storm) == command.episode, where
-        assert robocell.verify(command.storm.dataset).leftovers == [], where
+        assert robocell.data.verify(command.storm.dataset).leftovers == [], where

@@ -109,7 +109,7 @@ def test_the_encoders_of_a_killed_worker_end_and_hold_nothing(tmp_path: Path):
     out, said = command.communicate(timeout=240)
     assert command.returncode == 0, said
     assert '"event": "retry"' in out
-    assert robocell.verify(tmp_path / "out").leftovers == []
+    assert robocell.data.verify(tmp_path / "out").leftovers == []
 
 
 def test_editing_the_robot_ends_a_run_that_goes_on_with_the_same_command_once_it_is_back(
@@ -131,11 +131,11 @@ def test_editing_the_robot_ends_a_run_that_goes_on_with_the_same_command_once_it
     assert "model file robot/rc7.xml: changed since then\nChange these back to go on" in said
     assert "could not be made" not in said, "nothing is wrong with the item"
     model.write_text(before)
-    made = robocell.verify(tmp_path / "out").good
+    made = robocell.data.verify(tmp_path / "out").good
     command = start(tmp_path, "--episodes", len(made) + 1, changes=changes)
     _, said = command.communicate(timeout=240)
     assert command.returncode == 0, said
-    assert robocell.verify(tmp_path / "out").ok
+    assert robocell.data.verify(tmp_path / "out").ok
 
 
 def test_a_run_goes_on_when_nobody_reads_its_progress(tmp_path: Path):
@@ -148,7 +148,7 @@ def test_a_run_goes_on_when_nobody_reads_its_progress(tmp_path: Path):
     said = command.stderr.read()
     assert command.wait(timeout=240) == 0, said
     assert "progress cannot be shown any more" in said
-    assert len(robocell.verify(tmp_path / "out").good) == 2
+    assert len(robocell.data.verify(tmp_path / "out").good) == 2
 
 
 def test_an_episode_that_is_not_brought_to_the_disk_is_not_acknowledged(

@@ -97,7 +97,7 @@ def facts(file: Path) -> dict[str, Any]:
 
 
 def test_a_curious_name_is_only_a_name(curious: Path):
-    assert robocell.verify(curious, decode_videos=True).ok
+    assert robocell.data.verify(curious, decode_videos=True).ok
     assert robocell.Dataset(curious)[ID].frames("wrist").shape[1:] == (24, 32, 3)
     result = robocell_command("replay", "--check", curious)
     assert result.returncode == 0, result.stdout + result.stderr
@@ -145,8 +145,8 @@ def test_a_listed_file_outside_of_the_episode_is_damage(stranger: Path, name: st
     change(stranger, lambda content: content["files"].update({name: {"bytes": 1}}))
     with pytest.raises(robocell.IoError, match=r"episode\.json lists a file"):
         robocell.Dataset(stranger)[ID]
-    assert f"it lists a file '{name}'" in str(robocell.verify(stranger))
-    robocell.repair(stranger)
+    assert f"it lists a file '{name}'" in str(robocell.data.verify(stranger))
+    robocell.data.repair(stranger)
     assert (stranger / "secret").read_text() == "s"
     assert not (stranger / ID).exists(), "set aside"
 
@@ -275,7 +275,7 @@ def test_a_stored_model_cannot_reach_for_other_files_or_code(stranger: Path, kin
     swap_model(stranger, text.format(secret=secret, folder=secret.parent))
     episode = robocell.Dataset(stranger)[ID]
     with pytest.raises(robocell.Error) as raised:
-        robocell.Scene.build(robocell.recorded_scene(episode))
+        robocell.Scene.build(robocell.data.recorded_scene(episode))
     assert message in str(raised.value)
 
 
@@ -285,7 +285,7 @@ def test_an_include_of_any_suffix_is_read(stranger: Path):
     part = f'<mujoco><include file="{secret}"/></mujoco>'
     swap_model(stranger, '<mujoco><include file="part.txt"/></mujoco>', {"part.txt": part})
     with pytest.raises(robocell.SpecError, match=r"secret\.xml', which is outside"):
-        robocell.recorded_scene(robocell.Dataset(stranger)[ID])
+        robocell.data.recorded_scene(robocell.Dataset(stranger)[ID])
 
 
 @pytest.mark.parametrize("name", ["/etc/passwd", "../secret.xml"])
@@ -298,7 +298,7 @@ def test_a_recorded_scene_cannot_name_files_of_this_machine(stranger: Path, name
 
     change(stranger, edit)
     with pytest.raises(robocell.SpecError, match=f"its scene names the model '{name}'"):
-        robocell.recorded_scene(robocell.Dataset(stranger)[ID])
+        robocell.data.recorded_scene(robocell.Dataset(stranger)[ID])
 
 
 def test_a_model_path_that_leads_elsewhere_is_damage(stranger: Path):

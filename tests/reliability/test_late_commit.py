@@ -106,17 +106,17 @@ def end_of(command: subprocess.Popen[str]) -> list[dict[str, object]]:
     events, said = command.communicate(timeout=2 * SOON_S)
     assert command.returncode == 0, said
     told = [json.loads(line) for line in events.splitlines()]
-    ids = [event["report"]["id"] for event in told if event["event"] == "episode"]
+    ids = [event["result"]["id"] for event in told if event["event"] == "episode"]
     assert len(ids) == len(set(ids)), "an episode counts once"
     return told
 
 
 def require_whole(storm: Storm, calm: Storm) -> None:
     """All episodes are there, with the bytes of an undisturbed run, and nothing else."""
-    report = robocell.verify(storm.dataset)
-    assert report.ok, str(report)
-    assert len(report.good) == EPISODES
-    assert (report.leftovers, report.being_written) == ([], [])
+    result = robocell.data.verify(storm.dataset)
+    assert result.ok, str(result)
+    assert len(result.good) == EPISODES
+    assert (result.leftovers, result.being_written) == ([], [])
     assert storm.contents() == calm.contents()
 
 
@@ -145,14 +145,14 @@ def test_a_commit_after_another_command_made_the_episode_is_dropped(storm: Storm
     late = stop.wait()
     command.kill()
     command.communicate()
-    unfinished = robocell.verify(storm.dataset).being_written
+    unfinished = robocell.data.verify(storm.dataset).being_written
     assert len(unfinished) == 1
     assert robocell.Dataset(storm.dataset).ids == []
 
     end_of(storm.start(2))
-    assert robocell.verify(storm.dataset).being_written == unfinished, "its folder is locked"
+    assert robocell.data.verify(storm.dataset).being_written == unfinished, "its folder is locked"
     with pytest.raises(robocell.IoError, match="in use by writers of episodes"):
-        robocell.repair(storm.dataset)
+        robocell.data.repair(storm.dataset)
     before = marks(storm)
     assert go_on(late) == 1
     assert marks(storm) == before, "no byte of the newer one was touched"

@@ -87,20 +87,20 @@ def test_the_measurement_sees_what_is_kept(tmp_path: Path):
 ENDINGS = {
     "renderers and videos": """
 scene = leaks.cell()
-renderer = rc.Renderer(scene)
-image = renderer.render(rc.OrbitCamera(), 32, 24)
+renderer = rc.render.Renderer(scene)
+image = renderer.render(rc.render.OrbitCamera(), 32, 24)
 recorder = rc.VideoRecorder(scene, "unfinished.mp4", 32, 24, 30)
 recorder.record_frame()
 """,
     "steppers and controllers": """
 scene = leaks.cell()
 robot = scene.robot("a")
-stepper = rc.Stepper(scene, [robot], 2, 1)
-outcome = stepper.advance({"a": {"gripper": rc.GroupCommand.opening(0)}})
+stepper = rc.control.Stepper(scene, [robot], 2, 1)
+outcome = stepper.advance({"a": {"gripper": rc.control.GroupCommand.opening(0)}})
 port, group, kinematics = robot.jnt_pos_cmd, robot.arm, robot.kinematics
 """,
     "groups of one's own": """
-class Lamp(rc.MoveGroup):
+class Lamp(rc.robots.MoveGroup):
     def get_name(self): return "lamp"
     def get_joint_names(self): return []
     def get_actuator_names(self): return []
@@ -109,7 +109,7 @@ class Lamp(rc.MoveGroup):
     def get_joint_torque(self): return []
     def get_ctrl(self): return []
     def scene(self): return scene
-class Hand(rc.GripperGroup):
+class Hand(rc.robots.GripperGroup):
     get_name = lambda self: "hand"
     get_joint_names = get_actuator_names = get_joint_pos = lambda self: []
     get_joint_vel = get_joint_torque = get_ctrl = lambda self: []
@@ -118,10 +118,10 @@ robot = scene.robot("a")
 robot.set_group(Lamp())
 robot.set_group(Hand())
 lamp, again = robot.group("lamp"), scene.robot("a")
-stepper = rc.Stepper(scene, [robot], 2, 1)
+stepper = rc.control.Stepper(scene, [robot], 2, 1)
 """,
     "groups that hold their robot": """
-class Holder(rc.MoveGroup):
+class Holder(rc.robots.MoveGroup):
     def __init__(self, robot):
         super().__init__()
         self.robot = robot
@@ -135,25 +135,25 @@ def work():
 work()
 """,
     "tasks and experts of one's own": """
-class Mine(rc.Task):
+class Mine(rc.tasks.Task):
     def begin(self, scene): self.scene = scene
     def reward(self, scene): return 0.0
     def success(self, scene): return False
     def instruction(self): return ""
     def objects(self): return []
-class Idle(rc.Expert):
+class Idle(rc.tasks.Expert):
     pass
 scene = leaks.cell()
 task = Mine()
 task.begin(scene)
-start = rc.EpisodeStart(scene, task)
+start = rc.tasks.EpisodeStart(scene, task)
 run = rc.RunConfig.load(leaks.DEMO)
-planner, other = rc.PickPlanner(run, start), rc.EpisodeStart(scene, start.task)
-runner = rc.Runner(run, expert=lambda run, start: Idle())
+planner, other = rc.tasks.PickPlanner(run, start), rc.tasks.EpisodeStart(scene, start.task)
+runner = rc.generate.Runner(run, expert=lambda run, start: Idle())
 """,
     "environments with a task of one's own": """
 from robocell.gym import GymEnv, VectorGymEnv, pick_cube_config
-class Wait(rc.Task):
+class Wait(rc.tasks.Task):
     def bind(self, scene, setting):
         self.scene = scene
     def reward(self, scene): return 0.0
@@ -169,14 +169,14 @@ env.core.save("here")
     "filters, samplers and solutions": """
 scene = leaks.cell()
 robot = scene.robot("a")
-free = rc.CollisionFilter(robot)
+free = rc.kinematics.CollisionFilter(robot)
 found = robot.kinematics.ik(robot.fk_frame(), filter=lambda q: free(q))
 class Mine(rc.PickTaskSampler):
     def make_task(self, target, kind, objects):
         return super().make_task(target, kind, objects)
 run = rc.RunConfig.load(leaks.DEMO)
 sampler = Mine(run)
-start = sampler.sample(rc.SampleRequest(), rc.Rng.stream(1, "test"))
+start = sampler.sample(rc.tasks.SampleRequest(), rc.tasks.Rng.stream(1, "test"))
 scene.on_reset(lambda context: (robot, free, sampler))
 """,
     "exceptions": """

@@ -14,8 +14,8 @@ WITHOUT_LOCKS = """
 import sys
 import robocell as rc
 
-with rc.DatasetLock(sys.argv[1]), rc.DatasetLock(sys.argv[1]):
-    print(rc.remove_leftovers(sys.argv[1]))
+with rc.data.DatasetLock(sys.argv[1]), rc.data.DatasetLock(sys.argv[1]):
+    print(rc.data.remove_leftovers(sys.argv[1]))
 """
 
 

@@ -55,7 +55,7 @@ def driven(_: int = 0) -> np.ndarray:
     """The state of a cell with hooks and a group of Python's, after two episodes."""
     scene, lamp, seen = cell(), Lamp(), []
 
-    def lift(context: rc.ResetContext) -> None:
+    def lift(context: rc.scene.ResetContext) -> None:
         seen.append(context.options.seed)
         context.scene.set_body_pose("cube", [0.5, 0, 0.5], [0, 0, 0, 1])
 
@@ -65,7 +65,7 @@ def driven(_: int = 0) -> np.ndarray:
     robot.set_group(lamp)
     for seed in range(ROUNDS):
         scene.reset(seed=seed)
-        robot.apply({"lamp": rc.GroupCommand.joints([0.5])})
+        robot.apply({"lamp": rc.control.GroupCommand.joints([0.5])})
         for _step in range(20):
             robot.update()
             scene.step()
@@ -83,7 +83,7 @@ def test_scenes_with_hooks_and_groups_of_python():
 
 
 def test_hooks_of_scenes_on_one_frozen_model():
-    compiled = rc.compile_scene(cell().copy_spec())
+    compiled = rc.scene.compile_scene(cell().copy_spec())
     compiled.freeze()
     calls: list[int] = []
 
@@ -127,30 +127,32 @@ class Push(Idle):
     def failure(self) -> str:
         return ""
 
-    def act(self, scene: rc.Scene, rng: rc.Rng) -> dict[str, dict[str, rc.GroupCommand]]:
+    def act(
+        self, scene: rc.Scene, rng: rc.tasks.Rng
+    ) -> dict[str, dict[str, rc.control.GroupCommand]]:
         super().act(scene, rng)
-        return {"rc7": {"arm": rc.GroupCommand.relative_joints([0.01] * 7)}}
+        return {"rc7": {"arm": rc.control.GroupCommand.relative_joints([0.01] * 7)}}
 
 
 class Impatient(rc.PickTaskSampler):
     """Starts whose task, Python's own, is done after two rewards."""
 
-    def make_task(self, target: str, kind: str, objects: list[str]) -> rc.Task:
+    def make_task(self, target: str, kind: str, objects: list[str]) -> rc.tasks.Task:
         return Never(target, kind, objects)
 
 
 def test_runners_with_samplers_tasks_and_experts_of_python(tmp_path: Path):
     """Each has its own; all write into one dataset."""
     run = load(tmp_path, max_attempts=3)
-    plan = rc.make_plan(run)
+    plan = rc.generate.make_plan(run)
 
-    def work(number: int) -> rc.EpisodeReport:
+    def work(number: int) -> rc.generate.ItemResult:
         expert = lambda run, start: Push(4)  # noqa: E731
-        return rc.Runner(run, expert=expert, sampler=Impatient).run(plan[number])
+        return rc.generate.Runner(run, expert=expert, sampler=Impatient).run(plan[number])
 
-    reports = in_parallel(work, threads=2)
-    assert [report.success for report in reports] == [True, True]
-    assert rc.verify(run.output).good == [item.id for item in plan]
+    results = in_parallel(work, threads=2)
+    assert [result.success for result in results] == [True, True]
+    assert rc.data.verify(run.output).good == [item.id for item in plan]
 
 
 def test_a_batch_of_environments_with_tasks_of_python():
@@ -242,11 +244,11 @@ def test_a_filter_of_python_is_asked_by_several_threads():
 
 
 def test_threads_render_with_renderers_of_their_own():
-    camera = rc.OrbitCamera(lookat=[0.3, 0, 0.2], distance=1.5)
+    camera = rc.render.OrbitCamera(lookat=[0.3, 0, 0.2], distance=1.5)
 
     def work(_: int = 0) -> np.ndarray:
         scene = cell()
-        renderer = rc.Renderer(scene)
+        renderer = rc.render.Renderer(scene)
         for _round in range(ROUNDS):
             scene.reset()
             image = renderer.render(camera, 64, 48)["rgb"]
@@ -262,7 +264,7 @@ def test_what_hooks_of_two_threads_raise_reaches_its_own_thread():
     def work(number: int) -> str:
         scene = cell()
 
-        def sulk(context: rc.ResetContext) -> None:
+        def sulk(context: rc.scene.ResetContext) -> None:
             raise ValueError(f"thread {number} would rather not")
 
         scene.on_reset(sulk)

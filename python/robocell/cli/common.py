@@ -95,17 +95,6 @@ def require_folder(path: Path, what: str) -> None:
     _fail_missing(path, what, "Folders", Path.is_dir)
 
 
-def require_file(path: Path, what: str, suffix: str) -> None:
-    """Ends the command unless `path` is a file; the message lists those with that suffix."""
-    if path.is_file():
-        return
-    if path.exists():
-        fail(f"'{path}' is no file; give the file of a {what}.")
-    _fail_missing(
-        path, what, f"Files *{suffix}", lambda each: each.suffix == suffix and each.is_file()
-    )
-
-
 def _fail_missing(path: Path, what: str, kind: str, is_one: Callable[[Path], bool]) -> NoReturn:
     """With what there is beside `path`, and the nearest of it."""
     folder = path.parent

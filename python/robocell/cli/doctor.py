@@ -35,7 +35,7 @@ def advice(findings: list[Finding]) -> list[str]:
     missing = [finding for finding in findings if finding.state is State.MISSING]
     lines = [""]
     for finding in broken:
-        lines.append(f"{finding.what} must be mended: {finding.remedy}")
+        lines.append(f"{finding.what} is broken: {finding.remedy}")
     for finding in slow:
         lines.append(f"{finding.what} is slow: {finding.remedy}")
     for finding in missing:
@@ -44,9 +44,9 @@ def advice(findings: list[Finding]) -> list[str]:
         remedy = finding.remedy or "nothing to do"
         lines.append(f"{what} is optional: {remedy}")
     lines.append(
-        "until this is mended, not all of robocell can be used"
+        "parts of robocell will not work until this is fixed"
         if broken
-        else "everything that is needed to generate datasets is here"
+        else "this machine can generate datasets"
     )
     return lines
 

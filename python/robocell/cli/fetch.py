@@ -20,17 +20,18 @@ def fetch(
         list[str] | None,
         typer.Argument(
             metavar="[ROBOT]...",
-            help="Names in the Menagerie; those of the examples. With --list parts of names.",
+            help="Names in the Menagerie (default: the examples'), or parts of names with --list.",
         ),
     ] = None,
     listing: Annotated[
-        bool, typer.Option("--list", help="List all robots and what of them is here.")
+        bool, typer.Option("--list", help="List all robots, and which are on this machine.")
     ] = False,
     dest: Annotated[
-        Path | None, typer.Option(help="Also copy them into this folder, as a MENAGERIE_ROOT.")
+        Path | None,
+        typer.Option(help="Also copy the robots into this folder, for use as MENAGERIE_ROOT."),
     ] = None,
     update: Annotated[
-        bool, typer.Option("--update", help="Take the newest version the package has.")
+        bool, typer.Option("--update", help="Update to the newest version of the package.")
     ] = False,
 ) -> None:
     """Fetch robots of the MuJoCo Menagerie into the cache, where `menagerie:` names find them.
@@ -49,13 +50,13 @@ def fetch(
     if dest:
         print(f"use them with MENAGERIE_ROOT={dest.resolve()}")
     elif root := os.environ.get("MENAGERIE_ROOT"):
-        print_warning(f"MENAGERIE_ROOT is {root}: what is there comes before the cache")
+        print_warning(f"MENAGERIE_ROOT is {root}: models there take precedence over the cache")
 
 
 def _fetch(robot: str, dest: Path | None, update: bool) -> None:
     fetched = fetching.fetch(robot, update=update, progress=fetching.printed_progress())
     folder = fetching.copy_to(fetched, dest, update=update) if dest else fetched.folder
-    note = "; the package has another version: --update takes it" if fetched.newer else ""
+    note = "; the package has another version: use --update to get it" if fetched.newer else ""
     print(f"{robot}: {folder} (Menagerie {fetched.pin.commit[:12]}){note}", flush=True)
 
 

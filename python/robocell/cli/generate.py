@@ -64,17 +64,18 @@ def generate(
         ),
     ] = None,
     workers: Annotated[int | None, typer.Option(min=1, help="Worker processes.")] = None,
-    # Text: an empty one would be the working folder as a path, and is nobody's wish.
+    # A string, since Path("") would silently mean the working folder.
     output: Annotated[
         str | None,
-        typer.Option(metavar="PATH", help="Folder of the dataset, from the working folder on."),
+        typer.Option(metavar="PATH", help="Folder of the dataset, relative to the working folder."),
     ] = None,
-    episodes: Annotated[int | None, typer.Option(min=1, help="How many in all.")] = None,
+    episodes: Annotated[int | None, typer.Option(min=1, help="Number of episodes.")] = None,
     seed: Annotated[
-        int | None, typer.Option(min=0, help="All random numbers of the run follow from it.")
+        int | None, typer.Option(min=0, help="Seed of all random numbers of the run.")
     ] = None,
     shard: Annotated[
-        str | None, typer.Option(metavar="i/N", help="Only every N-th episode, from the i-th on.")
+        str | None,
+        typer.Option(metavar="i/N", help="Make only every N-th episode, from the i-th on."),
     ] = None,
     set_: Annotated[
         list[str] | None,
@@ -84,14 +85,16 @@ def generate(
         ProgressChoice, typer.Option(help="auto: a bar on a terminal, else plain lines.")
     ] = ProgressChoice.AUTO,
     item_timeout: Annotated[
-        float, typer.Option(min=1, help="Seconds for one episode; then it is made again.")
+        float, typer.Option(min=1, help="Time limit of one episode, s; then it is made again.")
     ] = Limits.item_timeout_s,
     dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Say what there is to do, and what it takes.")
+        bool, typer.Option("--dry-run", help="Print the plan and an estimate; make nothing.")
     ] = False,
-    no_report: Annotated[bool, typer.Option("--no-report", help="No table at the end.")] = False,
+    no_report: Annotated[
+        bool, typer.Option("--no-report", help="Print no table at the end.")
+    ] = False,
 ) -> None:
-    """Make the episodes of a run. The same command again goes on where it ended.
+    """Make the episodes of a run. Repeat the command to continue a run.
 
     Exit codes: 0 all made, 1 some could not be made, 2 wrong command or spec, 3 reading or writing
     failed, 130 interrupted.
@@ -133,17 +136,17 @@ def _open_job(source: RunSource, replaced: list[str], shard: str | None) -> Job:
 def end_early() -> NoReturn:
     """Ctrl-C, or what counts as that, before there are workers, who would be asked to stop."""
     again = resume_command(sys.argv[1:])
-    print_warning(f"interrupted before an episode was begun.\nThis begins again: {again}")
+    print_warning(f"interrupted before an episode was begun.\nTo begin again: {again}")
     raise typer.Exit(ExitCode.INTERRUPTED)
 
 
 def in_the_way(problems: str, dataset: Path) -> str:
     """What has the names of episodes that are to be made, with what helps."""
-    text = f"these are in the way of the run's episodes:\n{problems}"
+    text = f"these have the names of episodes of the run:\n{problems}"
     if all(line.endswith("move it away yourself") for line in problems.splitlines()):
         return text
     remedy = shlex.join(["robocell", "verify", "--repair", str(dataset)])
-    return f"{text}\nSet damaged ones aside: {remedy}"
+    return f"{text}\nTo set damaged ones aside: {remedy}"
 
 
 def many_workers(workers: int) -> str:
@@ -155,7 +158,8 @@ def many_workers(workers: int) -> str:
     most = most_workers()
     started = f"{most} are started, and " if workers > most else ""
     return (
-        f"{workers} workers on {many}: they make nothing faster and each takes its own memory; "
+        f"{workers} workers on {many}: more workers than cores are not faster, and each needs its "
+        f"own memory; "
         f"{started}--workers {cores} is enough"
     )
 
@@ -216,7 +220,7 @@ def _say_plan(job: Job, *, as_json: bool) -> None:
     for label, text in found.rows_of_text().items():
         print(f"  {label + ':':<10}{text}")
     if not found.successes:
-        fail(f"none of the {found.tried} tried succeeded: see the reasons", ExitCode.INCOMPLETE)
+        fail(f"none of the {found.tried} trials succeeded: see the reasons", ExitCode.INCOMPLETE)
 
 
 def too_little_room(needed: int, dataset: Path) -> str:
@@ -243,7 +247,7 @@ def _end(result: Result) -> None:
         again = resume_command(sys.argv[1:])
         print_warning(
             f"interrupted: {result.on_disk} of {planned} episodes {verb} on the disk.\n"
-            f"This goes on from there: {again}"
+            f"To continue: {again}"
         )
         raise typer.Exit(ExitCode.INTERRUPTED)
     if result.on_disk < planned:

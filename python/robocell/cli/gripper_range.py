@@ -7,9 +7,10 @@ from typing import Annotated
 
 import typer
 
-from robocell import GripperGroup, Robot
+from robocell import Robot
 from robocell.cli.common import fail
 from robocell.cli.robot_scene import load_robot
+from robocell.robots import GripperGroup
 
 
 def gripper_range(

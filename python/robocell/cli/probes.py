@@ -28,7 +28,7 @@ PACKAGES = ("numpy", "rich", "typer")
 PURPOSES = {
     "graphics: egl": "only one of the two is needed",
     "graphics: osmesa": "only one of the two is needed",
-    "menagerie": "for robots named `menagerie:...`; the built-in ones need it not",
+    "menagerie": "for robots named `menagerie:...`; built-in robots do not need it",
     "extra: envs": "for robocell.gym, robocell.lerobot and compat.rcs",
     "extra: plots": "for the pictures of `robocell reach`",
     "extra: sb3": "for robocell.sb3",
@@ -101,7 +101,7 @@ def engine_defects() -> list[Finding]:
             State.KNOWN,
             f"{defect.what}. Guard: {defect.guard or 'none'}. Fixed in MuJoCo {defect.fixed_in}.",
         )
-        for defect in robocell.known_engine_defects()
+        for defect in robocell.diagnose.known_engine_defects()
     ]
 
 
@@ -154,7 +154,7 @@ def judged(graphics: Finding, root: str = "/") -> Finding:
 
 
 def _graphics(backend: str) -> Finding:
-    code = "import robocell; print(robocell.describe_gl())"
+    code = "import robocell; print(robocell.diagnose.describe_gl())"
     what = f"graphics: {backend}"
     try:
         child = subprocess.run(

@@ -1,4 +1,4 @@
-"""`robocell replay`: do the recorded controls give the recorded episode?"""
+"""`robocell replay`: do the recorded controls, or actions, give the recorded episode?"""
 
 from __future__ import annotations
 
@@ -8,21 +8,15 @@ from typing import Annotated
 import typer
 
 import robocell
-from robocell import _core
+from robocell import _core, data
 from robocell._cells import load_cell
-from robocell.cli.common import ExitCode, fail, print_error, require_file, require_folder
+from robocell.cli.common import ExitCode, fail, print_error, require_folder
+from robocell.generate.run_source import import_module
 from robocell.generate.totals import counted
-
-RECORD_SUFFIX = ".npy"
 
 
 def replay(
-    dataset: Annotated[
-        Path,
-        typer.Argument(
-            metavar="DATASET", help="Folder of the dataset, or a record of an environment."
-        ),
-    ],
+    dataset: Annotated[Path, typer.Argument(metavar="DATASET", help="Folder of the dataset.")],
     episode: Annotated[
         str | None, typer.Argument(metavar="EPISODE", help="Its id; all of them unless given.")
     ] = None,
@@ -32,32 +26,35 @@ def replay(
     tolerance: Annotated[
         float, typer.Option(min=0, help="Differences up to this count as none: m, rad, m/s, s.")
     ] = 1e-9,
+    actions: Annotated[
+        bool,
+        typer.Option(
+            "--actions",
+            help="Of an environment's episodes: give its actions again, not the controls.",
+        ),
+    ] = False,
     env: Annotated[
         str | None,
         typer.Option(
             metavar="FILE",
-            help="Of a record: the environment's configuration, or the name of a ready-made cell.",
+            help="The same in the environment of another configuration, or of a ready-made cell.",
         ),
+    ] = None,
+    imports: Annotated[
+        list[str] | None,
+        typer.Option("--import", metavar="MODULE", help="Import it first: it registers tasks."),
     ] = None,
 ) -> None:
     """Simulate episodes again from their start and their recorded controls, and compare.
 
-    The first step that comes out otherwise is named; an episode that cannot be read or replayed is
-    told, and the others go on. A record is a file that EnvRecord.save wrote; it has no
-    configuration, which --env gives. Exit codes: 0 all the same, 1 some differ, 2 wrong command or
-    an episode that cannot be replayed, 3 a file cannot be read.
+    With --actions or --env the actions are given to the environment again, and its observations
+    and rewards are compared. The first step that comes out otherwise is named; an episode that
+    cannot be read or replayed is told, and the others go on. Exit codes: 0 all the same, 1 some
+    differ, 2 wrong command or an episode that cannot be replayed, 3 a file cannot be read.
     """
-    meant_as_file = env is not None or dataset.suffix == RECORD_SUFFIX
-    if dataset.is_file() or (meant_as_file and not dataset.is_dir()):
-        _replay_record(dataset, episode, env, tolerance)
-    else:
-        _replay_dataset(dataset, episode, env, tolerance)
-
-
-def _replay_dataset(dataset: Path, episode: str | None, env: str | None, tolerance: float) -> None:
     require_folder(dataset, "dataset")
-    if env is not None:
-        fail(f"--env is for a record of an environment, a file; '{dataset}' is a folder")
+    for module in imports or ():
+        import_module(module, Path.cwd())
     _core.require_dataset(dataset)
     episodes = robocell.Dataset(dataset)
     if episode is not None and episode not in episodes:
@@ -65,10 +62,11 @@ def _replay_dataset(dataset: Path, episode: str | None, env: str | None, toleran
     ids = [episode] if episode is not None else episodes.ids
     if not ids:
         fail(f"'{dataset}' has no episodes")
+    environment = _environment(env) if env is not None else None
     differing, unread, unplayed = 0, 0, 0
     for name in ids:
         try:
-            report = robocell.check_replay(episodes[name], tolerance)
+            result = _result(episodes[name], tolerance, actions, environment)
         except robocell.IoError as error:
             print_error(str(error))
             unread += 1
@@ -76,37 +74,33 @@ def _replay_dataset(dataset: Path, episode: str | None, env: str | None, toleran
             print_error(f"{name} cannot be replayed: {error}")
             unplayed += 1
         else:
-            print(report, flush=True)
-            differing += not report.ok
+            print(result, flush=True)
+            differing += not result.ok
     _end(len(ids), differing=differing, unplayed=unplayed, unread=unread)
 
 
-def _replay_record(file: Path, episode: str | None, env: str | None, tolerance: float) -> None:
-    require_file(file, "record", RECORD_SUFFIX)
-    if episode is not None:
-        fail(f"'{file}' is one record; it has no episodes by id, leave {episode} out")
-    if env is None:
-        fail(
-            f"'{file}' is a file: a dataset is a folder, and a record of an environment needs "
-            "--env with its configuration"
-        )
+def _environment(name: str) -> robocell.Env:
     try:
-        record = robocell.EnvRecord.load(str(file))
-    except robocell.Error as error:
-        fail(str(error), ExitCode.OUTPUT)
-    try:
-        config = load_cell(env)
+        config = load_cell(name)
         config.sim.realtime = False
-        environment = robocell.Env(config)
-        report = environment.replay(record, tolerance=tolerance)
+        config.cameras.streams.clear()
+        return robocell.Env(config)
     except robocell.Error as error:
-        fail(f"{file} cannot be replayed: {error}")
-    environment.close()
-    if report.same:
-        print(f"{file}: {counted(report.steps, 'step')}, all as recorded")
-        return
-    print(f"{file}: {report.difference}")
-    raise typer.Exit(ExitCode.INCOMPLETE)
+        fail(str(error))
+
+
+def _result(
+    episode: robocell.data.Episode, tolerance: float, actions: bool, env: robocell.Env | None
+) -> robocell.data.ReplayResult:
+    if env is not None:
+        return data.replay_actions(env, episode, tolerance=tolerance)
+    if not actions:
+        return robocell.data.verify_replay(episode, tolerance)
+    own = data.env_of_episode(episode)
+    try:
+        return data.replay_actions(own, episode, tolerance=tolerance)
+    finally:
+        own.close()
 
 
 def _end(count: int, differing: int, unplayed: int, unread: int) -> None:

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from robocell import OrbitCamera, Renderer, write_png
 from robocell.cli.robot_scene import RobotScene
 from robocell.cli.robot_table import frames
+from robocell.render import OrbitCamera, Renderer, write_png
 
 SIZE_PX = (960, 720)
 FOVY_DEG = 45.0

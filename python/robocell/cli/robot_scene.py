@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from robocell import MoveGroupKind, Robot, RobotConfig, RobotSpec, Scene, SceneSpec
+from robocell import Robot, RobotConfig, RobotSpec, Scene, SceneSpec
 from robocell.cli.common import fail, require_spec_file
+from robocell.robots import MoveGroupKind
 
 TIMESTEP_S = 0.002
 

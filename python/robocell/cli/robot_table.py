@@ -7,9 +7,10 @@ import math
 import numpy as np
 from rich.table import Table
 
-from robocell import GripperGroup, Pose, Robot, RobotConfig
+from robocell import Pose, Robot, RobotConfig
 from robocell.cli.gripper_range import range_lines
 from robocell.cli.robot_scene import RobotScene
+from robocell.robots import GripperGroup
 
 # By the engine's number (mjtJoint). The package mujoco is imported by scenes only.
 JOINT_KINDS = ("free", "ball", "slide, m", "hinge, rad")

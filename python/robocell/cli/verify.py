@@ -27,7 +27,7 @@ def verify(
     """
     require_folder(dataset, "dataset")
     if repair:
-        result = robocell.repair(dataset, decode_videos=decode_videos)
+        result = robocell.data.repair(dataset, decode_videos=decode_videos)
         print(str(result.found).rstrip())
         for moved in result.moved:
             print(f"moved aside: {dataset / '.quarantine' / moved}")
@@ -36,7 +36,7 @@ def verify(
         if result.remaining:
             raise typer.Exit(ExitCode.INCOMPLETE)
         return
-    report = robocell.verify(dataset, decode_videos=decode_videos)
-    print(str(report).rstrip())
-    if not report.ok:
-        raise typer.Exit(ExitCode.OUTPUT if report.only_unreadable else ExitCode.INCOMPLETE)
+    result = robocell.data.verify(dataset, decode_videos=decode_videos)
+    print(str(result).rstrip())
+    if not result.ok:
+        raise typer.Exit(ExitCode.OUTPUT if result.only_unreadable else ExitCode.INCOMPLETE)

@@ -1,4 +1,4 @@
-"""Datasets: read them, check them, and give their steps to whoever learns from them.
+"""Datasets: record, read and check them, and give their steps to whoever learns from them.
 
     dataset = robocell.data.Dataset("experiment_output/demo")
     episode = dataset[0]
@@ -9,6 +9,10 @@
     keys = {"robots/rc7/arm/qpos": 0, "wrist": 0, "robots/rc7/action/arm": range(16)}
     robocell.data.torch_dataset(dataset, keys)  # one item for each step
     robocell.data.rows(dataset, ["robots/rc7/arm/qpos"])  # one matrix of all episodes
+
+    with robocell.data.EnvRecorder(env, "out/teleop"):  # episodes from an environment
+        env.reset()
+        env.step(action)
 
 Importing it loads neither numpy nor torch. docs/data.md describes the files.
 """
@@ -25,17 +29,20 @@ from robocell._core import (
     Episode,
     RepairResult,
     ReplayDifference,
-    ReplayReport,
+    ReplayResult,
     SegmentLabel,
     VerifyProblem,
-    VerifyReport,
-    check_replay,
+    VerifyResult,
+    env_of_episode,
     recorded_scene,
     release_idle_files,
     remove_leftovers,
     repair,
+    replay_actions,
     verify,
+    verify_replay,
 )
+from robocell.data._recorder import EnvRecorder
 
 if TYPE_CHECKING:
     from robocell.data._rows import rows
@@ -46,22 +53,25 @@ __all__ = [
     "Column",
     "Dataset",
     "DatasetLock",
+    "EnvRecorder",
     "Episode",
     "RepairResult",
     "ReplayDifference",
-    "ReplayReport",
+    "ReplayResult",
     "SegmentLabel",
     "Steps",
     "VerifyProblem",
-    "VerifyReport",
-    "check_replay",
+    "VerifyResult",
+    "env_of_episode",
     "recorded_scene",
     "release_idle_files",
     "remove_leftovers",
     "repair",
+    "replay_actions",
     "rows",
     "torch_dataset",
     "verify",
+    "verify_replay",
 ]
 
 

@@ -1,4 +1,4 @@
-"""Columns of all episodes of a dataset as one array: for learning without images."""
+"""Reads columns of all episodes of a dataset as one array, for learning without images."""
 
 from __future__ import annotations
 
@@ -16,23 +16,24 @@ def rows(
     names: Sequence[str],
     horizon: int | None = None,
 ) -> NDArray[np.float64]:
-    """All rows of all episodes: the columns `names` one after another, episodes in their order.
+    """Returns all rows of all episodes: the columns `names` side by side, episodes in order.
 
-    The numbers of a row are those that `robocell.envs.from_dataset(..., flat=True)` observes and
-    takes for the same names.
+    A row has the numbers that `robocell.envs.from_dataset(..., flat=True)` observes and takes for
+    the same names.
 
     Args:
         dataset: A dataset, one of its slices, or a folder.
         names: Columns of the table `steps`.
-        horizon: Each row with those that follow it, so many in all, as chunks of actions are
-            learned; the last row of an episode stands in for what it has not.
+        horizon: Number of rows per item, each row with those that follow it, for learning chunks
+            of actions; the last row of an episode stands in for rows beyond it.
 
     Returns:
         (rows, numbers), or (rows, horizon, numbers).
 
     Raises:
-        NotFoundError: An episode has no such column; the text has the nearest.
-        ArgumentError: No episodes, no names, a column of another table, or a horizon below 1.
+        NotFoundError: An episode has no such column; the message has the nearest.
+        ArgumentError: There are no episodes or names, a column is of another table, or the horizon
+            is below 1.
     """
     opened = dataset if isinstance(dataset, Dataset) else Dataset(os.fspath(dataset))
     if isinstance(names, str) or not names:

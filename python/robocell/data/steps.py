@@ -1,11 +1,11 @@
-"""The steps of a dataset, one by one: what a policy saw, and the actions from there on.
+"""The steps of a dataset as training items: what a policy observed, and the actions that follow.
 
     steps = Steps(dataset, {"robots/rc7/arm/qpos": 0, "robots/rc7/action/arm": range(16)})
     steps[0]["robots/rc7/arm/qpos"]  # (7,), of the first row of the first episode
     steps[0]["robots/rc7/action/arm"]  # (16, 7), of this row and the next 15
-    steps[0]["robots/rc7/action/arm_is_pad"]  # (16,) bool: rows that the episode has not
+    steps[0]["robots/rc7/action/arm_is_pad"]  # (16,) bool: rows beyond the episode
 
-Arrays are numpy's; ``torch_dataset`` gives the same as tensors.
+Arrays are numpy arrays; ``torch_dataset`` returns the same items as tensors.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ Offsets = int | Sequence[int]
 Keys = Mapping[str, Offsets] | Iterable[str]
 
 PAD = "_is_pad"
-# Of every item, beside what was asked for.
+# Keys of every item, beside the requested ones.
 EPISODE, ROW = "episode", "row"
 
 
@@ -42,11 +42,11 @@ class Key:
     """A column or image stream of every item.
 
     Attributes:
-        name: Its name in the episodes.
-        offsets: The rows, counted from the item's own.
-        is_single: Whether there is one row, without an axis of time.
-        kind: "column", "constant", or of an image stream "rgb", "depth", "segmentation".
-        camera: Of an image stream.
+        name: Name in the episodes.
+        offsets: The rows, relative to the item's own row.
+        is_single: Whether there is one row, without a time axis.
+        kind: "column", "constant", or for an image stream "rgb", "depth", "segmentation".
+        camera: Camera of an image stream.
     """
 
     name: str
@@ -57,7 +57,7 @@ class Key:
 
     @property
     def is_image(self) -> bool:
-        """Whether it is read from a video."""
+        """Whether the key is read from a video."""
         return self.kind not in ("column", "constant")
 
 
@@ -68,9 +68,9 @@ class Steps:
     ``episode`` (its place in the dataset) and ``row``. Items of an episode follow each other. Only
     the rows and images of the item are read from the disk.
 
-    A key with one offset is the value of that row, as the episode has it. A key with several has an
-    axis for them in front, and beside it ``<key>_is_pad``: True where the episode has no such row.
-    There the nearest row, the first or the last, stands in.
+    A key with one offset is the value of that row. A key with several offsets has an axis for them
+    in front, and beside it ``<key>_is_pad``: True where the episode has no such row. There the
+    nearest row, the first or the last, stands in.
 
     Steps can be pickled, and used in forked and spawned processes.
 
@@ -79,11 +79,11 @@ class Steps:
         keys: The columns of the table ``steps``, constants and image streams, with the rows of each
             as offsets from the item's own row: 0, ``[-1, 0]`` for the row before as well,
             ``range(16)`` for a chunk of actions. A list of names means offset 0.
-        open_episodes: How many episodes stay open between items.
+        open_episodes: Number of episodes that stay open between items.
 
     Raises:
-        NotFoundError: The first episode has no such column or stream; the text has the nearest.
-        ArgumentError: No episodes, or offsets that are none.
+        NotFoundError: The first episode has no such column or stream; the message has the nearest.
+        ArgumentError: There are no episodes, or the offsets are invalid.
     """
 
     def __init__(
@@ -124,7 +124,7 @@ class Steps:
         return int(self._ends[-1])
 
     def locate(self, index: int) -> tuple[int, int]:
-        """The place of the episode in the dataset, and the row, of an item."""
+        """Returns the place of an item's episode in the dataset, and its row."""
         place = operator.index(index)
         if place < -len(self) or place >= len(self):
             raise IndexError(
@@ -145,7 +145,7 @@ class Steps:
         return item
 
     def _read(self, episode: Episode, place: int, key: Key, row: int) -> tuple[Array, Array]:
-        """The values at the key's rows, and which of them the episode has not."""
+        """Returns the values at the key's rows, and which of the rows are beyond the episode."""
         if key.kind == "constant":
             return episode[key.name][None], np.zeros(1, bool)
         rows = row + np.array(key.offsets)
@@ -162,7 +162,7 @@ class Steps:
         return self._open(place).frames_of_rows(camera)
 
     def __getitems__(self, indices: Sequence[int]) -> list[Item]:
-        """Several items; read in the order of the disk, so that decoders go forward."""
+        """Returns several items, read in the order of the disk, so that decoders go forward."""
         order = sorted(range(len(indices)), key=lambda i: self.locate(indices[i]))
         items: list[Item] = [{}] * len(indices)
         for i in order:
@@ -181,7 +181,7 @@ def torch_dataset(
     transform: Callable[[Item], Any] | None = None,
     open_episodes: int = 64,
 ) -> TorchSteps:
-    """The steps of a dataset as a ``torch.utils.data.Dataset``, for a ``DataLoader``.
+    """Returns the steps of a dataset as a ``torch.utils.data.Dataset``, for a ``DataLoader``.
 
     Items are those of ``Steps`` as tensors. Real numbers have the type ``dtype``. Colour images are
     uint8 (3, H, W), depth is float32 (1, H, W) in metres with 0 where nothing was hit, segmentation
@@ -189,14 +189,14 @@ def torch_dataset(
     forked and with spawned workers.
 
     Args:
-        dataset: As of ``Steps``.
-        keys: As of ``Steps``.
+        dataset: As in ``Steps``.
+        keys: As in ``Steps``.
         dtype: The type of real numbers: "float32", "float64" or "float16".
-        transform: What becomes of each item, a dictionary of tensors; it runs in the workers.
-        open_episodes: As of ``Steps``.
+        transform: Function of each item, a dictionary of tensors; it runs in the workers.
+        open_episodes: As in ``Steps``.
 
     Raises:
-        ModuleNotFoundError: There is no torch; the text has the command that installs it.
+        ModuleNotFoundError: torch is missing; the message has the command that installs it.
     """
     try:
         from robocell.data._torch import TorchSteps

@@ -1,8 +1,49 @@
-"""Generating a dataset with worker processes: supervisor, worker, progress, summary.
+"""Generating a dataset: the run and its plan, in this process, or with worker processes.
 
-The supervisor hands the items of a plan to worker processes one at a time and knows nothing of
-simulation; a worker makes episodes and knows nothing of the others. They talk in JSON lines over
-pipes (`protocol`). What is done is read from the disk, so everything can be killed at any instant.
+    run = robocell.RunConfig.load("pick.yaml")
+    robocell.generate.prepare_dataset(run)
+    runner = robocell.generate.Runner(run)
+    for item in robocell.generate.make_plan(run):
+        print(runner.run(item))
 
-`robocell.cli.generate` puts the parts together.
+What follows is for `robocell generate`. The supervisor hands the items of a plan to worker
+processes one at a time and knows nothing of simulation; a worker makes episodes and knows nothing
+of the others. They talk in JSON lines over pipes (`protocol`). What is done is read from the disk,
+so everything can be killed at any instant. `robocell.cli.generate` puts the parts together.
 """
+
+from robocell._core import (
+    ItemResult,
+    Keep,
+    PlanItem,
+    RunConfig,
+    Runner,
+    StopFlag,
+    is_complete,
+    items_on_disk,
+    make_plan,
+    parse_shard,
+    prepare_dataset,
+    require_same_run,
+    run_identity,
+    shard_plan,
+    validate_dataset,
+)
+
+__all__ = [
+    "ItemResult",
+    "Keep",
+    "PlanItem",
+    "RunConfig",
+    "Runner",
+    "StopFlag",
+    "is_complete",
+    "items_on_disk",
+    "make_plan",
+    "parse_shard",
+    "prepare_dataset",
+    "require_same_run",
+    "run_identity",
+    "shard_plan",
+    "validate_dataset",
+]

@@ -1,6 +1,6 @@
 """Looks through a run before it starts, in a process of its own: a model may crash the engine.
 
-    for text in check_apart(RunSource("run.yaml"), ["workers=2"]).warnings:
+    for text in check_in_child(RunSource("run.yaml"), ["workers=2"]).warnings:
         print(text)
 
 The module is that process. The last line of its standard output is what it
@@ -19,7 +19,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from robocell import Error, IoError, RunConfig, _core, check_run, describe_gl
+from robocell import Error, IoError, RunConfig, _core
+from robocell.diagnose import check_run, describe_gl
 from robocell.generate.own_process import ask_process, end_with_asker
 from robocell.generate.protocol import Failure
 from robocell.generate.run_source import RunSource
@@ -47,10 +48,10 @@ class Found:
     environment: Mapping[str, str] = field(default_factory=dict)
 
 
-def check_apart(
+def check_in_child(
     source: RunSource, overrides: Sequence[str], longest_s: float = Limits.item_timeout_s
 ) -> Found:
-    """Raises what `robocell.check_run` raises.
+    """Raises what `robocell.diagnose.check_run` raises.
 
     Models that crash or stall the engine must not end the run: workers meet them again, one at a
     time, and what they cannot make is listed. Such a process is given `longest_s` seconds. IoError

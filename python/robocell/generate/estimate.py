@@ -172,7 +172,7 @@ def _probe(
     try:
         done = ask_process("robocell.generate.probe", arguments, LONGEST_S)
     except subprocess.TimeoutExpired:
-        message = f"{LONGEST_S:g} s were not enough for the first episodes"
+        message = f"the first episodes took more than {LONGEST_S:g} s"
         raise ProbeError(Failure("other", message)) from None
     try:
         content = json.loads(done.stdout.splitlines()[-1])

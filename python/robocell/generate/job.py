@@ -9,20 +9,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from robocell import (
-    DatasetLock,
-    Error,
-    check_dataset,
+from robocell import Error
+from robocell.data import DatasetLock, remove_leftovers
+from robocell.generate import (
     make_plan,
     parse_shard,
     prepare_dataset,
-    remove_leftovers,
     require_same_run,
     run_identity,
     shard_plan,
+    validate_dataset,
+    work,
 )
-from robocell.generate import work
-from robocell.generate.check import Found, check_apart
+from robocell.generate.check import Found, check_in_child
 from robocell.generate.disk import disk_trouble, flush, require_writable
 from robocell.generate.items import Item
 from robocell.generate.observer import Observer, Unfailing
@@ -38,7 +37,7 @@ from robocell.generate.report import (
     set_aside,
     utc_now,
 )
-from robocell.generate.resume import DamagedEpisodesError, made_items, report_of
+from robocell.generate.resume import DamagedEpisodesError, made_items, result_of
 from robocell.generate.run_source import RunSource
 from robocell.generate.signals import stop_on_signals
 from robocell.generate.supervisor import Limits, Outcome, Supervisor
@@ -102,17 +101,17 @@ class Job:
     def check(self, longest_s: float = Limits.item_timeout_s) -> list[str]:
         """SpecError with all that can be known to be wrong before the first episode.
 
-        The run (see `robocell.check_run`), or a dataset that is of another one. Writes nothing.
-        Returns warnings: what works and may yet not be meant, that a model crashed the engine, or
-        that it was not through after `longest_s` seconds.
+        The run (see `robocell.diagnose.check_run`), or a dataset that is of another one. Writes
+        nothing. Returns warnings: what works and may yet not be meant, that a model crashed the
+        engine, or that it was not through after `longest_s` seconds.
         IoError when the dataset cannot be written, or none of this could be found out.
         """
         return self._look_through(longest_s).warnings
 
     def _look_through(self, longest_s: float) -> Found:
         require_writable(self.dataset, self._place_of_output())
-        found = check_apart(self.source, self.overrides, longest_s)
-        check_dataset(self.run)
+        found = check_in_child(self.source, self.overrides, longest_s)
+        validate_dataset(self.run)
         return found
 
     def _place_of_output(self) -> str:
@@ -155,7 +154,7 @@ class Job:
         found = self._look_through(limits.item_timeout_s)
         for warning in found.warnings:
             observer.warning(warning)
-        prepare_dataset(self.run, check_run=False)
+        prepare_dataset(self.run, validate=False)
         with DatasetLock(self.dataset, *self.shard):
             require_same_run(self.run)  # another command may have been quicker
             # Single files are not locked: another shard may be writing them.
@@ -174,7 +173,7 @@ class Job:
                 work.command(self.source, self.overrides),
                 workers=self.run.workers,
                 logs=self._logs(),
-                on_disk=lambda item_id: report_of(self.run, by_id[item_id]),
+                on_disk=lambda item_id: result_of(self.run, by_id[item_id]),
                 flush=lambda: flush(self.dataset),
                 observer=observer,
                 already=len(made),
@@ -237,7 +236,7 @@ class Job:
             reason=outcome.fatal.message if outcome.fatal else "",
             totals=outcome.totals,
         )
-        report.add(command, outcome.reports, [item.id for item in self.items])
+        report.add(command, outcome.results, [item.id for item in self.items])
         save(path, report)
 
     def _former_report(self, path: Path, observer: Observer) -> RunReport:

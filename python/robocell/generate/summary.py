@@ -12,7 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from robocell.generate.items import STAGES, counts_text
-from robocell.generate.totals import Totals, agreeing, counted, duration, percent, time_hint
+from robocell.generate.totals import Totals, counted, duration, percent, time_hint
 
 
 @dataclass(frozen=True)
@@ -58,8 +58,7 @@ class Summary:
         totals = self.totals
         if self.on_disk > totals.planned:
             return f"{self.on_disk}, the last command asked for {totals.planned}"
-        verb = agreeing(totals.already, "was", "were")
-        before = f" ({totals.already} {verb} there before)" if totals.already else ""
+        before = f" ({totals.already} made before)" if totals.already else ""
         return f"{self.on_disk} of {totals.planned}{before}"
 
     def _tried(self) -> dict[str, str]:

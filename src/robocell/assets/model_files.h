@@ -32,8 +32,8 @@ struct ModelFiles {
 // IoError when `model` cannot be read.
 ModelFiles FindModelFiles(const std::filesystem::path& model);
 
-// SpecError for a pipe, a socket or a device that `model`, or what it includes, names as a file:
-// the engine would open it and wait for ever. What cannot be read is left for the engine to tell.
+// Raises SpecError if `model`, or a file that it includes, names a pipe, a socket or a device: the
+// engine would open it and wait for ever. The engine reports files that cannot be read.
 void RequireOnlyFiles(const std::filesystem::path& model);
 
 // Those that are there, known by what they hold.

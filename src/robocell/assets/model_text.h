@@ -1,5 +1,5 @@
-// What one XML file of a model says about other files, as the engine's own parser (tinyxml2) reads
-// it. Internal to assets/; model_files.h looks for the files.
+// Reads the file references of one XML file of a model, with the engine's own parser (tinyxml2).
+// Internal to assets/; model_files.h looks for the files.
 #pragma once
 
 #include <string>

@@ -1,21 +1,21 @@
-// Where models are found. A model is named in one of these ways, tried in this order:
+// Finds models. A model is named in one of these ways, tried in this order:
 //   menagerie:ufactory_xarm7/xarm7.xml   the MuJoCo Menagerie (menagerie.h)
 //   /abs/path.xml                        that file
 //   relative/path.xml                    from the referring file's folder, then from the working
 //                                        folder, then below each root of ROBOCELL_MODEL_PATH
 //                                        (folders separated by ':')
 //   rc7, table, tabletop, ...            a built-in model by its name
-// A variable ROBOCELL_OVERRIDE_<NAME> puts a file of one's own in the place of the model of that
-// name (override.h).
+// A variable ROBOCELL_OVERRIDE_<NAME> replaces the model of that name by another file (override.h).
 //
 //   const std::string path = assets::Resolve("menagerie:ufactory_xarm7/xarm7.xml");
 //
-// A miss is a NotFoundError that lists where it was looked for and the command that fetches it.
-// Names below a root stay inside it: `..` and links that lead out are refused (ArgumentError).
-// Nothing is downloaded here. All functions read the file system and may be called from any thread.
+// NotFoundError lists where the search looked, and the command that fetches the model. Names below
+// a root stay inside it: `..` and links that lead out are rejected (ArgumentError). Nothing is
+// downloaded here. All functions read the file system and may be called from any thread.
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,6 +45,14 @@ std::string BuiltinRobotFile(const std::string& name);
 // (examples/envs/NAME.yaml beside the folder of the models). NotFoundError with the nearest names.
 std::vector<std::string> BuiltinCells();
 std::string BuiltinCellFile(const std::string& name);
+
+// The inverse of Resolve: a name of a model file that is the same on every machine, of a built-in or
+// Menagerie model that Resolve maps to exactly this file.
+//
+//   PortableName("<menagerie>/ufactory_xarm7/xarm7.xml")   // menagerie:ufactory_xarm7/xarm7.xml
+//   PortableName("<models>/robots/rc7/rc7.xml")               // rc7
+//   PortableName("mine/arm.xml")                              // unset: only this machine has it
+std::optional<std::string> PortableName(const std::string& path);
 
 }  // namespace robocell::assets
 

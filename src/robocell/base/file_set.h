@@ -16,17 +16,16 @@
 #include <string_view>
 #include <vector>
 
-#include "robocell/base/fingerprint.h"
 #include "robocell/base/hash.h"
 
 namespace robocell {
 
 // SHA-256 of a file, remembered.
 std::string HashOfFile(const std::filesystem::path& path);
-// Its fingerprint (fingerprint.h), remembered: quicker, for files that nobody forges.
+// Its fingerprint (hash.h), remembered: quicker, for files that nobody forges.
 std::string FingerprintOfFile(const std::filesystem::path& path);
 
-// What files and their names are known by.
+// The hash functions for files and their names.
 struct Hashing {
   std::string (*of_file)(const std::filesystem::path&) = HashOfFile;
   std::string (*of_text)(std::string_view) = Sha256;
@@ -46,7 +45,8 @@ FileSet MakeFileSet(const std::filesystem::path& main,
 // Name -> SHA-256.
 using FileSums = std::map<std::string, std::string>;
 
-// Of all files in a folder, read anew. IoError names what is neither a file nor a folder.
+// Computes the sums of all files in a folder. IoError names entries that are neither files nor
+// folders.
 FileSums SumsOfFolder(const std::filesystem::path& folder);
 
 // A line each, as `sha256sum` prints and reads them. Its own SHA-256 is the hash of the set.

@@ -1,6 +1,6 @@
-// Keeps a few costly things between their uses: open files, running decoders. Whoever takes a value
-// owns it alone until it is given back; the pool destroys the one that was idle longest when there
-// are more than its limit.
+// Keeps a few expensive values between their uses: open files, running decoders. The caller owns a
+// taken value alone until it gives it back. Above its limit the pool destroys the value that was
+// idle longest.
 //
 //   IdlePool<Decoder> pool(8);
 //   std::optional<Decoder> decoder = pool.Take([&](const Decoder& d) { return d.path == path; });
@@ -23,8 +23,8 @@ namespace robocell {
 
 namespace internal {
 
-// What a fork empties. The mutex, one for all pools, is held for a few instructions otherwise, and
-// never while something is opened or read.
+// The part of a pool that a fork empties. All pools share one mutex. It is otherwise held for a few
+// instructions, and never while something is opened or read.
 class ForkSafePool {
  public:
   ForkSafePool(const ForkSafePool&) = delete;

@@ -34,7 +34,7 @@ int EditDistance(const std::string& a, const std::string& b) {
   return d[n][m];
 }
 
-// Whether one may be a slip for the other: few edits, or one contained in the other.
+// Returns true if one may be a slip for the other: few edits, or one contained in the other.
 bool IsNear(const std::string& wanted, const std::string& have, int distance) {
   const int longest = static_cast<int>(std::max(wanted.size(), have.size()));
   const bool nothing_in_common = distance >= longest;

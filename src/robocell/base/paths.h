@@ -5,6 +5,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 namespace robocell {
@@ -16,16 +17,20 @@ namespace robocell {
 // hostile names, not against someone who swaps links while we run.
 std::filesystem::path ConfinedPath(const std::filesystem::path& root, std::string_view relative);
 
-// ArgumentError when `path` contains a NUL byte: the system would open the file whose name ends
-// there, which is another one. `what` is the thing that is named, such as "model".
+// Raises ArgumentError if `path` contains a NUL byte: the system would open another file, whose
+// name ends there. `what` says what the path belongs to, such as "model".
 void RequireNoNul(std::string_view what, std::string_view path);
 
 // Whether `name` can be the name of one file on the systems we know: not empty, "." or "..",
 // without '/', NUL and control characters, at most 255 bytes.
 bool ValidFileName(std::string_view name);
 
-// An ArgumentError that says what is wrong with it unless ValidFileName(name); `what` is the thing
-// that has this name, such as "camera".
+// Raises ArgumentError with the reason unless ValidFileName(name). `what` says what the name
+// belongs to, such as "camera".
 void RequireFileName(std::string_view what, std::string_view name);
+
+// For paths in commands that messages contain: `text` as one word of a POSIX shell, in single quotes where it needs them: 'out/two words'. As
+// Python's shlex.quote.
+std::string ShellWord(std::string_view text);
 
 }  // namespace robocell

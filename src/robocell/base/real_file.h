@@ -1,6 +1,6 @@
-// Files and folders that somebody else may have put there, such as a dataset from elsewhere: opened
-// only when they are what they seem. A pipe or device never ends, a file may be larger than the
-// memory, and what is written through a link goes elsewhere.
+// Opens files and folders that others may have put there, such as a dataset from elsewhere, only if
+// they are real files and folders. A pipe or device never ends, a file may be larger than the
+// memory, and writing through a link changes another file.
 //
 //   const std::string text = ReadRealFile(dataset / "dataset.json");  // IoError for a pipe
 //   RequireRealFolder(dataset / "models");                            // before writing into it
@@ -20,7 +20,7 @@ namespace robocell {
 
 // "nothing", "a file", "a folder", "a link to '/etc/passwd'", "a pipe", "a socket", "a device".
 std::string WhatIsAt(const std::filesystem::path& path);
-// Whether it is a file, or a link to one.
+// Whether the path is a file, or a link to one.
 bool CanReadFile(const std::filesystem::path& path);
 // IoError that says what it is instead; returns the path.
 const std::filesystem::path& RequireReadable(const std::filesystem::path& path);
@@ -32,8 +32,8 @@ void RequireRealFolder(const std::filesystem::path& folder);
 [[noreturn]] void ThrowOpenError(std::string_view action, const std::filesystem::path& path,
                                  int error);
 
-// What the system knows a file by: its path, device, inode, size and times. A file that was written
-// or put in the place of another has another identity. The path alone when there is no file.
+// Returns the identity of a file: its path, device, inode, size and times. A file that was written
+// or replaced has another identity. Without a file it is the path alone.
 std::string FileIdentity(const std::filesystem::path& path);
 
 // An open regular file.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robocell/base/few_numbers.h"
+#include "robocell/base/small_arrays.h"
 #include "robocell/control/joint_impedance_controller.h"
 #include "robocell/kinematics/link_kernel.h"
 #include "robocell/math/rotation.h"
@@ -32,7 +32,7 @@ constexpr double kUnitLength = 1e-12;
 
 CartesianImpedanceController::CartesianImpedanceController(ArmGroup& arm)
     : arm_(arm),
-      springs_(MakeLeafSprings(kDefaultStiffness.data())),
+      springs_(MakeTcpSprings(kDefaultStiffness.data())),
       posture_(arm.nq()),
       q_(arm.nq()) {
   Reset();
@@ -48,11 +48,11 @@ void CartesianImpedanceController::SetPose(const Pose& leaf_in_robot) {
   target_ = ToNumbers(leaf_in_robot);
 }
 
-void CartesianImpedanceController::CheckTarget() {
+void CartesianImpedanceController::RequireTarget() {
   const double length2 = target_[3] * target_[3] + target_[4] * target_[4] +
                          target_[5] * target_[5] + target_[6] * target_[6];
   const bool is_pose =
-      std::abs(length2 - 1) < kUnitLength && FewAreFinite(target_.data(), target_.size());
+      std::abs(length2 - 1) < kUnitLength && AllFinite(target_.data(), target_.size());
   if (!is_pose) SetPose(pose());
 }
 
@@ -62,7 +62,7 @@ CartesianImpedanceController::Gains CartesianImpedanceController::stiffness() co
 
 void CartesianImpedanceController::SetStiffness(const Gains& stiffness) {
   PositiveGains(arm_.place(), "stiffness", stiffness, 6);
-  springs_ = MakeLeafSprings(stiffness.data());
+  springs_ = MakeTcpSprings(stiffness.data());
 }
 
 void CartesianImpedanceController::SetDampingRatio(double ratio) {
@@ -70,7 +70,7 @@ void CartesianImpedanceController::SetDampingRatio(double ratio) {
 }
 
 void CartesianImpedanceController::SetPosture(std::span<const double> q) {
-  CheckValues([&] { return arm_.place(); }, "joint", q, arm_.nq(), arm_.joint_names());
+  RequireValues([&] { return arm_.place(); }, "joint", q, arm_.nq(), arm_.joint_names());
   std::copy(q.begin(), q.end(), posture_.begin());
 }
 
@@ -79,7 +79,7 @@ void CartesianImpedanceController::SetPostureFrequency(double frequency) {
 }
 
 void CartesianImpedanceController::SetFeedforward(const Gains& wrench) {
-  CheckValues([&] { return arm_.place(); }, "feedforward", wrench, 6);
+  RequireValues([&] { return arm_.place(); }, "feedforward", wrench, 6);
   feedforward_ = wrench;
 }
 
@@ -93,7 +93,7 @@ void CartesianImpedanceController::Compute(std::span<double> ctrl) {
   double qd[kMaxChainJoints];
   arm_.GetJointPos(q_);
   arm_.GetJointVel({qd, q_.size()});
-  CheckTarget();
+  RequireTarget();
   const Eigen::Matrix3d goal =
       MatrixFromQuaternion({target_[3], target_[4], target_[5], target_[6]});
   const double w = posture_frequency_;
@@ -106,18 +106,18 @@ void CartesianImpedanceController::Compute(std::span<double> ctrl) {
   internal::ComputeLinks(chain.links(), internal::LinkPart::kAll,
                          {.q = q_.data(), .qd = qd, .gravity = gravity.data()}, &links);
   for (const JointCoupling& c : chain.couplings()) links.mass[c.second][c.first] += c.inertia;
-  LeafAnswer leaf;
-  ComputeLeaf({.n = chain.n_joints(),
-               .arm = &links,
-               .wanted = wanted,
-               .velocity = qd,
-               .springs = &springs_,
-               .goal = {target_.data(), goal.data()},
-               .feedforward = feedforward_.data(),
-               .damping_ratio = damping_ratio_},
-              &leaf);
+  OperationalSpaceResult leaf;
+  ComputeOperationalSpace({.n = chain.n_joints(),
+                           .arm = &links,
+                           .wanted = wanted,
+                           .velocity = qd,
+                           .springs = &springs_,
+                           .goal = {target_.data(), goal.data()},
+                           .feedforward = feedforward_.data(),
+                           .damping_ratio = damping_ratio_},
+                          &leaf);
   // What of the state is no number is in all of them.
-  if (!FewAreFinite(leaf.torques, n)) chain.CheckJointValues("q", q_);
+  if (!AllFinite(leaf.torques, n)) chain.RequireJointValues("q", q_);
   arm_.CtrlForJointTorque({leaf.torques, n}, ctrl);
 }
 

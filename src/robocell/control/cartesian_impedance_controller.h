@@ -1,6 +1,6 @@
-// Cartesian impedance: the leaf of an arm is held to its target by springs and dampers along and
-// about the axes of the robot base frame; joints to spare are drawn to a posture without the leaf
-// feeling it.
+// Cartesian impedance: springs and dampers along and about the axes of the robot base frame hold the
+// TCP of an arm at its target; a null-space task pulls redundant joints towards a posture without
+// moving the TCP.
 //
 //   force  = stiffness * (target - pose) - damping * velocity
 //   torque = J^T force + N^T posture torque + gravity + Coriolis
@@ -18,7 +18,7 @@
 #include <array>
 #include <vector>
 
-#include "robocell/control/leaf_kernel.h"
+#include "robocell/control/operational_space.h"
 #include "robocell/control/pose_target.h"
 #include "robocell/robot/arm_group.h"
 #include "robocell/robot/controller.h"
@@ -55,7 +55,7 @@ class CartesianImpedanceController : public Controller {
   void SetStiffness(const Gains& stiffness);
   double damping_ratio() const { return damping_ratio_; }
   void SetDampingRatio(double ratio);
-  // Where joints to spare are drawn to (rad or m), and how fast they would swing around it, rad/s;
+  // Where redundant joints are drawn to (rad or m), and how fast they would swing around it, rad/s;
   // 0 lets them go.
   std::span<const double> posture() const { return posture_; }
   void SetPosture(std::span<const double> q);
@@ -67,11 +67,11 @@ class CartesianImpedanceController : public Controller {
 
  private:
   // Of target_, which others write: a pose or an error.
-  void CheckTarget();
+  void RequireTarget();
 
   ArmGroup& arm_;
   PoseNumbers target_ = {};
-  LeafSprings springs_;
+  TcpSprings springs_;
   Gains feedforward_ = {};
   double damping_ratio_ = 1, posture_frequency_ = 5;
   std::vector<double> posture_;

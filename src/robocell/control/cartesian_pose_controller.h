@@ -1,12 +1,12 @@
-// Cartesian pose through position servos: the leaf goes to its target on a straight line, turning
-// along the shortest arc, no faster than it is told to.
+// Cartesian pose through position servos: the leaf frame moves to its target on a straight line and
+// along the shortest rotation, within the speed limits.
 //
 //   robot.SetController("arm", "cartesian_pose");
 //   auto& cartesian = dynamic_cast<CartesianPoseController&>(robot.controller("arm"));
 //   cartesian.SetPose(robot.FkFrame() * Pose(Eigen::Vector3d(0, 0, -0.1)));
 //
 // Differential inverse kinematics at control rate: a reference moves towards the target, and the
-// joint targets follow it by damped least squares, within their limits; joints to spare go towards
+// joint targets follow it by damped least squares, within their limits; redundant joints go towards
 // the posture. A target that cannot be reached is approached as far as the joints allow. Poses are
 // in the robot base frame. No allocation in Compute.
 #pragma once
@@ -46,7 +46,7 @@ class CartesianPoseController : public Controller {
   double max_linear_speed() const { return max_linear_speed_; }
   double max_angular_speed() const { return max_angular_speed_; }
   void SetMaxSpeeds(double linear, double angular);
-  // Where joints to spare go, rad or m; at first where the arm is.
+  // Posture of redundant joints, rad or m; by default the arm's positions at the start.
   std::span<const double> posture() const { return posture_; }
   void SetPosture(std::span<const double> q);
 

@@ -1,14 +1,14 @@
-// Twists through position servos: the leaf moves as it is told to until it is told otherwise, its
-// joints within their limits and no faster than allowed.
+// Twists through position servos: the leaf frame moves with a twist until the next target, the
+// joints within their limits and speeds.
 //
 //   robot.SetController("arm", "differential_ik");
 //   auto& jog = dynamic_cast<DifferentialIkController&>(robot.controller("arm"));
 //   jog.SetTwist({.linear = {0, 0, -0.05}});
 //
-// Each tick DifferentialIk turns the twist into joint velocities at the commanded joint positions,
-// and these move on by them: near a singularity the leaf slows down, at a limit the other joints do
-// what they can. Joints to spare go to the posture. The commanded positions do not wait for an arm
-// that is held up. No allocation in Compute.
+// Each tick DifferentialIk computes joint velocities for the twist at the commanded joint
+// positions, and these advance by the velocities. Near a singularity the leaf frame slows down; at
+// a limit other joints take over. Redundant joints move towards the posture. The commanded
+// positions do not wait for a blocked arm. No allocation in Compute.
 #pragma once
 
 #include <array>
@@ -45,16 +45,16 @@ class DifferentialIkController : public Controller {
   // The robot base's axes, unless set; or the leaf's, or the world's.
   TwistFrame frame() const { return options_.frame; }
   void SetFrame(TwistFrame frame) { options_.frame = frame; }
-  // Of each joint, rad/s or m/s, above 0; at first pi.
+  // Largest speed of each joint, rad/s or m/s, above 0; default pi.
   std::span<const double> max_speed() const { return options_.max_speed; }
   void SetMaxSpeed(std::span<const double> speed);
-  // Where joints to spare go, rad or m; at first where the arm is. And how fast, 1/s; 0 lets them
-  // rest.
+  // Posture of redundant joints, rad or m, by default the arm's positions at the start; and the
+  // rate at which they approach it, 1/s, 0 for none.
   std::span<const double> posture() const { return options_.posture; }
   void SetPosture(std::span<const double> q);
   double posture_rate() const { return options_.posture_rate; }
   void SetPostureRate(double per_second);
-  // Of the last tick: the leaf could not do what it was told.
+  // Whether the leaf frame moved slower than its target twist in the last tick.
   bool slower() const { return slower_; }
 
  private:

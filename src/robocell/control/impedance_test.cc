@@ -1,5 +1,5 @@
 // Joint and Cartesian impedance: springs as stiff as they are told, no overshoot, no weight, and a
-// posture that the leaf does not feel.
+// posture that does not move the TCP.
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 

@@ -42,7 +42,8 @@ class JointImpedanceController : public Controller {
                        std::span<double> out) const override;
   void Compute(std::span<double> ctrl) override;
 
-  // Of each joint, Nm/rad or N/m. ArgumentError for a wrong number, negative or not finite values.
+  // Stiffness of each joint, Nm/rad or N/m. ArgumentError for a wrong number of values, and for
+  // negative or not finite ones.
   std::span<const double> stiffness() const { return stiffness_; }
   void SetStiffness(std::span<const double> stiffness);
   double damping_ratio() const { return damping_ratio_; }

@@ -1,5 +1,5 @@
-// Private to control: the target of controllers that are told a pose, as the seven numbers that
-// commands and records carry: x y z, then the quaternion xyzw, in the robot base frame.
+// Private to control: the target pose of Cartesian controllers as the seven numbers that commands
+// and records contain: x y z, then the quaternion xyzw, in the robot base frame.
 #pragma once
 
 #include <array>

@@ -12,8 +12,8 @@ namespace robocell {
 
 enum class ColumnType { kFloat64, kFloat32, kInt64, kInt32, kUint8, kBool };
 
-// What a column holds, and what a reader of the file needs to know about it. All of it is stored in
-// the file: the name as the path of the array, the rest as its attributes.
+// Describes a column for readers of the file. The file stores the name as the path of the array,
+// the rest as its attributes.
 struct ColumnSpec {
   std::string name;  // a path such as "robots/xarm7/arm/qpos"; unique in the episode
   ColumnType type = ColumnType::kFloat64;

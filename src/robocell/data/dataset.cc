@@ -12,13 +12,13 @@
 #include "robocell/base/io_error.h"
 #include "robocell/base/log.h"
 #include "robocell/base/names.h"
+#include "robocell/base/paths.h"
 #include "robocell/base/real_file.h"
-#include "robocell/base/shell_word.h"
+#include "robocell/data/dataset_folder.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_state.h"
 #include "robocell/data/episode_writer.h"
-#include "robocell/data/require_dataset.h"
-#include "robocell/data/signed_json.h"
+#include "robocell/data/self_hashed_json.h"
 
 namespace robocell {
 
@@ -110,8 +110,8 @@ void Dataset::RequireId(const std::string& id) const {
 void WriteManifest(const fs::path& dataset, const std::string& json) {
   auto manifest = nlohmann::ordered_json::parse(json, nullptr, false);
   if (!manifest.is_object()) throw ArgumentError("dataset.json must be a JSON object");
-  manifest[kJsonHash] = kUnsigned;
-  AtomicWrite(dataset / kManifestFile, SignJson(manifest.dump(2) + "\n"));
+  manifest[kJsonHash] = kHashPlaceholder;
+  AtomicWrite(dataset / kManifestFile, InsertSelfHash(manifest.dump(2) + "\n"));
 }
 
 std::optional<std::string> ReadManifest(const fs::path& dataset) {

@@ -24,8 +24,8 @@ namespace robocell {
 
 class Dataset {
  public:
-  // IoError when it is not there, ArgumentError for a folder that holds other things, with the
-  // dataset that is near. Misnamed folders are told in the log.
+  // Raises IoError if the folder does not exist, and ArgumentError for a folder that is not a
+  // dataset, with the nearest dataset. Misnamed folders are logged.
   explicit Dataset(std::filesystem::path folder);
 
   const std::filesystem::path& folder() const { return folder_; }
@@ -48,7 +48,7 @@ class Dataset {
   // Looks at the folder again; a selection loses those of its episodes that are gone.
   void Refresh();
 
-  // What another process knows of it, as it knew it: the folder is not looked at.
+  // Restores a dataset from the lists of another process, without reading the folder.
   static Dataset Restore(std::filesystem::path folder, std::vector<std::string> ids,
                          bool is_selection);
 
@@ -85,7 +85,7 @@ class Dataset {
   std::map<std::string, std::string> misnamed_;
 };
 
-// dataset.json: a JSON object as text, kept with a hash of itself (signed_json.h) and replaced in
+// dataset.json: a JSON object as text, kept with a hash of itself (self_hashed_json.h) and replaced in
 // one step. ArgumentError if the text is no JSON object.
 void WriteManifest(const std::filesystem::path& dataset, const std::string& json);
 // With its hash. Unset if there is none; IoError if it is not what was written.

@@ -18,8 +18,8 @@
 #include "robocell/base/host.h"
 #include "robocell/base/io_error.h"
 #include "robocell/base/real_file.h"
+#include "robocell/data/dataset_folder.h"
 #include "robocell/data/episode_files.h"
-#include "robocell/data/own_folders.h"
 
 namespace robocell {
 namespace {
@@ -155,6 +155,23 @@ void RequireSameCount(const fs::path& dataset, int count) {
 DatasetLock DatasetLock::Writing(const fs::path& dataset) {
   DatasetLock lock;
   lock.held_.push_back(Take(dataset, kWriters, LockKind::kShared));
+  return lock;
+}
+
+DatasetLock DatasetLock::Numbering(const fs::path& dataset, const std::string& prefix) {
+  DatasetLock lock = Writing(dataset);
+  const std::string name = kWhole + "." + prefix;
+  const fs::path path = dataset / name;
+  CreateIfMissing(path);
+  std::optional<FileLock> own = TryPatiently(path, LockKind::kExclusive);
+  if (!own) {
+    throw IoError(
+        fmt::format("episodes '{}-...' of '{}' are being written{}. Wait until that is "
+                    "over, or choose another prefix",
+                    prefix, dataset.string(), By(Holders(dataset, name))));
+  }
+  WriteOwner(path);
+  lock.held_.push_back(std::move(*own));
   return lock;
 }
 

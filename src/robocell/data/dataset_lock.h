@@ -26,6 +26,9 @@ class DatasetLock {
   explicit DatasetLock(const std::filesystem::path& dataset, int shard = 0, int count = 1);
   // Of somebody who writes episodes, such as a Runner: any number may, beside runs.
   static DatasetLock Writing(const std::filesystem::path& dataset);
+  // Of a writer that numbers its episodes "<prefix>-000017" and so on: no other has that prefix.
+  // IoError names the owner when one has.
+  static DatasetLock Numbering(const std::filesystem::path& dataset, const std::string& prefix);
   // Of somebody who changes what is there (repair, beginning anew): neither runs nor writers.
   static DatasetLock Alone(const std::filesystem::path& dataset);
   DatasetLock(DatasetLock&&) = default;

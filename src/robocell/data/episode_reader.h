@@ -7,7 +7,7 @@
 //   episode.ReadFrame("wrist", ImageKind::kColour, 17, rgb);          // one frame, in any order
 //
 // Opening reads episode.json and checks that the files are there with their sizes; whether their
-// bytes are intact is Verify's question (data/verify.h). IoError names file and reason;
+// bytes are intact is checked by Verify (data/verify.h). IoError names file and reason;
 // NotFoundError the nearest names; ArgumentError for another type or rows beyond the end. Const
 // functions may be called from several threads.
 //
@@ -71,8 +71,8 @@ struct RowRange {
   std::optional<int64_t> count;  // to the end if unset
 };
 
-// Whether the bytes of steps.h5 are compared with their hash before HDF5 sees them, or were just
-// now.
+// Whether the bytes of steps.h5 are still to be compared with their hash before HDF5 reads them, or
+// were just compared.
 enum class StepsBytes { kCompare, kCompared };
 
 class Episode {
@@ -95,7 +95,7 @@ class Episode {
   std::string results_json() const;
   std::string versions_json() const;
   std::string run_json() const;
-  // What the columns are features of; empty in episodes that were recorded without.
+  // The features of the columns; empty in episodes that were recorded without features.
   const FeatureSchema& features() const;
 
   int64_t rows(const std::string& table = "steps") const;
@@ -123,8 +123,8 @@ class Episode {
   VideoReader Video(const std::string& camera) const;
   // The depth of a camera, uint16 millimetres. NotFoundError when it has none.
   VideoReader DepthVideo(const std::string& camera) const;
-  // What each pixel of a camera shows, uint16: a number of segment_labels(), or kNoSegment.
-  // NotFoundError when the camera has no segmentation.
+  // Returns the segmentation video of a camera, uint16: each pixel is an index of segment_labels(),
+  // or kNoSegment. NotFoundError if the camera has no segmentation.
   VideoReader SegmentationVideo(const std::string& camera) const;
   // All videos, by camera and kind.
   std::vector<ImageStream> streams() const;

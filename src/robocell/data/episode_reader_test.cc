@@ -14,7 +14,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
-#include "robocell/data/signed_json.h"
+#include "robocell/data/self_hashed_json.h"
 #include "robocell/data/testing/sample_episode.h"
 #include "robocell/media/testing/videos.h"
 #include "robocell/testing/expect_throw.h"
@@ -88,10 +88,10 @@ TEST(Episode, NumbersThatAreNoneInADescriptionAreDamage) {
   for (const char* at : {"/files/steps.h5/bytes", "/cameras/wrist/width", "/cameras/wrist/fps/0"}) {
     auto bad = good;
     bad[nlohmann::json::json_pointer(at)] = 5.3e81;
-    bad["run"][kJsonHash] = kUnsigned;
-    AtomicWrite(file, SignJson(bad.dump(2)));
+    bad["run"][kJsonHash] = kHashPlaceholder;
+    AtomicWrite(file, InsertSelfHash(bad.dump(2)));
     ExpectThrow<IoError>([&] { Episode episode(folder / "a"); },
-                         "episode.json is damaged: it is signed, and yet no description");
+                         "episode.json is damaged: its hash is right, but it does not describe");
   }
 }
 

@@ -1,4 +1,4 @@
-// What an episode will hold, declared before its first row: tables with columns, constants and
+// Declares the contents of an episode before its first row: tables with columns, constants and
 // cameras.
 //
 // A table is one time base. Every episode has the table `steps` (row i is the state before action
@@ -66,7 +66,7 @@ struct CameraStream {
   bool segmentation = false;
 };
 
-// What the pixels of one number show in the segmentation of all cameras.
+// The meaning of one id in the segmentation of all cameras.
 struct SegmentLabel {
   std::string name;   // "robot_0/link3": a body
   std::string owner;  // what it belongs to, as columns name it: "robots/rc7", "objects/mug"; or ""

@@ -22,26 +22,25 @@ enum class EpisodeState {
 struct EpisodeLook {
   EpisodeState state = EpisodeState::kAbsent;
   bool success = false;      // of a whole one
-  std::string problem = {};  // of a broken one: what is wrong, naming the folder
+  std::string problem = {};  // the reason if the episode is broken, with the folder
 };
 
-// The end of what is told of things that are whole and in the way.
+// End of messages about intact folders that have the name of an episode.
 inline constexpr std::string_view kMoveAway = "move it away yourself";
-// Of those that repair never touches.
+// End of messages about folders that repair never touches.
 inline constexpr std::string_view kLeftAlone = "repair leaves it alone, move it away yourself";
 
 EpisodeLook LookAtEpisode(const std::filesystem::path& folder);
 
-// Whether a folder is listed as an episode: it holds episode.json.
+// Whether a folder is listed as an episode, that is, contains episode.json.
 bool IsCommitted(const std::filesystem::path& folder);
 // The id that an episode's description gives it, when that is not its folder's name: the folder was
 // copied or renamed. Reads no more than the beginning; unset when nothing can be said.
 std::optional<std::string> OtherIdIn(const std::filesystem::path& folder);
-// What to say of it: it is no episode of its dataset.
+// Returns the message about a misnamed folder, which is not an episode of its dataset.
 std::string MisnamedText(const std::filesystem::path& folder, const std::string& id);
-// Whether a folder has an episode's name and is or was one, and not something that a user put
-// there. One that cannot be listed is taken for one: looking at it (LookAtEpisode, Verify) says
-// why.
+// Whether a folder has an episode's name and is or was one, instead of something that a user put
+// there. A folder that cannot be listed counts as one; LookAtEpisode and Verify report why.
 bool IsEpisodeFolder(const std::filesystem::path& folder);
 
 }  // namespace robocell

@@ -25,7 +25,7 @@
 #include "robocell/data/episode_state.h"
 #include "robocell/data/hdf5.h"
 #include "robocell/data/model_store.h"
-#include "robocell/data/signed_json.h"
+#include "robocell/data/self_hashed_json.h"
 #include "robocell/data/steps_file.h"
 #include "robocell/data/work_folder.h"
 #include "robocell/media/ffmpeg.h"
@@ -300,7 +300,7 @@ Json EpisodeWriter::Impl::Run(const Json& given) const {
     }
   }
   run.update(given);
-  run[kJsonHash] = kUnsigned;
+  run[kJsonHash] = kHashPlaceholder;
   return run;
 }
 
@@ -324,7 +324,7 @@ std::string EpisodeWriter::Impl::Description(const EpisodeSummary& summary, cons
                       {"run", run}};
   if (has_segmentation()) description["segmentation"] = Segmentation();
   if (!features.empty()) description["features"] = features;
-  return SignJson(description.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  return InsertSelfHash(description.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 EpisodeWriter::EpisodeWriter(const fs::path& dataset, const std::string& id,

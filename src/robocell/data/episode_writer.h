@@ -41,9 +41,9 @@ struct EpisodeOptions {
   // ("mujoco"); robocell's, HDF5's and the encoder's are added.
   std::string metadata_json = "{}";
   std::string versions_json = "{}";
-  // What the columns are features of; empty for recordings of something else.
+  // The features of the columns; empty for recordings of something else.
   FeatureSchema features = {};
-  // Of the videos, as in VideoOptions.
+  // Options of the videos, as in VideoOptions.
   std::string video_preset = "superfast";
   int video_crf = 18;
   int video_keyframe_interval = 30;

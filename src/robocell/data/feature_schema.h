@@ -48,7 +48,7 @@ class FeatureSchema {
   std::vector<std::string> Names(FeatureRole role) const;
   // Those of these names, in this order.
   FeatureSchema Only(const std::vector<std::string>& names) const;
-  // Of all numbers together.
+  // The total number of values.
   int64_t size() const;
 
   // An array with an object for each feature.

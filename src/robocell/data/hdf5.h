@@ -1,5 +1,5 @@
-// Owners for the few things of the HDF5 C library that episodes need. Internal to data/; the
-// library's header stays in hdf5.cc.
+// Owners for the objects of the HDF5 C library that episodes need. Internal to data/; the library's
+// header stays in hdf5.cc.
 //
 // Every call checks its result and throws an IoError with the file, what was tried and the
 // library's innermost reason. All calls are serialised by one lock, so that any build of the
@@ -105,7 +105,7 @@ class File {
   // All arrays, by name.
   std::vector<std::string> DatasetNames() const;
 
-  // Of a group; "/" is the root. The group is created if need be.
+  // Sets an attribute of a group; "/" is the root. The group is created if needed.
   void SetText(const std::string& group, const std::string& key, const std::string& value);
   void SetInteger(const std::string& group, const std::string& key, int64_t value);
   std::string Text(const std::string& group, const std::string& key) const;

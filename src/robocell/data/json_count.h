@@ -11,7 +11,7 @@
 
 namespace robocell {
 
-// Of int, int64_t and uint64_t.
+// `Count` is int, int64_t or uint64_t.
 template <class Count>
 Count JsonCount(const nlohmann::ordered_json& json);
 

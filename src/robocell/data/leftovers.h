@@ -1,6 +1,6 @@
-// What killed processes left half-written in a dataset. It is invisible to every reader, and
-// harmless; it only takes room. What somebody is writing now is never touched: its folder is locked
-// (work_folder.h).
+// Finds and removes half-written folders of killed processes in a dataset. Readers never see them;
+// they only take space. Folders that are being written now are never touched, because they are
+// locked (work_folder.h).
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@
 
 namespace robocell {
 
-// Whether an unfinished folder has a living writer, on this machine or another. True where locks
-// cannot tell.
+// Whether an unfinished folder has a living writer, on this machine or another. True if the file
+// system has no locks.
 bool IsBeingWritten(const std::filesystem::path& unfinished);
 
 // Names of unfinished folders and files in the dataset, sorted, with and without a writer; not of

@@ -17,47 +17,61 @@ namespace robocell {
 // The list of a stored model's files.
 inline constexpr std::string_view kModelListFile = "SHA256SUMS";
 
-// Where a model is kept, within the dataset: "models/rc7-0123456789abcdef/rc7.xml".
+// Returns the path of a model within the dataset: "models/rc7-0123456789abcdef/rc7.xml".
 std::string StoredModelPath(const FileSet& model);
 
 // Copies the model into the dataset unless it is there. Complete or absent, like an episode; any
 // number of processes may store the same. IoError.
 void StoreModel(const std::filesystem::path& dataset, const FileSet& model);
 
-// Whether a text is such a path, and leads nowhere else.
+// Whether a text is such a path, without leading elsewhere.
 bool IsStoredModelPath(const std::string& path);
 
 // The part of such a path that names the model: "models/rc7-0123456789abcdef".
 std::string StoredModelFolder(const std::string& path);
 
-// What is wrong with the files of a stored model (a path or folder as above), by their names within
-// it: "assets/a.stl" -> "it is missing"; nothing when they are what was stored. That the list is
-// missing or damaged is none: the folder's name says whether the files are right. IoError when the
-// model is not there.
+// Returns the damage of a stored model (a path or folder as above), by the names of its files:
+// "assets/a.stl" -> "it is missing"; empty if they are as stored. A missing or damaged list is no
+// damage, because the folder's name contains the hash of the files. IoError if the model does not
+// exist.
 std::map<std::string, std::string> DamageOfStoredModel(const std::filesystem::path& dataset,
                                                        const std::string& path);
 
 // Its files as they were stored, or, when their list is lost, as they are.
 FileSums SumsOfStoredModel(const std::filesystem::path& dataset, const std::string& path);
 
-// Whether the list of a stored model, which has a path or folder as above, is there and whole.
+// Whether the list of a stored model (a path or folder as above) exists and is intact.
 bool HasModelList(const std::filesystem::path& dataset, const std::string& path);
 
 // Writes the list of an undamaged model that has none. IoError.
 void WriteModelList(const std::filesystem::path& dataset, const std::string& path);
 
-// Whether the folder of a model, which has a path or folder as above, is there.
+// Whether the folder of a model (a path or folder as above) exists.
 bool IsStored(const std::filesystem::path& dataset, const std::string& path);
 
 // The folders of models in the dataset: "models/rc7-0123456789abcdef", sorted. IoError when the
 // folder that they are in cannot be looked into.
 std::vector<std::string> StoredModels(const std::filesystem::path& dataset);
 
-// What else is in the folder of models, but for what somebody is writing: names as above, sorted.
+// Other entries in the folder of models, except those being written: names as above, sorted.
 struct StrayModels {
   std::vector<std::string> in_the_way;  // files and links that have the name of a model
   std::vector<std::string> others;
 };
 StrayModels StrayModelsIn(const std::filesystem::path& dataset);
+
+// Stored models that are not those which the dataset's run was begun with: their files were changed
+// while it was made, or they came with episodes of another dataset. dataset.json has the hashes of
+// all files of the run's models (`files`).
+//
+// Folder of the model in the dataset ("models/rc7-0123456789abcdef") -> the file that differs
+// ("rc7.xml"). A file is known by its name and what it holds; where the run's models lay says
+// nothing. Models that the run does not list, of a sampler of the user's own, are in order. Empty
+// without a readable dataset.json.
+std::map<std::string, std::string> ChangedModels(const std::filesystem::path& dataset);
+
+// Whether a stored model ("models/rc7-0123456789abcdef/rc7.xml") exists and has exactly the files
+// that dataset.json lists. False without a readable dataset.json.
+bool IsModelOfRun(const std::filesystem::path& dataset, const std::string& path);
 
 }  // namespace robocell

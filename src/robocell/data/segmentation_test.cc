@@ -11,7 +11,7 @@
 #include "robocell/base/files.h"
 #include "robocell/data/episode_reader.h"
 #include "robocell/data/episode_writer.h"
-#include "robocell/data/signed_json.h"
+#include "robocell/data/self_hashed_json.h"
 #include "robocell/data/verify.h"
 #include "robocell/media/testing/frames.h"
 #include "robocell/testing/expect_throw.h"
@@ -140,17 +140,17 @@ TEST_F(Segmentation, IsVerified) {
   const std::filesystem::path episode = Write("a");
   EXPECT_THAT(Verify(folder.path(), {.decode_videos = true}).problems, IsEmpty());
   AtomicWrite(episode / "eye.segmentation.mov", "no video");
-  const VerifyReport report = Verify(folder.path());
-  EXPECT_THAT(report.bad, ElementsAre("a"));
-  EXPECT_THAT(report.Text(), HasSubstr("a/eye.segmentation.mov: it is cut short"));
+  const VerifyResult result = Verify(folder.path());
+  EXPECT_THAT(result.bad, ElementsAre("a"));
+  EXPECT_THAT(result.Text(), HasSubstr("a/eye.segmentation.mov: it is cut short"));
 }
 
 TEST_F(Segmentation, WithATableThatIsTooShortIsNotGood) {
   const std::filesystem::path file = Write("a") / "episode.json";
   auto json = nlohmann::ordered_json::parse(ReadFile(file));
   json["segmentation"]["labels"].erase(2);
-  json["run"]["json_sha256"] = kUnsigned;
-  AtomicWrite(file, SignJson(json.dump(2) + "\n"));
+  json["run"]["json_sha256"] = kHashPlaceholder;
+  AtomicWrite(file, InsertSelfHash(json.dump(2) + "\n"));
   EXPECT_THAT(Verify(folder.path(), {.decode_videos = true}).Text(),
               HasSubstr("a pixel of it is 2, and episode.json has 2 labels"));
 }
@@ -163,8 +163,8 @@ TEST_F(Segmentation, WithAnotherNumberForNothingIsRefused) {
        std::initializer_list<nlohmann::ordered_json>{5, -1, "x", nullptr, {{"labels", 5}}}) {
     auto json = original;
     json["segmentation"]["none"] = none;
-    json["run"]["json_sha256"] = kUnsigned;
-    AtomicWrite(file, SignJson(json.dump(2) + "\n"));
+    json["run"]["json_sha256"] = kHashPlaceholder;
+    AtomicWrite(file, InsertSelfHash(json.dump(2) + "\n"));
     ExpectThrow<IoError>([&] { Episode(file.parent_path()); }, "episode.json is damaged");
   }
 }

@@ -1,5 +1,5 @@
-// A hidden folder to write into until it is complete: locked, so that others can tell it from what
-// a crash left behind. Internal to data/.
+// A hidden folder to write into until it is complete. It is locked, so that others can distinguish
+// it from what a crash left behind. Internal to data/.
 //
 //   .e1.4711.3.partial/.lock      held as long as somebody writes; folders cannot be locked
 //   .e1.4711.3.partial/content    what gets the final name
@@ -20,7 +20,7 @@ class WorkFolder {
   WorkFolder(const WorkFolder&) = delete;
   WorkFolder& operator=(const WorkFolder&) = delete;
 
-  // Where to write.
+  // The folder to write into.
   const std::filesystem::path& path() const { return path_; }
   // As CommitDirectory. Whether it is in place says committed(), also after an error.
   void Commit(const std::filesystem::path& final);

@@ -1,5 +1,5 @@
-// What one arm is to do, as a pure function of its action and of what came before: where it is sent
-// to in the shared base frame, or in its joints. No scene, no state.
+// Computes the target of one arm, in the shared base frame or in joint space, as a pure function of
+// its action and its previous target. No scene, no state.
 //
 //   const Pose to = MovedBy(last, Pose::FromRpy({0.01, 0, 0}, {0, 0, 0.1}));
 //   const Pose sent = LimitedStep(last, to, 0.05, 0.2);
@@ -20,7 +20,7 @@ Pose MovedBy(const Pose& tcp, const Pose& delta);
 Pose LimitedStep(const Pose& from, const Pose& to, const StepLimit& limit);
 void LimitJointStep(std::span<const double> from, double limit, std::span<double> to);
 
-// Whether a quaternion of any length says which way; [0, 0, 0, 0] does not.
+// Whether a quaternion of any length has a direction; [0, 0, 0, 0] has none.
 bool HasDirection(std::span<const double> quaternion);
 
 // Writes x y z and the quaternion xyzw into seven numbers.

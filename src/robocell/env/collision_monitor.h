@@ -1,4 +1,5 @@
-// CollisionMonitor: which robots ran into something, by robot and body, and whether that is new.
+// CollisionMonitor: finds which robots hit something, by robot and body, and whether the contact is
+// new.
 //
 // A robot's collision geoms (RobotConfig::collision_geoms, else all of its own) count, what it
 // carries included. Of its gripper, whose business it is to touch things, only the geoms count that
@@ -42,10 +43,10 @@ class CollisionMonitor {
   };
   explicit CollisionMonitor(std::vector<Watched> watched);
 
-  // What touched at the last look, as pairs of bodies: for going back to a state of the scene.
+  // Contacts at the last check, as pairs of bodies, to return to a state of the scene.
   using Memory = std::vector<std::pair<int, int>>;
 
-  // What touched at the last look is not new; after Forget what touches now.
+  // Contacts of the last check are not new; after Forget, present contacts are not.
   void Begin();
   void Forget() { looked_ = false; }
   const Memory& memory() const { return touching_; }

@@ -39,13 +39,13 @@
 #include "robocell/env/collision_monitor.h"
 #include "robocell/env/env_cameras.h"
 #include "robocell/env/env_layout.h"
-#include "robocell/env/env_record.h"
+#include "robocell/env/env_observer.h"
 #include "robocell/env/env_state.h"
 #include "robocell/env/object_variations.h"
 #include "robocell/env/pacer.h"
 #include "robocell/env/stepper.h"
 #include "robocell/scene/body_handle.h"
-#include "robocell/scenes/start_check.h"
+#include "robocell/scenes/start_inspector.h"
 #include "robocell/spec/env_config.h"
 #include "robocell/task/task.h"
 
@@ -60,6 +60,8 @@ struct EnvStep {
   double time = 0;           // simulated s since the reset
   std::string message = {};  // of a divergence
   double reward = 0;         // of the task, 0 without
+  double progress = 0;       // of the task, 0 ... 1
+  int subtask = 0;           // which of the task's the action worked at
   bool success = false;
   std::vector<std::string> ik_failed = {};  // robots
   std::vector<Collision> collisions = {};   // what touched in this step
@@ -94,7 +96,7 @@ class Env {
   // who step several environments together, when that of another one has failed.
   void WantReset() { phase_ = Phase::kBroken; }
   // Throws what Step would throw for this action, and moves nothing.
-  void CheckAction(std::span<const double> action) const;
+  void RequireAction(std::span<const double> action) const;
   // What the last Reset or Step left, layout().observation.size() numbers; a step that diverged
   // leaves what was before it.
   std::span<const double> observation() const { return observation_; }
@@ -126,10 +128,11 @@ class Env {
   // anything changes.
   void SetState(const EnvState& state, StateFrame frame = StateFrame::kWorld);
 
-  // Notes what is done and seen from now on, for ReplayRecord. It ends with StopRecord, and a Reset
-  // or going back to a state drops it. Error when it is being done already, or nothing is recorded.
-  void StartRecord();
-  EnvRecord StopRecord();
+  // From now on an observer hears of all that happens; it must outlive the environment, or be
+  // removed before. In the order in which they were added.
+  void AddObserver(EnvObserver* observer);
+  // Does nothing for one that was not added.
+  void RemoveObserver(EnvObserver* observer);
 
   // With relative_to configured_origin: from now on relative to where the robot was last sent.
   // NotFoundError lists the robots.
@@ -157,8 +160,7 @@ class Env {
   void RequireReady() const;
   Snapshot& RequireSnapshot(const std::string& name);
   std::vector<std::string> Send(std::span<const double> action);
-  void Note(std::span<const double> action, double reward);
-  void CheckState(const EnvState& state) const;
+  void RequireState(const EnvState& state) const;
   void Recall(const EnvState& state);
   void MoveToRoot(const Pose& from);
   using Poll = std::function<void()>;
@@ -174,6 +176,7 @@ class Env {
   bool EndsAtCollision() const;
   void Observe();
   void ObserveTask();
+  void ObserveFeatures();
   std::string place() const { return "environment '" + config_.name + "'"; }
   // Warns of arms and grippers that no action reaches.
   void RequireDistances(const ArmDriver& arm) const;
@@ -183,15 +186,18 @@ class Env {
   Scene scene_;
   ObjectVariations variations_;
   std::shared_ptr<Task> task_;
+  ChosenFeatures chosen_;
   EnvLayout layout_;
   std::vector<BodyHandle> objects_;  // of layout_.objects
   std::vector<ArmDriver> arms_;
-  std::optional<StartCheck> start_check_;  // with a task whose objects have to rest
+  std::optional<StartInspector> start_inspector_;  // with a task whose objects have to rest
   Stepper stepper_;
   CollisionMonitor collisions_;
   EnvCameras cameras_;
   std::map<std::string, Snapshot> saved_;
-  std::optional<EnvRecord> record_;
+  // Shared with what is called at control ticks, which stays as it is when an Env is moved.
+  std::shared_ptr<std::vector<EnvObserver*>> observers_ =
+      std::make_shared<std::vector<EnvObserver*>>();
   RealTimePacer pacer_;
   Phase phase_ = Phase::kUnready;
   Rng seeds_;

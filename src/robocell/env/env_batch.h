@@ -68,7 +68,7 @@ class EnvBatch {
   // A colour picture of each copy's present state, one after another, each of rows from the top:
   // for people. All are drawn by one renderer, which is made at the first call.
   std::vector<uint8_t> Draw(const CameraView& camera, int width, int height);
-  // What the task of each copy is, in words.
+  // The instruction of each copy's task, in words.
   std::vector<std::string> instructions() const;
 
   // Closes all copies' scenes and ends the threads: ClosedError from then on.

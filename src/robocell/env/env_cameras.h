@@ -2,8 +2,8 @@
 // t >= k/rate, stamped with the true time, and shows the last one until the next; with rate 0 one
 // with every observation.
 //
-// What a frame shows is kept when it is due, and drawn when the step has ended: frames that nobody
-// sees are not drawn, and physics knows nothing of them.
+// The state of a frame is kept when it is due, and drawn when the step has ended: frames that
+// nobody sees are not drawn, and rendering does not affect physics.
 //
 //   cameras.Reset();
 //   ... per engine step: cameras.Tick(time) ...
@@ -13,8 +13,8 @@
 // With a SharedDrawing (copies of one environment that are drawn in turn by one renderer) Draw is
 // called by whoever owns it, on one thread at a time.
 //
-// Errors: NotFoundError for a stream whose camera is not there, Error when there is no OpenGL, both
-// when it is made.
+// Errors, both when it is made: NotFoundError for a stream with an unknown camera, Error without
+// OpenGL.
 #pragma once
 
 #include <cstdint>
@@ -46,7 +46,8 @@ struct SharedDrawing {
   // Set when copies differ in their colours: a model of its own that takes those of each copy.
   ModelPtr model;
 
-  // What is drawn next is a copy of this model. Copies differ in nothing else that is seen.
+  // The next drawing uses the colours of this copy of the model. Copies differ in nothing else that
+  // is visible.
   void TakeColours(const mjModel* copy);
 };
 
@@ -65,7 +66,7 @@ class EnvCameras {
   void Draw(double time);
   const std::vector<EnvFrame>& frames() const { return frames_; }
 
-  // What is due and kept, to go back to it after a look ahead.
+  // Remembers the frames that are due, to return to them after a look ahead.
   void Mark() { marked_ = streams_; }
   void GoBackToMark() { streams_ = marked_; }
 

@@ -1,12 +1,16 @@
 #include "robocell/env/env_layout.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "robocell/base/error.h"
 #include "robocell/base/units.h"
+#include "robocell/features/robot_features.h"
 
 namespace robocell {
 namespace {
@@ -19,6 +23,41 @@ double FarthestTcp(const Robot& robot) {
   return chain.joints[0].fixed.translation.norm() + chain.reach_bound + kPositionSlack;
 }
 
+// What numbers lie between.
+struct Bounds {
+  std::vector<double> lower, upper;
+
+  void Add(double least, double most, int count = 1) {
+    lower.insert(lower.end(), static_cast<size_t>(count), least);
+    upper.insert(upper.end(), static_cast<size_t>(count), most);
+  }
+};
+
+const std::vector<std::string> kTquatNames = {"x", "y", "z", "qx", "qy", "qz", "qw"};
+const std::vector<std::string> kTrpyNames = {"x", "y", "z", "roll", "pitch", "yaw"};
+constexpr const char* kSharedBase = "shared base frame";
+
+std::string Words(RelativeTo relative_to) {
+  switch (relative_to) {
+    case RelativeTo::kLastStep:
+      return "Added to where the robot was last sent.";
+    case RelativeTo::kConfiguredOrigin:
+      return "Added to where the robot was at the reset.";
+    case RelativeTo::kNone:
+      break;
+  }
+  return "Where the robot is sent.";
+}
+
+VectorRange RangeOf(const FeatureSchema& schema) {
+  VectorRange range;
+  for (const Feature& feature : schema.features()) {
+    range.lower.insert(range.lower.end(), feature.lower.begin(), feature.lower.end());
+    range.upper.insert(range.upper.end(), feature.upper.begin(), feature.upper.end());
+  }
+  return range;
+}
+
 class Builder {
  public:
   explicit Builder(const EnvConfig& config) : config_(config) {}
@@ -26,43 +65,59 @@ class Builder {
   void Add(const std::string& name, const Robot& robot) {
     RobotLayout layout{.robot = name, .command = CommandName(config_.control_mode)};
     layout.has_gripper = robot.has_gripper() || config_.has_mounted_gripper(name);
-    layout.action = AddAction(robot);
-    if (layout.has_gripper) layout.gripper_action = Append(out_.action, 0, 1);
-    const double radius = FarthestTcp(robot);
-    layout.tquat = AddPosition(out_.observation, robot, radius);
-    for (int i = 0; i < 4; ++i, ++layout.tquat.size) Append(out_.observation, -1, 1);
-    layout.xyzrpy = AddPosition(out_.observation, robot, radius);
-    for (const double most : {kPi, kPi / 2, kPi}) {
-      Append(out_.observation, -most, most);
-      ++layout.xyzrpy.size;
-    }
-    layout.joints = AddJoints(out_.observation, robot, kJointSlack);
-    if (layout.has_gripper) layout.gripper = Append(out_.observation, 0, 1);
+    AddActions(robot, layout);
+    AddPoses(robot, layout);
+    Bounds joints;
+    for (const Interval& limit : CommandLimits(robot))
+      joints.Add(limit.lower - kJointSlack, limit.upper + kJointSlack);
+    layout.joints = Observe({name, "joints"}, JointColumn(robot), std::move(joints));
+    if (layout.has_gripper)
+      layout.gripper = Observe({name, "gripper"}, OpeningColumn(), {{0}, {1}}).begin;
     out_.robots.push_back(std::move(layout));
   }
 
   void AddObject(const std::string& name) {
-    ObjectLayout layout{.object = name, .tquat = {out_.observation.size(), 7}};
-    for (int i = 0; i < 3; ++i) Append(out_.observation, -kFarthestObject, kFarthestObject);
-    for (int i = 0; i < 4; ++i) Append(out_.observation, -1, 1);
-    out_.objects.push_back(std::move(layout));
+    Bounds bounds;
+    bounds.Add(-kFarthestObject, kFarthestObject, 3);
+    bounds.Add(-1, 1, 4);
+    const VectorPart part = Observe({"objects", name, "tquat"}, TquatColumn("Pose of the object."),
+                                    std::move(bounds), FeatureRole::kPrivileged, "object " + name);
+    out_.objects.push_back({name, part});
   }
 
   void AddSignals(const std::vector<TaskSignal>& signals) {
-    out_.all_signals = {out_.observation.size(), 0};
+    out_.all_signals = {static_cast<int>(out_.observed.size()), 0};
     for (const TaskSignal& signal : signals) {
-      CheckSignal(signal);
-      const auto size = static_cast<int>(signal.lower.size());
-      out_.signals.push_back({signal.name, {out_.observation.size(), size}});
-      for (int i = 0; i < size; ++i) Append(out_.observation, signal.lower[i], signal.upper[i]);
-      out_.all_signals.size += size;
+      RequireSignal(signal);
+      const VectorPart part = Observe({"task", signal.name}, {}, {signal.lower, signal.upper},
+                                      FeatureRole::kPrivileged, "task");
+      out_.signals.push_back({signal.name, part});
+      out_.all_signals.size += part.size;
     }
   }
 
-  EnvLayout Take() { return std::move(out_); }
+  void AddFeatures(const ChosenFeatures& chosen) {
+    out_.all_features = {static_cast<int>(out_.observed.size()), static_cast<int>(chosen.size())};
+    for (size_t i = 0; i < chosen.keys().size(); ++i) {
+      const Feature& feature = chosen.features()[i];
+      Bounds bounds{feature.lower, feature.upper};
+      constexpr double kAny = std::numeric_limits<double>::infinity();
+      if (bounds.lower.empty()) bounds.Add(-kAny, kAny, static_cast<int>(feature.size()));
+      const std::string& key = chosen.keys()[i];
+      const VectorPart part = Observe({"features", key}, feature.column, std::move(bounds),
+                                      feature.role, feature.source);
+      out_.features.push_back({key, part});
+    }
+  }
+
+  EnvLayout Take() {
+    out_.observation = RangeOf(out_.observed);
+    out_.action = RangeOf(out_.commanded);
+    return std::move(out_);
+  }
 
  private:
-  void CheckSignal(const TaskSignal& signal) const {
+  void RequireSignal(const TaskSignal& signal) const {
     bool is_range = signal.lower.size() == signal.upper.size() && !signal.lower.empty();
     for (size_t i = 0; is_range && i < signal.lower.size(); ++i)
       is_range = signal.lower[i] <= signal.upper[i];
@@ -79,64 +134,117 @@ class Builder {
                                                  : "tquat";
   }
 
-  static int Append(VectorRange& range, double lower, double upper) {
-    range.lower.push_back(lower);
-    range.upper.push_back(upper);
-    return range.size() - 1;
+  // Appends a feature, and its path in the dictionaries, and says where its numbers are.
+  static VectorPart Append(FeatureSchema& schema, std::vector<std::vector<std::string>>& paths,
+                           const char* kind, std::vector<std::string> path, ColumnSpec column,
+                           Bounds bounds, FeatureRole role, const std::string& source) {
+    column.name = fmt::format("{}/{}", kind, fmt::join(path, "/"));
+    column.shape = {static_cast<int64_t>(bounds.lower.size())};
+    const VectorPart part{static_cast<int>(schema.size()), static_cast<int>(bounds.lower.size())};
+    schema.Add({.column = std::move(column),
+                .role = role,
+                .lower = std::move(bounds.lower),
+                .upper = std::move(bounds.upper),
+                .source = source});
+    paths.push_back(std::move(path));
+    return part;
   }
 
-  VectorPart AddJoints(VectorRange& range, const Robot& robot, double slack) const {
-    VectorPart part{range.size(), robot.n_joints()};
-    for (const Interval& limit : CommandLimits(robot))
-      Append(range, limit.lower - slack, limit.upper + slack);
-    return part;
+  VectorPart Observe(std::vector<std::string> path, ColumnSpec column, Bounds bounds,
+                     FeatureRole role = FeatureRole::kObservation, const std::string& source = "") {
+    const std::string from = source.empty() ? "robot " + path.front() : source;
+    return Append(out_.observed, out_.observed_paths, "observation", std::move(path),
+                  std::move(column), std::move(bounds), role, from);
+  }
+
+  static ColumnSpec TquatColumn(const std::string& description) {
+    return {
+        .units = "m, 1", .frame = kSharedBase, .names = kTquatNames, .description = description};
+  }
+
+  static ColumnSpec JointColumn(const Robot& robot) {
+    const std::vector<std::string>& names = robot.joint_names();
+    return {.units = UnitsOfJoints(robot.scene().model(), names, false), .names = names};
+  }
+
+  static ColumnSpec OpeningColumn() {
+    return {.units = "1", .names = {"opening"}, .description = "0 closed, 1 open."};
   }
 
   // Where the TCP can be, in the shared base frame.
-  VectorPart AddPosition(VectorRange& range, const Robot& robot, double radius) const {
+  static Bounds PositionBounds(const Robot& robot, double radius) {
     const Pose base = robot.scene().shared_base_frame_to_world().inverse() * robot.base_in_world();
-    VectorPart part{range.size(), 3};
+    Bounds bounds;
     for (int i = 0; i < 3; ++i)
-      Append(range, base.translation()[i] - radius, base.translation()[i] + radius);
-    return part;
+      bounds.Add(base.translation()[i] - radius, base.translation()[i] + radius);
+    return bounds;
   }
 
-  VectorPart AddAction(const Robot& robot) {
-    const VectorPart part =
-        config_.control_mode == ControlMode::kJoints ? AddJointAction(robot) : AddPosition(robot);
-    return config_.control_mode == ControlMode::kJoints ? part : AddRotation(part);
+  void AddPoses(const Robot& robot, RobotLayout& layout) {
+    const double radius = FarthestTcp(robot);
+    Bounds tquat = PositionBounds(robot, radius), xyzrpy = PositionBounds(robot, radius);
+    tquat.Add(-1, 1, 4);
+    layout.tquat =
+        Observe({layout.robot, "tquat"}, TquatColumn("Pose of the TCP."), std::move(tquat));
+    for (const double most : {kPi, kPi / 2, kPi}) xyzrpy.Add(-most, most);
+    layout.xyzrpy = Observe({layout.robot, "xyzrpy"},
+                            {.units = "m, rad",
+                             .frame = kSharedBase,
+                             .names = kTrpyNames,
+                             .description = "Pose of the TCP."},
+                            std::move(xyzrpy));
   }
 
-  VectorPart AddJointAction(const Robot& robot) {
-    if (config_.relative_to == RelativeTo::kNone) return AddJoints(out_.action, robot, 0);
-    const VectorPart part{out_.action.size(), robot.n_joints()};
+  void AddActions(const Robot& robot, RobotLayout& layout) {
+    const auto command = [&](const std::string& key, ColumnSpec column, Bounds bounds) {
+      return Append(out_.commanded, out_.commanded_paths, "action", {layout.robot, key},
+                    std::move(column), std::move(bounds), FeatureRole::kAction,
+                    "robot " + layout.robot);
+    };
+    const bool is_joints = config_.control_mode == ControlMode::kJoints;
+    ColumnSpec column = is_joints ? JointColumn(robot) : TquatColumn("");
+    column.description = Words(config_.relative_to);
+    if (config_.control_mode == ControlMode::kCartesianTrpy) {
+      column.units = "m, rad";
+      column.names = kTrpyNames;
+    }
+    layout.action = command(layout.command, std::move(column),
+                            is_joints ? JointActionBounds(robot) : PoseActionBounds(robot));
+    if (layout.has_gripper)
+      layout.gripper_action = command("gripper", OpeningColumn(), {{0}, {1}}).begin;
+  }
+
+  Bounds JointActionBounds(const Robot& robot) const {
+    Bounds bounds;
     for (const Interval& limit : CommandLimits(robot)) {
+      if (config_.relative_to == RelativeTo::kNone) {
+        bounds.Add(limit.lower, limit.upper);
+        continue;
+      }
       const double most = config_.relative_to == RelativeTo::kLastStep
                               ? config_.step_limit().rotation
                               : limit.upper - limit.lower;
-      Append(out_.action, -most, most);
+      bounds.Add(-most, most);
     }
-    return part;
+    return bounds;
   }
 
-  VectorPart AddPosition(const Robot& robot) {
-    if (config_.relative_to == RelativeTo::kNone)
-      return AddPosition(out_.action, robot, robot.reach());
-    const double most = config_.relative_to == RelativeTo::kLastStep
-                            ? config_.step_limit().translation
-                            : 2 * robot.reach();
-    const VectorPart part{out_.action.size(), 3};
-    for (int i = 0; i < part.size; ++i) Append(out_.action, -most, most);
-    return part;
-  }
-
-  VectorPart AddRotation(VectorPart part) {
+  Bounds PoseActionBounds(const Robot& robot) const {
+    Bounds bounds;
+    if (config_.relative_to == RelativeTo::kNone) {
+      bounds = PositionBounds(robot, robot.reach());
+    } else {
+      const double most = config_.relative_to == RelativeTo::kLastStep
+                              ? config_.step_limit().translation
+                              : 2 * robot.reach();
+      bounds.Add(-most, most, 3);
+    }
     const bool quaternion = config_.control_mode == ControlMode::kCartesianTquat;
     double most = quaternion ? 1 : kPi;
     if (!quaternion && config_.relative_to == RelativeTo::kLastStep)
       most = std::min(most, config_.step_limit().rotation);
-    for (int i = 0; i < (quaternion ? 4 : 3); ++i, ++part.size) Append(out_.action, -most, most);
-    return part;
+    bounds.Add(-most, most, quaternion ? 4 : 3);
+    return bounds;
   }
 
   const EnvConfig& config_;
@@ -160,8 +268,8 @@ std::vector<Interval> CommandLimits(const Robot& robot) {
   return limits;
 }
 
-EnvLayout MakeEnvLayout(const EnvConfig& config, const std::vector<Robot>& robots,
-                        const Task* task) {
+EnvLayout MakeEnvLayout(const EnvConfig& config, const std::vector<Robot>& robots, const Task* task,
+                        const ChosenFeatures& chosen) {
   Builder builder(config);
   const std::vector<std::string> names = config.robots.keys();
   for (size_t i = 0; i < robots.size(); ++i) builder.Add(names[i], robots[i]);
@@ -169,25 +277,19 @@ EnvLayout MakeEnvLayout(const EnvConfig& config, const std::vector<Robot>& robot
     for (const std::string& object : task->objects()) builder.AddObject(object);
     builder.AddSignals(task->signals());
   }
+  builder.AddFeatures(chosen);
   return builder.Take();
 }
 
 std::string NameOfObservation(const EnvLayout& layout, int i) {
-  std::string name = fmt::format("number {}", i);
-  const auto look = [&](const VectorPart& part, const std::string& path) {
-    if (i >= part.begin && i < part.begin + part.size)
-      name = fmt::format("{}[{}]", path, i - part.begin);
-  };
-  for (const RobotLayout& robot : layout.robots) {
-    look(robot.tquat, robot.robot + ".tquat");
-    look(robot.xyzrpy, robot.robot + ".xyzrpy");
-    look(robot.joints, robot.robot + ".joints");
-    if (robot.has_gripper) look({robot.gripper, 1}, robot.robot + ".gripper");
+  int begin = 0;
+  for (size_t part = 0; part < layout.observed.features().size(); ++part) {
+    const auto size = static_cast<int>(layout.observed.features()[part].size());
+    if (i < begin + size)
+      return fmt::format("{}[{}]", fmt::join(layout.observed_paths[part], "."), i - begin);
+    begin += size;
   }
-  for (const ObjectLayout& object : layout.objects)
-    look(object.tquat, "objects." + object.object + ".tquat");
-  for (const SignalLayout& signal : layout.signals) look(signal.part, "task." + signal.name);
-  return name;
+  return fmt::format("number {}", i);
 }
 
 }  // namespace robocell

@@ -26,7 +26,7 @@ SceneSpec EnvSceneSpec(const EnvConfig& config);
 // CompileSavedScene.
 std::shared_ptr<CompiledScene> CompileEnvScene(const EnvConfig& config);
 
-// What the gripper of a robot is called in the scene, when it is one of `grippers`: "gripperleft".
+// Name of a robot's gripper in the scene if it is one of `grippers`: "gripperleft".
 std::string MountedGripperName(const std::string& robot);
 
 }  // namespace robocell

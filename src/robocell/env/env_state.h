@@ -16,7 +16,7 @@
 
 namespace robocell {
 
-// Where free and mocap objects of the rig (root_frame_objects) are put when a state is set.
+// Frame in which free and mocap root_frame_objects are placed when a state is set.
 enum class StateFrame {
   kWorld,  // where they were in the world; what follows is the same to the bit
   kRoot,   // where they were in the root frame
@@ -35,8 +35,8 @@ struct EnvState {
   std::vector<double> variations = {};  // ObjectVariations::drawn()
   CollisionMonitor::Memory touching = {};
   int64_t ticks = 0;  // engine steps since the reset
-  // Of the names of robots, and of the joints, moving bodies and actuators that the numbers are of:
-  // a whole number, as those of a file are.
+  // Hash of the names of robots, and of the joints, moving bodies and actuators of the numbers, as
+  // an integer in the same format as in a file.
   double names_hash = 0;
 
   // For files.

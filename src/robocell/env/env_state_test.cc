@@ -1,5 +1,4 @@
-// States of environments as values, replay of what was recorded, scenes from saved files, and
-// objects that vary.
+// States of environments as values, scenes from saved files, and objects that vary.
 #include "robocell/env/env_state.h"
 
 #include <gmock/gmock.h>
@@ -15,7 +14,6 @@
 #include "robocell/base/rng.h"
 #include "robocell/base/units.h"
 #include "robocell/env/env.h"
-#include "robocell/env/env_record.h"
 #include "robocell/env/env_scene.h"
 #include "robocell/env/testing/envs.h"
 #include "robocell/mujoco/names.h"
@@ -24,9 +22,6 @@
 
 namespace robocell {
 namespace {
-
-using ::testing::HasSubstr;
-using ::testing::StartsWith;
 
 const Pose kElsewhere = Pose::FromRpy({1, -1, 0.3}, {0, 0, 2});
 
@@ -156,124 +151,6 @@ std::string FileText(const std::string& path) {
   std::stringstream text;
   text << in.rdbuf();
   return text.str();
-}
-
-EnvRecord Episode(Env& env) {
-  env.Reset({.seed = 5});
-  env.StartRecord();
-  for (const double z : {0.3, 0.2, 0.1}) GoTo(env, {0.45, 0, z}, 1);
-  return env.StopRecord();
-}
-
-TEST(EnvReplays, AreTheSameToTheBitAndSayWhatIsNot) {
-  Env env(Rc7WithCube());
-  const EnvRecord record = Episode(env);
-  EXPECT_EQ(record.steps(), 3);
-  env.Reset();
-  EXPECT_TRUE(ReplayRecord(env, record).same());
-  Env other(Rc7WithCube());
-  EnvReplay replay = ReplayRecord(other, record);
-  EXPECT_EQ(replay.steps, 3);
-  EXPECT_EQ(replay.difference, "");
-
-  EnvRecord changed = record;
-  const auto width = static_cast<size_t>(env.layout().observation.size());
-  changed.observations[2 * width + env.layout().robots[0].joints.begin + 3] = 0.25;
-  replay = ReplayRecord(env, changed);
-  EXPECT_EQ(replay.steps, 2);
-  EXPECT_THAT(replay.difference, StartsWith("after step 2: robot.joints[3] is "));
-  EXPECT_THAT(replay.difference, HasSubstr(", recorded 0.25"));
-  changed = record;
-  changed.rewards[0] += 0.1;
-  EXPECT_THAT(ReplayRecord(env, changed).difference, StartsWith("after step 1: the reward is "));
-  EXPECT_TRUE(ReplayRecord(env, changed, StateFrame::kWorld, 0.2).same());
-  changed.observations[0] += 1;
-  EXPECT_THAT(ReplayRecord(env, changed).difference,
-              StartsWith("at the start: robot.tquat[0] is "));
-  changed.actions.pop_back();
-  ExpectThrow<ArgumentError>([&] { ReplayRecord(env, changed); },
-                             "a record of 3 steps has 3 x 8 numbers of actions");
-}
-
-TEST(EnvReplays, EndWhenTheirPollThrows) {
-  struct Enough {};
-  Env env(Rc7WithCube());
-  const EnvRecord record = Episode(env);
-  int calls = 0, last = 0;
-  const auto poll = [&] {
-    if (++calls == last) throw Enough();
-  };
-  EXPECT_TRUE(ReplayRecord(env, record, StateFrame::kWorld, 0, poll).same());
-  last = calls / 2;
-  EXPECT_GT(last, 3) << "after each step of the engine";
-  calls = 0;
-  EXPECT_THROW(ReplayRecord(env, record, StateFrame::kWorld, 0, poll), Enough);
-  EXPECT_EQ(calls, last);
-  ExpectThrow<Error>([&] { GoTo(env, {0.45, 0, 0.3}, 1); }, "call reset to go on");
-  EXPECT_TRUE(ReplayRecord(env, record).same());
-}
-
-TEST(EnvReplays, InARigThatStandsElsewhere) {
-  Env here(Rc7WithCube()), there(Rc7WithCube(kElsewhere));
-  const EnvRecord record = Episode(here);
-  const EnvReplay replay = ReplayRecord(there, record, StateFrame::kRoot, 1e-6);
-  EXPECT_EQ(replay.difference, "");
-  EXPECT_EQ(replay.steps, 3);
-  EXPECT_THAT(ReplayRecord(there, record, StateFrame::kWorld, 1e-6).difference,
-              StartsWith("at the start: objects.cube.tquat"));
-}
-
-TEST(EnvReplays, OfRecordsFromFiles) {
-  TempDir folder;
-  const std::string file = folder.path() / "episode.npy";
-  Env env(Rc7WithCube());
-  const EnvRecord record = Episode(env);
-  record.Save(file);
-  const EnvRecord loaded = EnvRecord::Load(file);
-  EXPECT_EQ(loaded.start.numbers(), record.start.numbers());
-  EXPECT_EQ(loaded.actions, record.actions);
-  EXPECT_EQ(loaded.observations, record.observations);
-  EXPECT_EQ(loaded.rewards, record.rewards);
-  Env other(Rc7WithCube());
-  EXPECT_EQ(ReplayRecord(other, loaded).difference, "");
-
-  const std::string whole = FileText(file);
-  EXPECT_EQ((whole.size() - 8 * (4 + record.start.numbers().size() + record.actions.size() +
-                                 record.observations.size() + record.rewards.size())) %
-                64,
-            0u)
-      << "numbers begin where NumPy wants them";
-  const std::string problem = "'" + file + "' is no record of an environment: ";
-  const auto expect = [&](const std::string& bytes, const std::string& why) {
-    std::ofstream(file, std::ios::binary) << bytes;
-    ExpectThrow<IoError>([&] { EnvRecord::Load(file); }, problem + why);
-  };
-  const std::string no_row = "it is no .npy with one row of float64";
-  expect("", no_row);
-  expect("steps: 3", no_row);
-  expect(whole.substr(0, 9), no_row);
-  expect(whole.substr(0, 40), no_row);
-  expect(whole.substr(0, whole.size() - 8), no_row);
-  std::string other_numbers = whole;
-  other_numbers.replace(other_numbers.size() - 8, 8, std::string(8, '\x7f'));
-  std::ofstream(file, std::ios::binary) << other_numbers;
-  EXPECT_NE(EnvRecord::Load(file).rewards.back(), record.rewards.back());
-  EnvRecord without = record;
-  without.start = {};
-  without.Save(file);
-  ExpectThrow<ArgumentError>([&] { ReplayRecord(other, EnvRecord::Load(file)); }, "the state is");
-  ExpectThrow<IoError>([&] { EnvRecord::Load(folder.path() / "nothing.npy"); }, "nothing.npy");
-}
-
-TEST(EnvReplays, RecordingEndsWithTheEpisode) {
-  Env env(Rc7WithCube());
-  env.Reset();
-  ExpectThrow<Error>([&] { env.StopRecord(); },
-                     "nothing is being recorded: start_record (StartRecord) begins it");
-  env.StartRecord();
-  ExpectThrow<Error>([&] { env.StartRecord(); }, "it is being recorded already, 0 steps by now");
-  env.Reset();
-  ExpectThrow<Error>([&] { env.StopRecord(); }, "nothing is being recorded");
 }
 
 TEST(EnvSavedScenes, AreSimulatedInThePlaceOfTheConfiguration) {

@@ -15,7 +15,7 @@ namespace robocell {
 
 class FingerWatch {
  public:
-  // What it knows of the past.
+  // The state from earlier ticks.
   struct Memory {
     double still_windows = 0;  // one after another, up to now
     bool is_still = false;

@@ -1,4 +1,4 @@
-// Lists of numbers in one row, each after how many it has: what states and records are in files.
+// Lists of numbers in one row, each after how many it has: what states are in files.
 // Private to env.
 #pragma once
 

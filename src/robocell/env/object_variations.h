@@ -1,5 +1,5 @@
 // ObjectVariations: masses, frictions and colours of objects that differ from episode to episode.
-// Private to env. It writes to the model, so that the scene needs one of its own.
+// It writes to the model, so that the scene needs one of its own.
 //
 //   ObjectVariations variations(config, scene);
 //   variations.Draw(rng);                          // at each reset

@@ -18,7 +18,7 @@ namespace robocell {
 
 class GuidedArm {
  public:
-  // Of the robot's arm, which is where it was told to be. `tick`: seconds between targets.
+  // For the robot's arm, which is at its target. `tick`: seconds between targets.
   GuidedArm(const Robot& robot, double tick);
 
   void Begin();
@@ -30,10 +30,10 @@ class GuidedArm {
   const JointVector& Next();
   const JointVector& target() const { return target_; }
   bool finished() const { return path_.finished(); }
-  // Whether the path has ended and the arm is there; it is given a moment to rest, and not waited
-  // for for ever.
+  // Whether the path has ended and the arm has arrived. It gets some time to come to rest, but not
+  // an unlimited time.
   bool Settled();
-  // Whether it has been far behind its target for a while; call it once in a tick.
+  // Whether the arm has been far behind its target for a while; call it once per tick.
   bool Blocked();
   // From now on it is not.
   void Unblock() { lagging_ = 0; }

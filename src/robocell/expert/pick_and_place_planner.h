@@ -26,7 +26,7 @@ class PickAndPlacePlanner : public Expert {
   PickAndPlacePlanner(std::string robot, std::string target_object,
                       std::shared_ptr<const PickAndPlaceTask> task, SimOptions sim,
                       const PickPlannerOptions& options = {});
-  // As a run asks for it. SpecError for another task.
+  // Makes the planner of a run. SpecError for another task.
   PickAndPlacePlanner(const RunConfig& run, const EpisodeStart& start);
   ~PickAndPlacePlanner() override;
 

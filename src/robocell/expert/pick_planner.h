@@ -32,7 +32,7 @@ struct PickPlannerOptions {
   int attempts = 3;         // at a grasp
 };
 
-// As a run asks for it.
+// Returns the options of a run.
 PickPlannerOptions PickPlannerOptionsOf(const RunConfig& run);
 
 class PickPlanner : public Expert {
@@ -42,7 +42,7 @@ class PickPlanner : public Expert {
   // Names in the scene. `options` as in GripperShape::Of.
   PickPlanner(std::string robot, std::string target_object, SimOptions sim,
               const PickPlannerOptions& options = {});
-  // As a run asks for it.
+  // Makes the planner of a run.
   PickPlanner(const RunConfig& run, const EpisodeStart& start);
   ~PickPlanner() override;
 
@@ -55,7 +55,7 @@ class PickPlanner : public Expert {
 
   // Grasps tried so far.
   int attempts() const { return attempts_; }
-  // Whether nothing is between the fingers.
+  // Whether there is nothing between the fingers.
   bool HandIsEmpty() const;
   // For those who go on where it ends (done, without a failure): the planning scene as it was at
   // the last plan, and the width of what is held, metres.
@@ -98,7 +98,7 @@ class PickPlanner : public Expert {
 
   Phase phase_ = Phase::kOpen;
   int ticks_ = 0;     // in this phase
-  int squeezed_ = 0;  // ticks since the hand is told to be closed
+  int squeezed_ = 0;  // ticks since the command to close the hand
   int attempts_ = 0;
   double last_gap_ = 0, grasp_height_ = 0;
   bool finished_ = false;

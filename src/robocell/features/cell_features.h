@@ -42,16 +42,16 @@ class CellFeatures {
   // Both.
   FeatureSchema schema() const;
 
-  // The numbers of observed() now, one after another; valid until the next call. The action that
-  // follows is told relative to this state.
+  // The present values of observed(), one after another; valid until the next call. The action that
+  // follows is relative to this state.
   std::span<const double> ReadState();
   // Those that were read last.
   std::span<const double> state() const { return state_; }
   // The numbers of commanded(), after the action was applied.
   std::span<const double> ReadActions();
 
-  // What features of actions, by their names, ask of the robots. NotFoundError with the nearest
-  // names; ArgumentError for two of one group and for numbers that do not fit.
+  // Converts values of action features, by name, to commands of the robots. NotFoundError with the
+  // nearest names; ArgumentError for two of one group and for a wrong number of values.
   Action ToAction(const std::map<std::string, std::vector<double>>& values) const;
 
  private:

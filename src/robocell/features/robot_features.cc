@@ -28,20 +28,6 @@ const char* UnitOfJoint(const mjModel* m, int joint, bool rate) {
   }
 }
 
-// Units of a group's joints: "rad", "m", or all in their order. "" when one of them is no joint of
-// the model: a group of the user's own kind may have other coordinates.
-std::string UnitsOfJoints(const mjModel* m, const std::vector<std::string>& joints, bool rate) {
-  std::vector<std::string> units;
-  for (const std::string& joint : joints) {
-    const int id = FindId(m, mjOBJ_JOINT, joint);
-    if (id < 0) return "";
-    units.emplace_back(UnitOfJoint(m, id, rate));
-  }
-  const bool same = std::ranges::adjacent_find(units, std::not_equal_to<>()) == units.end();
-  if (same && !units.empty()) return units.front();
-  return fmt::format("{}", fmt::join(units, ", "));
-}
-
 // Of joints that have one position each; none otherwise.
 std::vector<std::string> NamesOf(const MoveGroup& group, int count) {
   const std::vector<std::string>& joints = group.joint_names();
@@ -89,6 +75,18 @@ Feature TargetFeature(const Robot& robot, MoveGroup& group, const std::string& n
 }
 
 }  // namespace
+
+std::string UnitsOfJoints(const mjModel* m, const std::vector<std::string>& joints, bool rate) {
+  std::vector<std::string> units;
+  for (const std::string& joint : joints) {
+    const int id = FindId(m, mjOBJ_JOINT, joint);
+    if (id < 0) return "";
+    units.emplace_back(UnitOfJoint(m, id, rate));
+  }
+  const bool same = std::ranges::adjacent_find(units, std::not_equal_to<>()) == units.end();
+  if (same && !units.empty()) return units.front();
+  return fmt::format("{}", fmt::join(units, ", "));
+}
 
 RobotFeatures::RobotFeatures(Robot robot) : robot_(std::move(robot)) {
   const std::string path = PathOf(robot_), source = SourceOf(robot_);

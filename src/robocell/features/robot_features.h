@@ -17,6 +17,11 @@
 
 namespace robocell {
 
+// Units of joints of the model: "rad", "m", or all in their order; with `rate` those of their
+// velocities. "" when one of them is no joint: a group of the user's own kind may have other
+// coordinates.
+std::string UnitsOfJoints(const mjModel* m, const std::vector<std::string>& joints, bool rate);
+
 // Joints and targets of every group, base and TCP pose, opening of the gripper.
 class RobotFeatures final : public FeatureSource {
  public:

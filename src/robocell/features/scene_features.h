@@ -1,5 +1,5 @@
-// What a scene contributes to a cell's features: its time, and the objects that a task is about, as
-// the world and each robot have them.
+// The features of a scene: its time, and the task's objects in the world frame and in the frames of
+// each robot.
 #pragma once
 
 #include <span>

@@ -23,7 +23,7 @@ struct LinkInertia {
   Eigen::Vector3d weight_moment = Eigen::Vector3d::Zero();  // the same for mass * centre of mass
 };
 
-// What is known in a frame, in another one that stands in it like this.
+// Transforms an inertia to another frame; `frame` is the pose of the first in the other.
 LinkInertia InFrame(const Transform& frame, const LinkInertia& link);
 
 // Both known in the same frame.
@@ -47,20 +47,20 @@ struct ChainModel {
   // No configuration in the limits puts the tip farther than this from the first joint's reference
   // origin, m; infinity with a slide without limits.
   double reach_bound = 0;
-  // What a metre is to this chain: weighs lengths against angles. The bound without the slides'
-  // travel, and never 0.
+  // Characteristic length of the chain, which weighs lengths against angles: the bound without the
+  // slides' travel, never 0.
   double length = 1;
   std::array<JointModel, kMaxChainJoints> joints;
   Transform last_to_tip;  // moved frame of the last joint -> tip
 };
 
-// What is to a joint of the chain as much as a radian is to a hinge, for solvers that weigh joints
-// against each other: of a slide the chain's length, m.
+// The unit of a joint for solvers that weigh joints against each other: 1 rad for a hinge, the
+// chain's length in m for a slide.
 inline double UnitOf(const ChainModel& chain, int joint) {
   return chain.joints[joint].slide ? chain.length : 1;
 }
 
-// Where a configuration puts the joints, in the base frame. Only the first n entries are written.
+// Frames of the joints of a configuration, in the base frame. Only the first n entries are written.
 struct ChainFrames {
   std::array<Eigen::Vector3d, kMaxChainJoints> axis;    // unit vectors
   std::array<Eigen::Vector3d, kMaxChainJoints> origin;  // a point on the axis, m

@@ -1,13 +1,13 @@
-// ChainSource: the numbers of a model that a chain was read from, to tell whether they were written
-// to since: masses, where bodies, joints and sites are, limits, armature.
+// ChainSource: the numbers of a model that a chain was read from, to detect writes to them: masses,
+// places of bodies, joints and sites, limits, armature.
 //
 //   const Chain chain(model, "base", tip);
 //   const ChainSource source(model, chain);
 //   model->body_mass[hand] *= 2;
 //   if (source.IsStale(model)) ... make the chain anew
 //
-// It knows nothing of what a chain may not survive: names and the tree, which a compiled model
-// keeps. Asking compares what the chain moves, 160 bytes a body; no allocation.
+// It does not watch names and the tree, which a compiled model keeps. A check compares what the
+// chain moves, 160 bytes a body; no allocation.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +23,7 @@ class ChainSource {
   ChainSource() = default;  // of none, which is never stale
   ChainSource(const mjModel* model, const Chain& chain);
 
-  // Whether the chain, read anew, may be another. False for any other model.
+  // Whether reading the chain again may give another one. False for any other model.
   bool IsStale(const mjModel* model) const;
 
  private:
@@ -32,7 +32,8 @@ class ChainSource {
   bool VisitParts(const mjModel* model, Visit&& visit) const;
 
   const mjModel* model_ = nullptr;
-  // What the first joint moves stands in a row in the model: its bodies, their joints, and so on.
+  // Everything that the first joint moves is contiguous in the model: its bodies, their joints, and
+  // so on.
   struct Range {
     int first = 0, count = 0;
   };

@@ -37,7 +37,7 @@ class BoundedLeastSquares {
   BoundedLeastSquares(const Jacobian6& jacobian, const Vector6& task)
       : n_(static_cast<int>(jacobian.cols())), jacobian_(jacobian), task_(task) {}
 
-  std::array<double, kMaxChainJoints> lower{}, upper{}, wish{};
+  std::array<double, kMaxChainJoints> lower{}, upper{}, preferred{};
 
   bool may_move(int i) const { return lower[i] < upper[i]; }
   // After Solve: it is not at a bound.
@@ -46,7 +46,7 @@ class BoundedLeastSquares {
   void Solve(const Matrix6& damping, double* v) {
     damping_ = damping;
     for (int i = 0; i < n_; ++i) {
-      v[i] = std::clamp(wish[i], lower[i], upper[i]);
+      v[i] = std::clamp(preferred[i], lower[i], upper[i]);
       side_[i] = may_move(i) ? Side::kFree : Side::kLower;
     }
     // Each round lowers the cost; so many are never needed but for rounding.
@@ -64,11 +64,11 @@ class BoundedLeastSquares {
     for (int i = 0; i < n_; ++i) {
       const bool free = side_[i] == Side::kFree;
       if (free) a.noalias() += jacobian_.col(i) * jacobian_.col(i).transpose();
-      left -= jacobian_.col(i) * (free ? wish[i] : v[i]);
+      left -= jacobian_.col(i) * (free ? preferred[i] : v[i]);
     }
     pull_ = a.llt().solve(left);
     for (int i = 0; i < n_; ++i) {
-      if (side_[i] == Side::kFree) best_[i] = wish[i] + jacobian_.col(i).dot(pull_);
+      if (side_[i] == Side::kFree) best_[i] = preferred[i] + jacobian_.col(i).dot(pull_);
     }
   }
 
@@ -100,7 +100,7 @@ class BoundedLeastSquares {
     int which = -1;
     for (int i = 0; i < n_; ++i) {
       if (side_[i] == Side::kFree || lower[i] >= upper[i]) continue;
-      const double up = jacobian_.col(i).dot(pull_) + wish[i] - v[i];
+      const double up = jacobian_.col(i).dot(pull_) + preferred[i] - v[i];
       const double away = side_[i] == Side::kLower ? up : -up;
       if (away <= hardest) continue;
       hardest = away;
@@ -155,7 +155,7 @@ void SolveDamped(const Jacobian6& jacobian, BoundedLeastSquares* squares, double
   }
 }
 
-void CheckBase(const Eigen::Matrix3d& base_in_world) {
+void RequireBase(const Eigen::Matrix3d& base_in_world) {
   try {
     QuaternionFromMatrix(base_in_world);
   } catch (const ArgumentError& error) {
@@ -164,8 +164,8 @@ void CheckBase(const Eigen::Matrix3d& base_in_world) {
   }
 }
 
-void CheckDifferentialIk(const Chain& chain, const Twist& twist,
-                         const DifferentialIkOptions& options) {
+void RequireDifferentialIk(const Chain& chain, const Twist& twist,
+                           const DifferentialIkOptions& options) {
   const auto refuse = [](const std::string& what) {
     throw ArgumentError("differential inverse kinematics: " + what);
   };
@@ -176,10 +176,10 @@ void CheckDifferentialIk(const Chain& chain, const Twist& twist,
   if (!(options.posture_rate >= 0 && std::isfinite(options.posture_rate)))
     refuse(fmt::format("posture_rate is {}; it must be 0 or more", options.posture_rate));
   if (!options.posture.empty())
-    chain.CheckJointValues("differential inverse kinematics: posture", options.posture);
-  if (options.frame == TwistFrame::kWorld) CheckBase(options.base_in_world);
+    chain.RequireJointValues("differential inverse kinematics: posture", options.posture);
+  if (options.frame == TwistFrame::kWorld) RequireBase(options.base_in_world);
   if (options.max_speed.empty()) return;
-  chain.CheckJointValues("differential inverse kinematics: max_speed", options.max_speed);
+  chain.RequireJointValues("differential inverse kinematics: max_speed", options.max_speed);
   for (int i = 0; i < chain.n_joints(); ++i) {
     if (options.max_speed[i] > 0) continue;
     refuse(fmt::format("max_speed of joint '{}' is {}; it must be more than 0",
@@ -213,7 +213,7 @@ Eigen::Matrix3d AxesOf(const DifferentialIkOptions& options, const Pose& tip) {
 
 DifferentialIkResult DifferentialIk(const Chain& chain, std::span<const double> q,
                                     const Twist& twist, const DifferentialIkOptions& options) {
-  CheckDifferentialIk(chain, twist, options);
+  RequireDifferentialIk(chain, twist, options);
   const int n = chain.n_joints();
   const double per_metre = 1 / chain.model().length;
   Jacobian6 jacobian(6, n);
@@ -233,7 +233,7 @@ DifferentialIkResult DifferentialIk(const Chain& chain, std::span<const double> 
     squares.lower[i] = bounds[i].lower / unit;
     squares.upper[i] = bounds[i].upper / unit;
     if (!options.posture.empty())
-      squares.wish[i] = options.posture_rate * (options.posture[i] - q[i]) / unit;
+      squares.preferred[i] = options.posture_rate * (options.posture[i] - q[i]) / unit;
   }
   DifferentialIkResult result{.velocity = JointVector(n)};
   SolveDamped(jacobian, &squares, result.velocity.data());

@@ -34,7 +34,8 @@ struct DifferentialIkOptions {
   double seconds = 0;
   // Largest speed of each joint, rad/s or m/s, above 0. Empty: any.
   JointVector max_speed{};
-  // Where joints to spare go, and how fast: a share of the way per second. Empty: they rest.
+  // Posture of redundant joints, and their rate: a share of the distance per second. Empty: they
+  // rest.
   JointVector posture{};
   double posture_rate = 1;
   // Joints that do not move.
@@ -43,8 +44,8 @@ struct DifferentialIkOptions {
 
 struct DifferentialIkResult {
   JointVector velocity{};  // rad/s or m/s
-  // What the tip does with it, in the axes asked for; and whether bounds or damping made that
-  // differ from what was asked by more than a thousandth (and than what could be seen).
+  // The resulting twist of the tip, in the requested axes; and whether bounds or damping make it
+  // differ from the target twist by more than a thousandth (and more than is visible).
   Twist twist{};
   bool slower = false;
 };

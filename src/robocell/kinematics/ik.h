@@ -47,7 +47,7 @@ namespace robocell {
 // Which joints of a chain must stay where the seed has them.
 using LockedJoints = std::array<bool, kMaxChainJoints>;
 
-// Which of the solutions is wanted. What is not kFirst compares sixteen, and moves joints to spare:
+// Which of the solutions is wanted. What is not kFirst compares sixteen, and moves redundant joints:
 // some tens of microseconds, kManipulability, which climbs, about twice as many. Without joints to
 // spare the best is one of a few: starts go on beyond max_restarts until 256 in a row have led to
 // no better one (2000 more at most), which takes some tenths of a millisecond. Not where
@@ -114,8 +114,8 @@ IkResult Ik(const Chain& chain, const Pose& tip_in_base, const IkOptions& option
 
 // What Ik refuses with ArgumentError, for callers that check many questions before the work. `name`
 // begins the message.
-void CheckIkTarget(const Pose& tip_in_base, std::string_view name);
+void RequireIkTarget(const Pose& tip_in_base, std::string_view name);
 [[noreturn]] void RefuseIkTarget(std::string_view name);  // which is not finite
-void CheckIkOptions(const Chain& chain, const IkOptions& options);
+void RequireIkOptions(const Chain& chain, const IkOptions& options);
 
 }  // namespace robocell

@@ -1,10 +1,10 @@
 // Inverse kinematics of many poses at once.
 //
-// Every question is answered on its own: its answer does not depend on the other questions, on
-// their order or on the number of threads. It may be another one than that of Ik, and on a
-// processor with another instruction set another one again; each is a solution. Results are arrays
-// with one row per question. See lane_solver.h for the method. A filter is given the solutions of
-// many questions at once, on the caller's thread.
+// Each query is solved on its own: its result does not depend on the other queries, on their order
+// or on the number of threads. It may differ from the result of Ik, and on a processor with another
+// instruction set again; each is a solution. Results are arrays with one row per query. See
+// lane_solver.h for the method. A filter gets the solutions of many queries at once, on the
+// caller's thread.
 //
 // Errors: ArgumentError before any work starts, naming the row that is wrong. See ik.h for the
 // options.
@@ -24,7 +24,7 @@
 namespace robocell {
 
 struct IkBatchOptions {
-  // Of every question. The seed in here must be empty: seeds are an argument of their own.
+  // Options of every query. The seed in here must be empty: seeds are a separate argument.
   IkOptions ik{};
   // The caller's thread is one of them.
   int threads = 1;
@@ -33,7 +33,7 @@ struct IkBatchOptions {
 };
 
 struct IkBatchResult {
-  int size = 0;                          // B questions
+  int size = 0;                          // B queries
   int n_joints = 0;                      // n
   std::vector<double> q{};               // B x n, row by row
   std::vector<uint8_t> success{};        // B, 0 or 1

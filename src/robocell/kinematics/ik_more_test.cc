@@ -234,7 +234,7 @@ double SquaredDistance(std::span<const double> a, std::span<const double> b) {
   return sum;
 }
 
-// What is preferred, as the options say it: the less the better.
+// Cost of the preference in the options; less is better.
 double Badness(const Chain& chain, const IkOptions& options, std::span<const double> q) {
   if (options.prefer == IkPrefer::kManipulability) return -Manipulability(chain, q);
   if (options.prefer != IkPrefer::kAwayFromLimits) {
@@ -291,8 +291,8 @@ TEST_P(IkPrefers, IsMetBetterThanByTheFirstSolution) {
   }
 }
 
-// Where the tip's task leaves joints to spare, nothing better is near: a step along any direction
-// that does not move the tip is no improvement.
+// With redundant joints no better solution is near: a step along any direction that does not move
+// the tip is no improvement.
 TEST_P(IkPrefersToSpare, IsMetAsWellAsTheJointsToSpareAllow) {
   for (const IkPrefer prefer : {IkPrefer::kPosture, IkPrefer::kAwayFromLimits}) {
     int settled = 0, counted = 0;
@@ -326,14 +326,14 @@ TEST_P(IkPrefersToSpare, IsMetAsWellAsTheJointsToSpareAllow) {
       settled += best_here;
     }
     EXPECT_GE(counted, 10);
-    // Where many joints are to spare, some are still on their way after the steps they are given.
+    // With many redundant joints some are still moving after the allowed steps.
     const double share = prefer == IkPrefer::kPosture ? 0.95 : 0.9;
     EXPECT_GE(settled, share * counted) << static_cast<int>(prefer);
   }
 }
 
-// What cannot be reached is approached by what was asked for: where any rotation will do, the
-// target's makes no difference.
+// An unreachable target is approached by the residuals of the query: if any rotation is accepted,
+// the target's rotation makes no difference.
 TEST_P(IkPrefers, ApproachesWhatIsOutOfReachByWhatWasAskedFor) {
   const IkFilter all = [](std::span<const double>, int, std::span<uint8_t> keep) {
     std::fill(keep.begin(), keep.end(), uint8_t{1});
@@ -496,7 +496,7 @@ TEST(IkSolutionsOfTwoLinks, AreBothElbows) {
   EXPECT_NEAR(Manipulability(chain, all[0].q), std::sqrt((j.transpose() * j).determinant()), 1e-12);
 }
 
-// One joint to spare: solutions all around the turn, which begins again half a turn from the seed.
+// One redundant joint: solutions all around the turn, which begins again half a turn from the seed.
 TEST(IkSolutionsOfThreeLinks, AreNotTheSameOnesATurnOn) {
   const TestModel t = TestModel::FromXml(
       "<mujoco><compiler angle='radian'/><worldbody><body name='base'><geom size='.1'/>"
@@ -537,7 +537,7 @@ TEST(IkMoreOptions, MakeSense) {
   refused({.position_weights = {1, -1, 1}}, "position_weights holds -1; each must be 0 (any value");
   refused({.rotation_weights = {1, NAN, 1}}, "rotation_weights holds nan");
   refused({.position_weights = {0, 0, 0}, .rotation_weights = {0, 0, 0}},
-          "all weights are 0; nothing is asked for");
+          "all weights are 0, so that the target has no residual");
   refused({.position_only = true, .axis = Vector3d::UnitX()},
           "position_only and axis contradict each other; leave one out");
   refused({.rotation_weights = {1, 1, 0}, .axis = Vector3d::UnitX()},
@@ -555,7 +555,7 @@ TEST(IkMoreOptions, MakeSense) {
   ExpectThrow<ArgumentError>(
       [&] { IkSolutions(chain, target, {.max_restarts = std::numeric_limits<int>::max()}); },
       "2147483648 starts for all solutions; there may be up to 1000000");
-  // Where there is nothing to do as well.
+  // The same without any targets.
   ExpectThrow<ArgumentError>([&] { IkBatch(chain, {}, {}, {.ik = {.tolerance = -1}}); },
                              "tolerance is -1; it must be more than 0");
   ExpectThrow<ArgumentError>([&] { IkBatch(chain, {}, {}, {.ik = {.axis = Vector3d::Zero()}}); },

@@ -1,5 +1,5 @@
-// What every search for joint values needs: where it begins, what a found configuration is worth.
-// For the solvers of this folder.
+// Parts of every search for joint values: its start, and the evaluation of a configuration. For the
+// solvers of this folder.
 #pragma once
 
 #include <numbers>
@@ -11,7 +11,7 @@
 namespace robocell {
 
 inline constexpr double kTurn = 2 * std::numbers::pi;  // rad
-// Questions, and starts, between two polls of a thread.
+// Number of queries, and of starts, between two polls of a thread.
 inline constexpr unsigned kPollEvery = 64;
 
 // The seed, or the middle of the limits without one; inside the limits but for locked joints.

@@ -1,5 +1,5 @@
-// Which of several answers to one question is the better one, and where joints to spare go. For the
-// solvers of this folder.
+// The secondary objective: which of several solutions of one query is better, and where redundant
+// joints move. For the solvers of this folder.
 #pragma once
 
 #include "robocell/kinematics/chain_model.h"
@@ -11,18 +11,17 @@ class IkPreference {
  public:
   IkPreference(const ChainModel& chain, const IkOptions& options);
 
-  // Whether answers are compared at all.
+  // Whether solutions are compared at all.
   bool any() const { return prefer_ != IkPrefer::kFirst; }
-  // Whether there is a configuration that answers are to be near to: then searches begin there and
-  // around it.
+  // Whether solutions should be near a configuration. Searches then start at it and around it.
   bool has_goal() const { return any() && prefer_ != IkPrefer::kManipulability; }
-  // That configuration, locked joints as in the seed; the seed where there is none.
+  // Returns that configuration with locked joints as in the seed; without one, the seed.
   JointVector GoalFor(const JointVector& seed) const;
-  // What part of the way to a goal joint i goes in a step, and how easily it is moved for others'
-  // sake (at most 1).
+  // The share of the distance to a goal that joint i moves in a step, and how easily it moves for
+  // other joints (at most 1).
   double part(int i) const;
   double ease(int i) const { return squared_scale(i) / largest_squared_scale(); }
-  // Where joints to spare go from q.
+  // Returns where redundant joints move from q.
   JointVector GoalFrom(const JointVector& q, const JointVector& goal) const;
   // The less the better.
   double Cost(const JointVector& q, const JointVector& goal) const;

@@ -161,7 +161,7 @@ TEST_P(ArmOfSixJoints, FindsAsManySolutionsAsAMuchLongerSearch) {
   EXPECT_EQ(missed, 0) << count;
 }
 
-// Without joints to spare the best is one of a few, and all of them are looked at.
+// Without redundant joints the best is one of a few, and all of them are looked at.
 TEST_P(ArmOfSixJoints, PrefersTheVeryNearestToTheSeedOrPosture) {
   int farther = 0;
   for (const Pose& target : Reached(100)) {
@@ -185,7 +185,7 @@ TEST_P(ArmOfSixJoints, PrefersTheVeryNearestToTheSeedOrPosture) {
   EXPECT_LE(farther, 2);
 }
 
-// A solution that is met again is a little nearer each other time, by rounding: no reason to go on.
+// A solution that is found again is sometimes a little nearer, by rounding: no reason to continue.
 TEST_P(ArmOfSixJoints, CountsFromTheStartThatFirstLedToThePreferredSolution) {
   int same = 0;
   for (const Pose& target : Reached(100)) {

@@ -1,4 +1,4 @@
-// All solutions of one inverse kinematics question that can be told apart.
+// Finds all distinct solutions of one inverse kinematics query.
 //
 //   for (const IkResult& found : IkSolutions(chain, target, {.seed = q_now})) Look(found.q);
 #pragma once
@@ -10,16 +10,16 @@
 
 namespace robocell {
 
-// What is found from options.max_restarts + 1 starts, filtered. Without joints to spare, where
-// solutions can be counted, starts go on until 600 in a row have led to nothing new (2000 more at
-// most, and none where less than 48 are allowed); else more starts find more. Each is farther than
-// `separation` from all others: in at least one joint, rad (slides: lengths of the chain). Whole
-// turns of a hinge are no difference. In order of options.prefer, nearest to the seed first unless
-// that says otherwise. Of a chain with joints to spare these are samples of endlessly many; with a
-// preference each of them has moved to where it is met best, so that they are one for each way to
-// hold the arm. Deterministic. ArgumentError as Ik has it, for a separation that is not above 0,
-// and for more than a million starts. `poll` is called now and then; what it throws ends the search
-// and comes out of it.
+// Returns what options.max_restarts + 1 starts find, filtered. Without redundant joints, where
+// solutions can be counted, starts continue until 600 in a row found nothing new (at most 2000
+// more, and none if less than 48 are allowed). Otherwise more starts find more. Each solution is
+// farther than `separation` from all others in at least one joint, rad (slides: lengths of the
+// chain). Whole turns of a hinge do not count. The order is that of options.prefer, by default
+// nearest to the seed first. For a chain with redundant joints these are samples of infinitely
+// many; with a preference each has moved to its best place, so that there is one for each way to
+// hold the arm. Deterministic. ArgumentError as in Ik, for a separation that is not above 0, and
+// for more than a million starts. `poll` is called now and then; an exception from it ends the
+// search and is passed on.
 std::vector<IkResult> IkSolutions(const Chain& chain, const Pose& tip_in_base,
                                   const IkOptions& options = {}, double separation = 0.05,
                                   const std::function<void()>& poll = {});

@@ -44,7 +44,7 @@ class IkTargets {
     t.translation << m[3], m[7], m[11];
     return t;
   }
-  // Of a rigid one it is that one, so that nothing depends on the others.
+  // Returns a rigid transform unchanged, so that nothing depends on the others.
   static Transform Normalised(const double* matrix);
 
   std::span<const Pose> poses_;

@@ -12,11 +12,11 @@
 
 namespace robocell {
 
-// Joint values near `from` that bring the tip as near to `tip_in_base` as damped differential steps
-// (differential_ik.h) do, while no joint goes farther than LargestJointStep from `from`. `success`
-// says that at least a fiftieth of the pose error is gone; the errors are what is left of it.
-// Angles are weighed against lengths by the chain's length. Errors as of Ik. No allocation; less
-// than a millisecond.
+// Returns joint values near `from` that bring the tip as near to `tip_in_base` as damped
+// differential steps (differential_ik.h) can, while no joint moves farther than LargestJointStep
+// from `from`. `success` says that at least a fiftieth of the pose error is gone; the errors are
+// the rest. Angles are weighed against lengths by the chain's length. Errors as in Ik. No
+// allocation; less than a millisecond.
 IkResult IkTowards(const Chain& chain, const Pose& tip_in_base, std::span<const double> from);
 
 }  // namespace robocell

@@ -1,7 +1,7 @@
-// Chains, poses, twists, wrenches and joint values as Orocos KDL knows them, and back. The only
-// header of robocell that includes KDL.
+// Converts chains, poses, twists, wrenches and joint values to Orocos KDL and back. The only header
+// of robocell that includes KDL.
 //
-// What is in the chain is said in kdl_segments.h.
+// kdl_segments.h describes the contents of the chain.
 //
 //   KDL::Chain chain = ToKdl(robot.chain());
 //   KDL::ChainFkSolverPos_recursive fk(chain);

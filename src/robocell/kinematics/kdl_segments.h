@@ -30,7 +30,7 @@ struct KdlSegment {
   double offset = 0;    // added to the joint value, rad or m
   double armature = 0;  // kg m^2 or kg
   Transform tip = {};   // the segment's frame for joint value 0
-  // Of the segment, in its own frame.
+  // Inertia of the segment, in its own frame.
   double mass = 0;                                    // kg
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();   // of mass, m
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // about the centre of mass, kg m^2

@@ -98,7 +98,7 @@ TEST(LaneTargets, FindTheSameSolutionsButForRounding) {
 
 TEST(LaneTargets, MeetWhatIsAskedForBesideAPose) {
   for (const int joints : {6, 8}) {
-    Rng rng = Rng::Stream(joints, "lane wishes");
+    Rng rng = Rng::Stream(joints, "lane objectives");
     const Questions questions(&rng, joints, 40);
     const IkFilter half = [](std::span<const double> q, int count, std::span<uint8_t> keep) {
       for (int k = 0; k < count; ++k) keep[k] = std::cos(q[k * (q.size() / count)]) > -0.9;

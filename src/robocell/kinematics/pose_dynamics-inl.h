@@ -37,7 +37,7 @@ HWY_NOINLINE void GravitiesOf(const Chain& chain, const JointMoves& moves, const
   torques.Write(chain.n(), out);
 }
 
-// What is felt of a link.
+// Base inertial parameters of a link.
 HWY_INLINE RigidBody<P> LinkOf(const PoseJoint& joint) {
   return {All(joint.mass), All(joint.moment), AllOf(joint.inertia)};
 }
@@ -69,9 +69,9 @@ HWY_INLINE Six<P> MomentumAlong(const Step& step, const RigidBody<P>& body) {
   return {{h.y, hn::Neg(h.x), zero}, {body.inertia.xz, body.inertia.yz, body.inertia.zz}};
 }
 
-// What a joint feels of momentum in its frame.
+// The component of momentum (or force), given in the joint's frame, along the joint's axis.
 template <class Step>
-HWY_INLINE P Felt(const Step& step, const Six<P>& momentum) {
+HWY_INLINE P AlongJoint(const Step& step, const Six<P>& momentum) {
   return step.slide() ? momentum.linear.z : momentum.angular.z;
 }
 
@@ -93,10 +93,10 @@ HWY_NOINLINE void MassesOf(const Chain& chain, const JointMoves& moves, double* 
   Outputs<kMaxChainJoints * kMaxChainJoints> mass;
   chain.Down(n - 1, 0, [&](int j) POSE_INLINE {
     Six<P> carried = momentum[j];
-    mass.Put(j * n + j, hn::Add(Felt(chain[j], carried), All(chain[j].joint.armature)));
+    mass.Put(j * n + j, hn::Add(AlongJoint(chain[j], carried), All(chain[j].joint.armature)));
     chain.Down(j, 1, [&](int i) POSE_INLINE {
       Back(chain[i], moves[i], &carried);
-      const P entry = Felt(chain[i - 1], carried);
+      const P entry = AlongJoint(chain[i - 1], carried);
       mass.Put((i - 1) * n + j, entry);
       mass.Put(j * n + i - 1, entry);
     });

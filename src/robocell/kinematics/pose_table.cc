@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "robocell/kinematics/base_inertial_parameters.h"
 #include "robocell/kinematics/chain_model.h"
-#include "robocell/kinematics/felt_inertia.h"
 #include "robocell/kinematics/normal_frames.h"
 
 namespace robocell::internal {
@@ -15,7 +15,7 @@ PoseJoint::Twist TwistOf(const Eigen::Matrix3d& rotation) {
   using enum PoseJoint::Twist;
   if (rotation.col(0) != Eigen::Vector3d::UnitX()) return kAny;
   if (rotation(2, 1) == 1 && rotation(1, 1) == 0) return kQuarter;
-  // Of a twist less than 1e-8 the cosine is 1 as well.
+  // For a twist below 1e-8 the cosine is 1 as well.
   return rotation(1, 1) == 1 && rotation(2, 1) == 0 ? kNone : kAboutX;
 }
 
@@ -59,7 +59,7 @@ bool IsPlain(const PoseTable& table) {
 }  // namespace
 
 PoseTable TabulatePoses(const ChainModel& chain) {
-  const ChainModel normal = WithFeltInertias(InNormalFrames(chain));
+  const ChainModel normal = WithBaseInertialParameters(InNormalFrames(chain));
   PoseTable table;
   table.n = normal.n;
   double mass = 0, weight = 0;

@@ -23,7 +23,7 @@ struct PoseJoint {
 
   Twist twist = Twist::kAny;
   bool slide = false;
-  // Whether these are not 0: the parts of the translation, and the sums behind the joint.
+  // True for values that are not 0: the parts of the translation, and the sums behind the joint.
   bool shifted[3] = {};
   bool heavy = false, weighs = false;
   double twist_cosine = 1, twist_sine = 0;  // not for kAny
@@ -33,7 +33,7 @@ struct PoseJoint {
   double translation[3] = {};
   double reference = 0;
   double turns = 1;  // 0 for a slide
-  // What is felt of the link (felt_inertia.h). Behind a hinge these are 0: both masses, z of both
+  // Base inertial parameters of the link (base_inertial_parameters.h). Behind a hinge these are 0: both masses, z of both
   // moments, and yy of the inertia, which is xx, yy, zz, xy, xz, yz.
   double mass = 0;
   double moment[3] = {};

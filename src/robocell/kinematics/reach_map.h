@@ -1,4 +1,4 @@
-// Where a chain's tip can be, and how freely it can be turned there.
+// Maps where a chain's tip can be, and how freely it can be turned there.
 //
 //   const ReachMap map = MapReach(chain, ReachGrid::Around(chain));
 //   map.fraction[map.index(3, 4, 5)];  // of the rotations at this place, those that are reached
@@ -28,9 +28,9 @@ struct ReachGrid {
 struct ReachMapOptions {
   // Rotations that are tried at the centre of each cell, spread evenly over all of them.
   int rotations = 64;
-  // What is asked for at each cell, as in IkOptions. A chain of less than six joints reaches hardly
-  // any rotation that it is given exactly: of one of five joints ask where an axis of the tip
-  // points, of a shorter one its position only, for which `rotations` does not count.
+  // The query at each cell, as in IkOptions. A chain of less than six joints reaches hardly any
+  // exact rotation. With five joints, map where an axis of the tip points; with fewer, its position
+  // only, for which `rotations` does not count.
   bool position_only = false;
   std::optional<Eigen::Vector3d> axis{};  // in the tip's frame
   double tolerance = 1e-3;                // m and rad
@@ -47,8 +47,8 @@ struct ReachMap {
   Eigen::Vector3d first = Eigen::Vector3d::Zero();  // centre of the first cell, m, base frame
   double cell = 0;                                  // between centres, m
   int rotations = 0;                                // tried at each cell
-  // Of the rotations, those that are reached, 0 to 1; and the mean manipulability
-  // (manipulability.h) of the configurations found, 0 where there are none. z changes fastest.
+  // The share of rotations that are reached, 0 to 1; and the mean manipulability (manipulability.h)
+  // of the configurations found, 0 without any. z changes fastest.
   std::vector<float> fraction{}, manipulability{};
 
   std::size_t index(int x, int y, int z) const {

@@ -20,7 +20,7 @@ class ReachMapper {
   void Run();
 
  private:
-  // Of the cells from one to another, in the order of the map.
+  // Maps the cells from `first` to `end`, in the order of the map.
   void MapCells(std::size_t first, std::size_t end);
   void FindCellsInReach();
   void AskForAll();
@@ -53,7 +53,7 @@ class ReachMapper {
   // Poses that were reached last; that were not reached from beside.
   std::vector<std::size_t> news_, barred_;
 
-  // What is asked for together.
+  // The cells of the queries that are solved together.
   std::vector<std::size_t> asked_;
   std::vector<Pose> targets_;
   std::vector<double> seeds_;

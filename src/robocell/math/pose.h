@@ -86,7 +86,7 @@ class Pose {
   Quaternion quaternion_ = {0, 0, 0, 1};
 };
 
-// Whether all its numbers are finite. Constructors take no others; arithmetic may overflow.
+// Whether all numbers are finite. Constructors reject other poses; arithmetic may overflow.
 bool IsFinite(const Pose& pose);
 
 std::ostream& operator<<(std::ostream& out, const Pose& pose);

@@ -53,7 +53,7 @@ class ChildProcess {
 
   // "exited with code 1", "was killed by signal 9 (Killed)", "is running".
   std::string DescribeEnd() const;
-  // What the child wrote to stderr (the last 2000 characters, trimmed), "" if nothing.
+  // Returns what the child wrote to stderr (the last 2000 characters, trimmed), "" if nothing.
   std::string Errors() const;
 
  private:

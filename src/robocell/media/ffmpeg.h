@@ -1,5 +1,5 @@
-// Where the ffmpeg program is, and which one it is. It is run as a child process and never linked:
-// its licence (GPL in most builds) stays its own.
+// Finds the ffmpeg program and its version. It is run as a child process and never linked: its
+// licence (GPL in most builds) stays its own.
 #pragma once
 
 #include <string>
@@ -16,9 +16,8 @@ std::string FindFfmpeg();
 // only with the same version.
 std::string FfmpegVersion(const std::string& program = FindFfmpeg());
 
-// What FfmpegVersion was told last, so that a process that this one starts need not ask for the
-// same file again: the value of ROBOCELL_FFMPEG_ANSWER for its environment. "" when nothing was
-// asked.
+// Returns the last result of FfmpegVersion as the value of ROBOCELL_FFMPEG_ANSWER for child
+// processes, so that they need not ask for the same file again. "" if ffmpeg was not asked.
 std::string FfmpegAnswer();
 
 }  // namespace robocell

@@ -1,10 +1,10 @@
-// What an mp4 or mov file says about its video: kind, size, frames, rate, encoder. Reads the file's
-// tables itself (a millisecond, no child process), so that every recording can be checked. Decoding
-// is VideoReader's.
+// Reads kind, size, frames, rate and encoder of the video in an mp4 or mov file. It reads the
+// file's tables itself (a millisecond, no child process), so that every recording can be checked.
+// VideoReader decodes.
 //
 //   VideoInfo info = ReadVideoInfo("wrist.mp4");  // 120 frames, fps_num / fps_den == 500 / 33
 //
-// IoError names the file and what is wrong: not an mp4, cut short, no video in it.
+// IoError contains the file and the reason: not an mp4, truncated, no video in it.
 #pragma once
 
 #include <cstdint>

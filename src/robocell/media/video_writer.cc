@@ -6,6 +6,7 @@
 #include <array>
 #include <bit>
 #include <numeric>
+#include <optional>
 #include <system_error>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "robocell/base/names.h"
 #include "robocell/media/child_process.h"
 #include "robocell/media/ffmpeg.h"
+#include "robocell/media/yuv420.h"
 
 namespace robocell {
 namespace {
@@ -24,29 +26,24 @@ constexpr int kLeastGrayPixels = 4;
 std::string KindName(VideoKind kind) { return kind == VideoKind::kGray16 ? "16-bit" : "colour"; }
 
 std::string PixelFormat(VideoKind kind) {
-  return kind == VideoKind::kGray16 ? "gray16le" : "rgb24";
+  return kind == VideoKind::kGray16 ? "gray16le" : "yuv420p";
 }
 
 const std::vector<std::string> kPresets = {"ultrafast", "superfast", "veryfast", "faster",  "fast",
                                            "medium",    "slow",      "slower",   "veryslow"};
-
-// BT.601 with its flags written into the file: readers that ignore the flags assume the same. All
-// of swscale's rounding shortcuts are off, so that the result does not depend on the processor.
-constexpr const char* kConvert =
-    "scale=out_color_matrix=smpte170m:out_range=tv:flags=bicubic+accurate_rnd+full_chroma_int+"
-    "bitexact,format=yuv420p";
 
 void Append(std::vector<std::string>& arguments, const std::vector<std::string>& more) {
   arguments.insert(arguments.end(), more.begin(), more.end());
 }
 
 std::vector<std::string> ColourArguments(const VideoOptions& options) {
-  std::vector<std::string> arguments = {"-filter_threads", "1", "-vf", kConvert};
   // One thread: x264's bytes depend on the number. No B-frames: frame i has time i / fps from the
   // first byte on.
-  Append(arguments, {"-c:v", "libx264", "-threads", "1", "-preset", options.preset});
+  std::vector<std::string> arguments = {"-c:v", "libx264", "-threads",
+                                        "1",    "-preset", options.preset};
   Append(arguments, {"-crf", std::to_string(options.crf)});
   Append(arguments, {"-g", std::to_string(options.keyframe_interval), "-bf", "0"});
+  // What yuv420.h makes. Readers that ignore these flags assume the same.
   Append(arguments, {"-color_range", "tv", "-colorspace", "smpte170m"});
   Append(arguments, {"-color_primaries", "bt709", "-color_trc", "iec61966-2-1"});
   return arguments;
@@ -82,7 +79,7 @@ std::string OddSize(const std::string& name, int width, int height) {
 
 }  // namespace
 
-void CheckVideoOptions(const std::string& name, const VideoOptions& options) {
+void RequireVideoOptions(const std::string& name, const VideoOptions& options) {
   const int w = options.width;
   const int h = options.height;
   if (w < 1 || h < 1 || w > 16384 || h > 16384) {
@@ -116,7 +113,7 @@ void CheckVideoOptions(const std::string& name, const VideoOptions& options) {
 namespace {
 
 // Players and our own readers go by the ending.
-void CheckEnding(const std::string& name, const std::filesystem::path& path, VideoKind kind) {
+void RequireEnding(const std::string& name, const std::filesystem::path& path, VideoKind kind) {
   const char* ending = kind == VideoKind::kColour ? ".mp4" : ".mov";
   if (path.extension() == ending) return;
   throw ArgumentError(fmt::format("{}: {} videos are {} files; name it '{}'", name, KindName(kind),
@@ -131,6 +128,7 @@ struct VideoWriter::Impl {
   std::filesystem::path partial;
   std::string name;
   VideoOptions options;
+  std::optional<internal::Yuv420Converter> convert;  // of colour: half the bytes go to the encoder
   std::unique_ptr<ChildProcess> encoder;
   int64_t frames = 0;
   std::string failure;
@@ -184,12 +182,12 @@ struct VideoWriter::Impl {
                                       kind == options.kind ? "" : " of " + KindName(kind)));
     }
     Guarded([&] {
-      if (!encoder->Write(frame)) EncoderFailed();
+      if (!encoder->Write(convert ? (*convert)(frame) : frame)) EncoderFailed();
     });
     ++frames;
   }
 
-  void CheckResult() {
+  void RequireResult() {
     const VideoInfo info = ReadVideoInfo(partial);
     const int divisor = std::gcd(options.fps_num, options.fps_den);
     const bool same_rate = info.constant_rate && info.fps_num == options.fps_num / divisor &&
@@ -208,10 +206,11 @@ struct VideoWriter::Impl {
 VideoWriter::VideoWriter(std::filesystem::path path, const VideoOptions& options)
     : impl_(std::make_unique<Impl>()) {
   impl_->name = fmt::format("video '{}'", path.string());
-  CheckEnding(impl_->name, path, options.kind);
-  CheckVideoOptions(impl_->name, options);
+  RequireEnding(impl_->name, path, options.kind);
+  RequireVideoOptions(impl_->name, options);
   impl_->path = std::move(path);
   impl_->options = options;
+  if (options.kind == VideoKind::kColour) impl_->convert.emplace(options.width, options.height);
   const std::string ffmpeg = FindFfmpeg();
   impl_->Guarded([&] { impl_->partial = MakeTempFile(impl_->path); });
   impl_->encoder = std::make_unique<ChildProcess>(
@@ -237,7 +236,7 @@ void VideoWriter::Finish() {
   impl_->Guarded([&] {
     impl_->encoder->CloseStdin();
     if (impl_->encoder->Wait() != 0 || !impl_->encoder->Errors().empty()) impl_->EncoderFailed();
-    impl_->CheckResult();
+    impl_->RequireResult();
     std::error_code error;
     std::filesystem::rename(impl_->partial, impl_->path, error);
     if (error) impl_->Fail("cannot rename the finished file: " + error.message());

@@ -16,9 +16,9 @@ struct Clearance {
   std::string other_geom;
 };
 
-// Of all colliding geoms that stand for the robot (Robot::collision_geom_ids) against all colliding
-// geoms that are not the robot's. Poses must be up to date. Planes (floors) count for the arm but
-// not for the pedestal, which may stand in them.
+// Computes the clearance of all colliding geoms that represent the robot
+// (Robot::collision_geom_ids) from all colliding geoms that are not the robot's. Poses must be up
+// to date. Planes (floors) count for the arm but not for the pedestal, which may stand in them.
 Clearance RobotClearance(const Scene& scene, const Robot& robot, double horizon);
 
 }  // namespace robocell

@@ -15,7 +15,7 @@ namespace robocell {
 Interval GeomExtent(const mjModel* model, const mjData* data, int geom,
                     const Eigen::Vector3d& direction);
 
-// Whether a geom takes part in collisions at all.
+// Whether a geom takes part in collisions.
 bool IsCollisionGeom(const mjModel* model, int geom);
 // The collision geoms of a body's subtree.
 std::vector<int> CollisionGeomsOf(const mjModel* model, int body);

@@ -27,7 +27,7 @@ inline constexpr double kEdgeStep = 0.06;
 double JointDistance(const JointVector& a, const JointVector& b);
 JointVector Blend(const JointVector& a, const JointVector& b, double part);
 
-// Whether all of the straight line from a to b is free; a itself is not looked at.
+// Whether the whole straight line from a to b is collision-free; a itself is not checked.
 bool EdgeIsFree(const JointVector& a, const JointVector& b, const FreeFunction& is_free,
                 double step = kEdgeStep);
 

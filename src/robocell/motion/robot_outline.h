@@ -27,8 +27,8 @@ class RobotOutline {
   // In the frame of the robot's base group; its poses must be up to date.
   explicit RobotOutline(const Robot& robot);
 
-  // Whether no part of the robot is nearer to the obstacle than the margin (metres), with the base
-  // at an upright pose.
+  // Whether no part of the robot is nearer to the obstacle than the margin (metres), for an upright
+  // pose of the base.
   bool IsClearOf(const LevelBox& obstacle, const Pose& base_in_world, double margin) const;
 
  private:

@@ -13,9 +13,9 @@
 
 namespace robocell {
 
-// Per joint of an arm, in its order: the jump in rad or m that takes its servo from rest to the
-// force limit of actuator or joint; infinite without a limit, where it cannot be told, and for an
-// arm of other actuators.
+// Returns for each joint of an arm, in order, the jump in rad or m that takes its servo from rest
+// to the force limit of actuator or joint. It is infinite without a limit, if it cannot be
+// computed, and for an arm of other actuators.
 std::vector<double> ServoJumps(const mjModel* model, const MoveGroup& arm);
 
 // The least duration in seconds of a leg of a TimedPath (timed_path.h) through `points` in which no

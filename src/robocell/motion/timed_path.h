@@ -10,7 +10,7 @@ namespace robocell {
 
 class TimedPath {
  public:
-  // Of the fastest moment of a leg, relative to its mean speed.
+  // The largest speed of a leg, relative to its mean speed.
   static constexpr double kPeakSpeed = 1.875;
 
   // `tick`: seconds between targets.

@@ -18,7 +18,7 @@ inline const mjtNum* Gears(const mjModel* model, int actuator) {
 }
 inline mjtNum Gear(const mjModel* model, int actuator) { return *Gears(model, actuator); }
 
-// Whether it acts on one joint, not through a tendon or at a site.
+// Whether the actuator acts on one joint, not through a tendon or at a site.
 inline bool IsOnJoint(int transmission) {
   return transmission == mjTRN_JOINT || transmission == mjTRN_JOINTINPARENT;
 }
@@ -33,8 +33,8 @@ struct ActuatorTarget {
 };
 ActuatorTarget TargetOf(const mjModel* model, int actuator);
 
-// What rotors add to the inertia of a tendon: its own armature, and those of actuators that pull
-// it, behind their gears.
+// Returns what rotors add to the inertia of a tendon: its own armature, and the armature of
+// actuators that pull it, behind their gears.
 double TendonArmature(const mjModel* model, int tendon);
 
 // The body of what a tendon is led by (wrap_type, wrap_objid), a joint, site or geom; -1 of a

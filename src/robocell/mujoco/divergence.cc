@@ -5,13 +5,13 @@
 
 #include <cmath>
 
-#include "robocell/base/few_numbers.h"
+#include "robocell/base/small_arrays.h"
 #include "robocell/mujoco/names.h"
 
 namespace robocell {
 namespace {
 
-bool AllGood(const mjtNum* x, int n) { return FewAreWithin(mjMAXVAL, x, static_cast<size_t>(n)); }
+bool AllGood(const mjtNum* x, int n) { return AllWithin(mjMAXVAL, x, static_cast<size_t>(n)); }
 
 int FirstBad(const mjtNum* x, int n) {
   for (int i = 0; i < n; ++i) {

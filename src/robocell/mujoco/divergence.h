@@ -30,7 +30,7 @@ struct [[nodiscard]] StepResult {
   bool ok() const { return status == kOk; }
 };
 
-// What has to be remembered from before a step to judge it.
+// The state before a step that is needed to judge it.
 struct StepStart {
   double time = 0;
   EngineWarnings warnings;

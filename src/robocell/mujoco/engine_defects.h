@@ -20,7 +20,7 @@
 
 namespace robocell {
 
-// Whether compiling may replace a sparse Jacobian that the engine cannot be trusted with.
+// Whether compiling may replace a sparse Jacobian, whose solver in the engine is wrong.
 enum class JacobianGuard { kOn, kOff };
 
 struct EngineDefect {
@@ -36,7 +36,7 @@ inline constexpr std::string_view kSparseNewton = "sparse_newton";
 // Those of the loaded engine, worst first; none when nothing is known.
 std::vector<EngineDefect> KnownEngineDefects();
 
-// Whether steps of the model go through a solver that is known to be wrong.
+// Whether steps of the model use a solver that is known to be wrong.
 bool NeedsJacobianGuard(const mjModel* model);
 
 // Makes the Jacobian of such a model dense, and returns whether it did.

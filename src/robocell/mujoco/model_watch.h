@@ -1,5 +1,5 @@
-// ModelWatch: whether a model that one only borrows is still there. Neither its address nor the
-// engine's signature can tell: a model that is compiled later may have both of one that was freed.
+// ModelWatch: whether a borrowed model still exists. Neither its address nor the engine's signature
+// can tell: a model that is compiled later may have both of a freed one.
 //
 //   const ModelWatch watch(model);
 //   ... a scene may be built anew ...
@@ -28,7 +28,7 @@ class ModelWatch {
   std::shared_ptr<const std::atomic<bool>> gone_;
 };
 
-// Tells those that watch a model. For its owners, before they free it.
+// Notifies the watches of a model. Its owners call this before they free it.
 void ModelEnds(const mjModel* model) noexcept;
 
 }  // namespace robocell

@@ -1,4 +1,4 @@
-// Questions about a compiled model's body tree. Ids are not checked.
+// Queries of a compiled model's body tree. Ids are not checked.
 #pragma once
 
 #include <mujoco/mjtype.h>
@@ -9,7 +9,7 @@
 
 namespace robocell {
 
-// Whether a body is `root` or hangs on it. Everything hangs on the world, body 0.
+// Whether a body is `root` or below it. Every body is below the world, body 0.
 bool IsInSubtree(const mjModel* model, int body, int root);
 
 // Per body of the model: the same.

@@ -37,7 +37,7 @@ EngineWarnings ReadWarnings(const mjData* data);
 
 // A stable short key for records: "contacts_full", "bad_qpos", ...
 const char* WarningName(mjtWarning kind);
-// What it means, in words: "contact buffer full".
+// Returns the meaning in words: "contact buffer full".
 const char* WarningMeaning(mjtWarning kind);
 
 // Warnings that the spec gathered while it was attached to and compiled, oldest first.

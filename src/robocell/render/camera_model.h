@@ -1,5 +1,6 @@
-// Where a camera looks and how it projects: intrinsics, extrinsics and projection, computed from
-// the simulation's model and state. No images here; the renderer draws with exactly this.
+// Describes where a camera looks and how it projects: intrinsics, extrinsics and projection,
+// computed from the simulation's model and state. No images here; the renderer draws with exactly
+// this.
 //
 // Pixels: the centre of the upper left pixel is (0, 0), u goes right and v down, so that
 // image[v][u] is pixel (u, v) and the principal point of a symmetric camera is ((W-1)/2, (H-1)/2).
@@ -90,7 +91,7 @@ struct CameraModel {
   double Depth(const Eigen::Vector3d& point_in_world) const;
   // The point in the world that is seen in a pixel at a depth.
   Eigen::Vector3d Unproject(const Eigen::Vector2d& pixel, double depth) const;
-  // Whether the point falls into a pixel of the image, between the clip planes.
+  // Whether the point is inside the image, between the clip planes.
   bool Contains(const Eigen::Vector3d& point_in_world) const;
 };
 

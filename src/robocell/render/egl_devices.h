@@ -34,14 +34,14 @@ struct EglDeviceChoice {
 // CUDA_VISIBLE_DEVICES or a CUDA number, otherwise an index in EGL's list. Without a choice,
 // devices in CUDA_VISIBLE_DEVICES come first, then other graphics cards, then software.
 //
-// ArgumentError for a choice that is no number of a device; it names variable and devices.
+// ArgumentError for a choice that is not a device number; it names variable and devices.
 std::vector<size_t> OrderEglDevices(std::span<const EglDevice> devices,
                                     const EglDeviceChoice& choice);
 
 // "device 0 (NVIDIA)".
 std::string DescribeEglDevice(std::span<const EglDevice> devices, size_t index);
 
-// Whether what OpenGL calls its renderer draws on the processor: "llvmpipe (LLVM 15.0.6, 256
+// Whether the renderer that OpenGL reports draws on the processor: "llvmpipe (LLVM 15.0.6, 256
 // bits)".
 bool IsSoftwareRenderer(std::string_view renderer);
 

@@ -41,7 +41,8 @@ enum class GlBackend { kAuto, kEgl, kOsmesa };
 const char* GlBackendName(GlBackend backend);
 // NotFoundError with suggestions for any other name; case does not matter.
 GlBackend GlBackendFromName(std::string_view name, std::string_view place);
-// What kAuto means in this process's environment; still kAuto when that says nothing.
+// Returns the meaning of kAuto in this process's environment; kAuto if the environment chooses
+// nothing.
 GlBackend GlBackendFromEnvironment();
 
 class GlContext {
@@ -57,7 +58,8 @@ class GlContext {
   GlContext& operator=(const GlContext&) = delete;
 
   virtual GlBackend backend() const = 0;
-  // What draws, for records and reports: "egl: llvmpipe (LLVM 15.0.6, 256 bits), 4.5 Mesa 22.3.6".
+  // Description of the renderer, for records: "egl: llvmpipe (LLVM 15.0.6, 256 bits), 4.5 Mesa
+  // 22.3.6".
   const std::string& description() const { return description_; }
 
   // Makes a context current on this thread for a scope.
@@ -76,7 +78,7 @@ class GlContext {
     void* saved_[4] = {};  // what was current before, for the back end
   };
 
-  // Whether this process is a fork of one that has had a context.
+  // Whether this process is a fork of a process that has had a context.
   static bool InFork();
 
  protected:

@@ -97,7 +97,7 @@ std::string NvidiaRemedy(const GraphicsFacts& facts) {
   }
   if (!facts.nvidia_vendor_file) {
     return fmt::format(
-        "EGL is not told of the driver. Write {} with the text "
+        "EGL does not know the driver. Write {} with the text "
         R"({{"file_format_version": "1.0.0", "ICD": {{"library_path": "libEGL_nvidia.so.0"}}}})",
         kVendorFile);
   }

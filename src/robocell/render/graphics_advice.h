@@ -1,5 +1,5 @@
-// What to do on a machine that has a graphics card and draws on the processor all the same. Looks
-// at files and variables, and draws nothing.
+// Advice for a machine that has a graphics card but renders on the processor. Reads files and
+// variables, and draws nothing.
 //
 //   const std::string text = GraphicsAdvice(DescribeGl(), ReadGraphicsFacts());
 //   if (!text.empty()) LogWarn(text);
@@ -11,13 +11,13 @@
 
 namespace robocell {
 
-// What a machine has to draw with, as far as its files and the environment tell.
+// The graphics of a machine, as its files and the environment show them.
 struct GraphicsFacts {
   std::vector<std::string> nvidia = {};      // /dev/nvidia0 ...
   std::vector<std::string> dri = {};         // /dev/dri/renderD128 ...
   std::vector<std::string> unreadable = {};  // those of the two that this user may not open
   bool nvidia_library = false;               // libEGL_nvidia.so.0 is installed
-  bool nvidia_vendor_file = false;           // EGL is told of it, by a file like 10_nvidia.json
+  bool nvidia_vendor_file = false;           // a file like 10_nvidia.json registers it with EGL
   bool container = false;
   // Variables; empty where they are not set.
   std::string vendor_files = {};         // __EGL_VENDOR_LIBRARY_FILENAMES
@@ -28,7 +28,7 @@ struct GraphicsFacts {
   bool has_gpu() const { return !nvidia.empty() || !dri.empty(); }
 };
 
-// Of this machine, with all files below `root`.
+// Reads the facts of this machine, with all files below `root`.
 GraphicsFacts ReadGraphicsFacts(const std::string& root = "/");
 
 // "" when `description` (of DescribeGl) is of a graphics card, or when there is none. Otherwise a

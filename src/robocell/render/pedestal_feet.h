@@ -21,8 +21,8 @@ class PedestalFeet {
   // Finds the geoms `<prefix>pedestal` of bodies `<prefix><kind>_base` (scene/robot_base.h).
   explicit PedestalFeet(const mjModel* model);
 
-  // Of pedestals that stand upright, down to the nearest visible thing; with nothing below them
-  // they stay as they are. `data` has up-to-date poses.
+  // Extends upright pedestals down to the nearest visible geom; without one they stay as they are.
+  // `data` has up-to-date poses.
   void ReachDown(const mjModel* model, const mjData* data, const mjvOption& option,
                  mjvScene* scene) const;
 

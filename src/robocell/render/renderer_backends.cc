@@ -37,7 +37,7 @@ std::unique_ptr<Renderer> MakeByName(const std::string& place, const std::string
   throw NotFoundError(NoSuchName(place, "back end", name, known));
 }
 
-// Whether someone has said which OpenGL it is to be.
+// Returns true if someone has said which OpenGL it is to be.
 bool GlIsChosen(const RendererOptions& options) {
   const EglDeviceChoice device = EglDeviceChoice::FromEnvironment();
   return GlBackendFromName(options.gl, "renderer") != GlBackend::kAuto ||

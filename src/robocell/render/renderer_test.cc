@@ -251,7 +251,7 @@ TEST_P(Rendering, AModelThatWasCompiledAnewNeedsAnUpload) {
   const RenderRequest request{.camera = ModelCamera{0}, .width = kW, .height = kH};
   ExpectThrow<ArgumentError>(
       [&] { renderer_->Render(data.get(), request, {.rgb = rgb}); },
-      "the data belong to another model; call SetModel after a scene was built anew");
+      "the data belong to another model; call SetModel after a scene was built again");
   renderer_->SetModel(model.get());
   renderer_->Render(data.get(), request, {.rgb = rgb});
 }
@@ -271,7 +271,7 @@ TEST_P(Rendering, AModelThatWasFreedIsToldThoughTheNextOneLooksTheSame) {
   const DataPtr data = MakeData(model.get());
   ExpectThrow<ArgumentError>(
       [&] { renderer_->Render(data.get(), request, {.rgb = rgb}); },
-      "the model that it was given was freed; call SetModel after a scene was built anew");
+      "the model that it was given was freed; call SetModel after a scene was built again");
   renderer_->SetModel(model.get());
   renderer_->Render(data.get(), request, {.rgb = rgb});
 }

@@ -8,8 +8,8 @@
 #include <string>
 #include <utility>
 
-#include "robocell/base/both_languages.h"
 #include "robocell/base/error.h"
+#include "robocell/base/function_name.h"
 #include "robocell/base/names.h"
 #include "robocell/mujoco/names.h"
 
@@ -81,7 +81,7 @@ const mjModel* VideoRecorder::Model() const {
   if (watch_.gone()) {
     throw ArgumentError(Place() +
                         ": the model that it was given was freed; call SetModel after a scene was "
-                        "built anew, or film with a SceneRecorder");
+                        "built again, or film with a SceneRecorder");
   }
   return model_;
 }
@@ -95,7 +95,7 @@ int VideoRecorder::CameraId(std::string_view name) const {
 TrackingCamera VideoRecorder::TrackingAgain() const {
   if (tracked_.empty()) {
     throw ArgumentError(Place() + ": camera 'Tracking' has nothing to follow yet; " +
-                        InBothLanguages("SetTrackingCamera") + " says which body");
+                        CppAndPythonName("SetTrackingCamera") + " says which body");
   }
   TrackingCamera view = tracking_;
   view.body = RequireId(Model(), mjOBJ_BODY, tracked_, Place());

@@ -35,9 +35,9 @@ struct VideoSize {
 };
 VideoSize SizeOf(VideoResolution resolution);
 
-// What recorders can be told to use by name beside the cameras of the model: whichever is in use,
-// the free camera where it was left, and the tracking one where it was left. A camera of the model
-// that has one of these names is that camera.
+// Names that recorders accept beside the cameras of the model: the present camera, the free camera
+// where it was left, and the tracking camera where it was left. A camera of the model with one of
+// these names takes precedence.
 inline constexpr std::string_view kCurrentCamera = "Current", kFreeCamera = "Free",
                                   kTrackingCamera = "Tracking";
 // These three, then the cameras of a model that have names, in its order.
@@ -98,7 +98,7 @@ class VideoRecorder {
   ModelWatch watch_;  // of the model, which is the caller's
   OrbitCamera free_;
   TrackingCamera tracking_;
-  std::string tracked_;  // the body that it was told; ids change
+  std::string tracked_;  // name of the tracked body; ids change
   CameraView view_;
   std::string name_;      // of the model's camera or the body in view_
   bool missing_ = false;  // the present model has none of that name

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "robocell/base/few_numbers.h"
+#include "robocell/base/small_arrays.h"
 
 namespace robocell {
 
@@ -30,20 +30,20 @@ class Addresses {
   const std::vector<int>& list() const { return list_; }
   size_t size() const { return list_.size(); }
   int operator[](size_t i) const { return list_[i]; }
-  // Where the first is, when the others follow it one by one; else null.
+  // Returns the address of the first if the others follow it contiguously, else null.
   const double* InARow(const double* array) const {
     return in_a_row_ && !list_.empty() ? array + first_ : nullptr;
   }
 
   // `out` has as many.
   void Gather(const double* array, std::span<double> out) const {
-    if (const double* from = InARow(array)) return CopyFew(from, out.size_bytes(), out.data());
+    if (const double* from = InARow(array)) return CopySmall(from, out.size_bytes(), out.data());
     for (size_t i = 0; i < out.size(); ++i) out[i] = array[list_[i]];
   }
   // `values` are as many.
   void Scatter(std::span<const double> values, double* array) const {
     if (in_a_row_ && !list_.empty())
-      return CopyFew(values.data(), values.size_bytes(), array + first_);
+      return CopySmall(values.data(), values.size_bytes(), array + first_);
     for (size_t i = 0; i < values.size(); ++i) array[list_[i]] = values[i];
   }
 

@@ -22,7 +22,7 @@ class GripperOpeningController : public Controller {
   const Scene* scene() const override { return group_.scene(); }
   TargetKind target_kind() const override { return TargetKind::kOpening; }
   int target_size() const override { return 1; }
-  // Beyond 0..1 the nearest is used, which is told once; the actuators are told at once.
+  // Values beyond 0..1 are clipped, which is logged once. The actuators get the target at once.
   void SetTarget(std::span<const double> target) override;
   std::span<const double> target() const override { return {&opening_, 1}; }
   std::span<const double> commanded_joint_pos() const override { return target(); }
@@ -31,7 +31,7 @@ class GripperOpeningController : public Controller {
   void Compute(std::span<double> ctrl) override;
 
  private:
-  // What the first actuator's control was sent for.
+  // The opening that belongs to a control of the first actuator.
   double OpeningFor(double ctrl) const;
 
   GripperGroup& group_;

@@ -14,8 +14,8 @@
 #include "robocell/mujoco/owners.h"
 #include "robocell/mujoco/step.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/robot/measurement_cache.h"
 #include "robocell/robot/move_group.h"
-#include "robocell/robot/once_per_model.h"
 
 namespace robocell {
 namespace {
@@ -73,8 +73,8 @@ bool HasFriction(const mjModel* m, int hand) {
   return false;
 }
 
-// What dry friction holds creeps on steadily, for in the engine friction is soft: that counts as
-// rest too, or the fingers would be waited for until they are where friction keeps them from.
+// Fingers held by dry friction creep on steadily, because friction is soft in the engine. This
+// counts as rest, or the measurement would wait until they are where friction keeps them from.
 double SettledDistance(const mjModel* m, mjData* d, const GripperParts& parts,
                        const std::vector<double>& ctrl) {
   const auto width = [](const Interval& passed) { return passed.upper - passed.lower; };
@@ -186,7 +186,7 @@ std::array<double, 2> SettledFingerDistances(const Scene& scene, const GripperPa
       "fingers of body {}: {}, {}; controls {}: {}, {}", parts.robot_body,
       FingerName(parts.pair.fingers[0]), FingerName(parts.pair.fingers[1]),
       fmt::join(parts.ctrl_addresses, " "), fmt::join(ctrl[0], " "), fmt::join(ctrl[1], " "));
-  const std::vector<double> distances = OncePerModel(*scene.compiled(), what, [&] {
+  const std::vector<double> distances = CachedMeasurement(*scene.compiled(), what, [&] {
     std::vector<double> ends;
     LookAtEnds(scene, parts, ctrl,
                [&](const mjModel*, const mjData*, double distance) { ends.push_back(distance); });

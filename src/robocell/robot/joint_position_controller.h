@@ -36,8 +36,8 @@ class JointPositionController : public Controller {
   bool GetSteadyTarget(std::span<const double> q, std::span<const double> v,
                        std::span<const double> gravity, std::span<const double> resistance,
                        std::span<double> out) const override;
-  // What is beyond a joint's limits drives the joint to its limit, or the servo to the end of its
-  // ctrlrange, and is told once. What nobody commanded is not told.
+  // Values beyond a joint's limits drive the joint to its limit, or the servo to the end of its
+  // ctrlrange, and are logged once. Joints without a command are not logged.
   void Compute(std::span<double> ctrl) override;
 
  private:

@@ -1,11 +1,10 @@
-// The velocity port: velocity servos drive each joint at the velocity that is commanded. They are
-// fed what the arm takes to move so without them: gravity and Coriolis torques where it is and as
-// it moves, and what its joints' springs, dampers and friction resist the commanded velocity with.
-// So they have only errors to push against; no error is summed up.
+// The velocity port: velocity servos drive each joint at the commanded velocity, with a
+// feedforward: gravity and Coriolis torques at the present state, and the resistance of joint
+// springs, dampers and friction loss to the commanded velocity. So the servos only correct errors,
+// and there is no integrator.
 //
-// An arm that moves when it is taken over brakes from the velocity that it has, which falls to 1/e
-// in 0.1 s, so that the force does not jump; a joint that is told a velocity is driven at that from
-// then on.
+// A moving arm that is switched to velocity mode brakes: its velocity falls to 1/e in 0.1 s, so
+// that the force does not jump. A joint with a commanded velocity is driven at that from then on.
 #pragma once
 
 #include <memory>
@@ -41,7 +40,7 @@ class JointVelocityController : public Controller {
   void Compute(std::span<double> ctrl) override;
 
  private:
-  // What the joints are driven at now.
+  // The present velocity targets of the joints.
   std::span<const double> Driven();
 
   ArmGroup& arm_;

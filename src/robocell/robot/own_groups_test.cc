@@ -39,7 +39,7 @@ GroupNames ArmNames() {
   return names;
 }
 
-// A group that counts what it is told.
+// A group that counts its commands.
 class CountingGroup : public JointGroup {
  public:
   CountingGroup(const Scene& scene, GroupNames names, int* commands)
@@ -270,7 +270,7 @@ TEST(OwnGroup, CannotBeReplacedWhileItIsRead) {
   EXPECT_EQ(&robot.arm(), &arm);
 }
 
-// Of two joints, with these limits.
+// A group of two joints with these limits.
 class OddlyLimited : public JointGroup {
  public:
   OddlyLimited(const Scene& scene, std::vector<Interval> limits)

@@ -155,8 +155,7 @@ TEST_P(AnyRobot, LockedGroupsOutsideTheChainAreNoMatterAndThoseInsideStayPut) {
   EXPECT_THROW(robot.LockGroups(std::vector<std::string>{"amr"}), NotFoundError);
 }
 
-// What the engine says must act on the joints to keep everything still: the bias forces less the
-// passive ones, at rest.
+// The engine's torques that keep everything still: the bias forces less the passive ones, at rest.
 TEST_P(AnyRobot, GravityTorquesAreTheEnginesBiasForcesAtRest) {
   REQUIRE_ROBOT(GetParam());
   Scene scene = Build({.euler = {30, 50, 0}});
@@ -175,7 +174,7 @@ TEST_P(AnyRobot, GravityTorquesAreTheEnginesBiasForcesAtRest) {
   }
 }
 
-// What impedance computes with: of the tool as it is now, which the chain has as one body.
+// The dynamics of impedance control, with the present tool, which the chain has as one body.
 TEST_P(AnyRobot, InverseDynamicsAndMassAreTheEnginesInMotion) {
   REQUIRE_ROBOT(GetParam());
   Scene scene = Build({.pos = {0, 0, 1}, .euler = {30, 50, 0}});

@@ -8,8 +8,8 @@
 #include <set>
 #include <utility>
 
-#include "robocell/base/both_languages.h"
 #include "robocell/base/error.h"
+#include "robocell/base/function_name.h"
 #include "robocell/base/log.h"
 #include "robocell/base/names.h"
 #include "robocell/mujoco/names.h"
@@ -48,13 +48,13 @@ std::vector<double> TakeOver(const ControlledGroup& group, Controller& controlle
   return servos;
 }
 
-// What is taken over are the forces at the present place: after a teleport without a step they may
-// still be those of the place before.
+// Takes over the forces at the present place. After a teleport without a step they may still be
+// those of the old place.
 void BringForces(Scene scene, const GroupControl& control) {
   if (control.may_have_forces_of_before(scene.time())) scene.Forward();
 }
 
-// What the model of an arm that is to be driven in a mode may have.
+// The actuators that the model of an arm may have for a mode.
 std::string ActuatorsFor(CtrlMode mode) {
   const std::string servos = std::string(ActuatorWord(CtrlMode::kPosition)) + "s";
   return mode == CtrlMode::kPosition ? servos
@@ -186,7 +186,7 @@ void Robot::State::FindCollisionGeoms() {
   std::erase_if(collision_geoms, [&](int g) { return !chosen.contains(g); });
 }
 
-// What they were tared by stays.
+// Tares are kept.
 void Robot::State::FindFtSensors() {
   std::vector<FtReading> found;
   for (const ForceTorqueSensorSpec& spec : record.config.ft_sensors) {
@@ -433,13 +433,13 @@ GroupSlot& Robot::State::RequireKind(MoveGroupKind kind) {
   }
   const std::string next =
       is_of_chain()
-          ? "It was made of a chain by " + InBothLanguages("Robot::FromScene") +
+          ? "It was made of a chain by " + CppAndPythonName("Robot::FromScene") +
                 ", which makes an arm only: give the RobotSpec a `config` with this group, or "
                 "drive its actuators by their names with " +
-                InBothLanguages("Scene::SetActuatorCtrl")
+                CppAndPythonName("Scene::SetActuatorCtrl")
       : record.config.move_groups.empty()
           ? "Its configuration has none: declare one under `move_groups`, or use " +
-                InBothLanguages("Robot::FromScene")
+                CppAndPythonName("Robot::FromScene")
           : fmt::format("Declare one under `move_groups` with `kind: {}`", ToString(kind));
   throw NotFoundError(fmt::format("{}: has no {} group. Its groups: {}. {}", place(),
                                   ToString(kind), ListNames(group_names()), next));

@@ -1,4 +1,4 @@
-// Several robots made of one arm: what drives its actuators is one thing, seen by all alike.
+// Several robots made of one arm share its controller.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>

@@ -25,7 +25,7 @@ std::string OneOrAll(const std::vector<std::string>& units) {
 }
 
 // Experts without names of phases are in phase 0 throughout.
-void CheckPhase(int phase, const std::vector<std::string>& names) {
+void RequirePhase(int phase, const std::vector<std::string>& names) {
   if (phase >= 0 && phase < std::max(1, static_cast<int>(names.size()))) return;
   const std::string allowed =
       names.empty() ? "phase_names() is empty, so it must be 0"
@@ -111,7 +111,7 @@ ColumnId OutcomeColumns::AddLabel(EpisodeSchema& schema, ColumnSpec column) {
 }
 
 void OutcomeColumns::PutPhase(EpisodeWriter& writer, int phase) {
-  CheckPhase(phase, phases_);
+  RequirePhase(phase, phases_);
   writer.Put(phase_, static_cast<int32_t>(phase));
 }
 
@@ -141,13 +141,12 @@ void OutcomeColumns::PutOutcome(EpisodeWriter& writer, const RowOutcome& outcome
   writer.Put(terminated_, outcome.terminated);
   writer.Put(truncated_, outcome.truncated);
   writer.Put(ik_failed_, outcome.ik_failed);
-  writer.Put(warnings_, static_cast<int32_t>(warnings().total()));
+  writer.Put(warnings_, static_cast<int32_t>(outcome.warnings));
 }
 
-void OutcomeColumns::PutControl(EpisodeWriter& writer, const mjModel* model, const mjData* data) {
-  writer.Put(control_time_, static_cast<double>(data->time));
-  if (model->nu > 0)
-    writer.Put(control_ctrl_, std::span<const double>(data->ctrl, static_cast<size_t>(model->nu)));
+void OutcomeColumns::PutControl(EpisodeWriter& writer, double time, std::span<const double> ctrl) {
+  writer.Put(control_time_, time);
+  if (!ctrl.empty()) writer.Put(control_ctrl_, ctrl);
   writer.EndRow(control_);
 }
 

@@ -36,6 +36,7 @@ struct RowOutcome {
   bool success = false;
   bool terminated = false, truncated = false;
   bool ik_failed = false;  // a pose command had no solution: its group kept its target
+  int warnings = 0;        // of the engine, since the start of the episode
 };
 
 // What is said about a row, and the control table.
@@ -50,8 +51,8 @@ class OutcomeColumns {
   EngineWarnings warnings() const { return ReadWarnings(scene_.data()) - warnings_before_; }
   void PutPhase(EpisodeWriter& writer, int phase);
   void PutOutcome(EpisodeWriter& writer, const RowOutcome& outcome);
-  // The control table: one row per control tick, what acts on the engine.
-  void PutControl(EpisodeWriter& writer, const mjModel* model, const mjData* data);
+  // The control table: one row per control tick, what acts on the engine from `time` on.
+  void PutControl(EpisodeWriter& writer, double time, std::span<const double> ctrl);
 
  private:
   ColumnId AddLabel(EpisodeSchema& schema, ColumnSpec column);

@@ -13,9 +13,9 @@
 #include <nlohmann/json.hpp>
 
 #include "robocell/assets/model_files.h"
-#include "robocell/base/both_languages.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/base/function_name.h"
 #include "robocell/base/io_error.h"
 #include "robocell/base/log.h"
 #include "robocell/data/dataset.h"
@@ -23,10 +23,10 @@
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_reader.h"
 #include "robocell/data/model_store.h"
-#include "robocell/rollout/check_run.h"
-#include "robocell/rollout/lost_manifest.h"
 #include "robocell/rollout/run_inputs.h"
-#include "robocell/spec/split_place.h"
+#include "robocell/rollout/run_origin.h"
+#include "robocell/rollout/validate_run.h"
+#include "robocell/spec/locations.h"
 
 namespace robocell {
 namespace {
@@ -229,9 +229,9 @@ void RestoreModels(const RunConfig& run) {
 
 void PrepareDataset(const RunConfig& run, const PrepareOptions& options) {
   RequireOutput(run);
-  if (options.check_run) {
+  if (options.validate) {
     for (const std::string& warning :
-         CheckRun(run, {.scripted_expert = false, .on_this_machine = false}))
+         ValidateRun(run, {.scripted_expert = false, .on_this_machine = false}))
       LogWarn(fmt::format("run '{}': {}", run.run, warning));
   }
   const RunInputs inputs = InputsOf(run);
@@ -240,7 +240,7 @@ void PrepareDataset(const RunConfig& run, const PrepareOptions& options) {
   RestoreModels(run);
 }
 
-void CheckDataset(const RunConfig& run) {
+void ValidateDataset(const RunConfig& run) {
   RequireOutput(run);
   std::error_code error;
   if (fs::exists(run.output, error)) MustBegin(run, InputsOf(run));
@@ -262,7 +262,7 @@ RunInputs RequireSameRun(const RunConfig& run) {
   if (!manifest) {
     throw SpecError(
         fmt::format("run '{}': '{}' is no dataset: it has no dataset.json; first call {}", run.run,
-                    run.output, InBothLanguages("PrepareDataset")));
+                    run.output, CppAndPythonName("PrepareDataset")));
   }
   RunInputs inputs = InputsOf(run);
   if (const auto changes = Changes(*manifest, inputs); !changes.empty()) ThrowChanged(run, changes);

@@ -8,12 +8,11 @@
 #include <nlohmann/json.hpp>
 
 #include "robocell/assets/model_files.h"
-#include "robocell/assets/portable_name.h"
 #include "robocell/assets/resolve.h"
 #include "robocell/assets/scene_models.h"
 #include "robocell/base/error.h"
 #include "robocell/base/file_set.h"
-#include "robocell/base/shell_word.h"
+#include "robocell/base/paths.h"
 #include "robocell/data/model_store.h"
 #include "robocell/rollout/engine_record.h"
 #include "robocell/spec/yaml.h"
@@ -130,6 +129,13 @@ SceneSpec RecordedScene(const Episode& episode) {
     throw ArgumentError(fmt::format(
         "episode '{}': its metadata has no scene_spec; episodes that robocell generated "
         "have one",
+        episode.folder().string()));
+  }
+  if (metadata.contains("environment") && metadata["environment"].value("saved_scene", false)) {
+    throw ArgumentError(fmt::format(
+        "episode '{}': its scene was a saved file (saved_scene), which the dataset does not keep; "
+        "replay it in an environment of that file: ReplayActions, env.replay(episode), or "
+        "`robocell replay --env FILE`",
         episode.folder().string()));
   }
   SceneSpec scene = FromYamlUnchecked<SceneSpec>(metadata["scene_spec"].get<std::string>());

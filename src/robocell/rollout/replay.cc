@@ -13,15 +13,22 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/version.h"
+#include "robocell/env/env_state.h"
+#include "robocell/env/object_variations.h"
 #include "robocell/features/feature_source.h"
 #include "robocell/robot/robot.h"
+#include "robocell/rollout/env_of_episode.h"
 #include "robocell/rollout/recorded_scene.h"
+#include "robocell/spec/env_config.h"
 #include "robocell/spec/run_config.h"
+#include "robocell/spec/yaml.h"
 
 namespace robocell {
 namespace {
 
 using Json = nlohmann::json;
+
+const std::string kTicks(kControlTickColumn);
 
 // The value that is not there differs from every other, and from none of its kind.
 bool Differ(double a, double b, double tolerance) {
@@ -68,7 +75,7 @@ void AlignQuaternion(std::span<double> pose, std::span<const double> with) {
 Rates ReadRates(const Episode& episode) {
   try {
     const Json rates = Json::parse(episode.metadata_json()).at("rates");
-    return {.policy_ms = rates.at("policy_ms"),
+    return {.policy_ms = rates.value("policy_ms", rates.at("control_ms").get<double>()),
             .control_ms = rates.at("control_ms"),
             .sim_ms = rates.at("sim_ms")};
   } catch (const Json::exception&) {
@@ -99,7 +106,9 @@ class Replay {
         scene_(Scene::Build(RecordedScene(episode))),
         rates_(ReadRates(episode)),
         options_(options),
-        times_(episode.Read<double>("control/time")) {
+        times_(episode.Read<double>("control/time")),
+        first_ticks_(FirstTicks()) {
+    VaryObjects();
     if (nu()) ctrl_ = episode.Read<double>("control/ctrl");
     RequireFit();
     for (const Robot& robot : RobotsOf(scene_)) AddRobot(robot, "qpos");
@@ -107,15 +116,14 @@ class Replay {
     for (const Robot& robot : RobotsOf(scene_)) AddRobot(robot, "qvel");
   }
 
-  ReplayReport Run() {
+  ReplayResult Run() {
     report_.episode = episode_.id();
     report_.versions = VersionsThatChanged(episode_);
     scene_.SetState(episode_.Read<double>("initial_state"));
-    const int64_t per_row = rates_.control_ticks();
     for (int64_t row = 0; row < episode_.rows(); ++row) {
       if (!CompareRow(row)) break;
       ++report_.rows;
-      const int64_t end = std::min((row + 1) * per_row, ticks());
+      const int64_t end = first_ticks_[static_cast<size_t>(row) + 1];
       while (report_.ticks < end && !report_.first) RunTick(row);
       if (report_.first) break;
     }
@@ -146,10 +154,40 @@ class Replay {
     if (ctrl_.size() != nu() * times_.size())
       ThrowUnfit(fmt::format("its scene has {} controls, {} were recorded", nu(),
                              ctrl_.size() / std::max<size_t>(times_.size(), 1)));
+    // The last row may have ended early, in a divergence.
     const int64_t per_row = rates_.control_ticks(), rows = episode_.rows();
-    if (ticks() > (rows - 1) * per_row && ticks() <= rows * per_row) return;
+    if (std::ranges::is_sorted(first_ticks_) && first_ticks_.end()[-2] < ticks() &&
+        (Has(kTicks) || ticks() <= rows * per_row))
+      return;
+    if (Has(kTicks)) {
+      throw IoError(fmt::format("episode '{}': {} control ticks do not fit what column '{}' says",
+                                episode_.folder().string(), ticks(), kTicks));
+    }
     throw IoError(fmt::format("episode '{}': {} control ticks do not fit {} rows of {}",
                               episode_.folder().string(), ticks(), rows, per_row));
+  }
+
+  // Of each row, and where the last one ends. Steps of environments take as long as they need.
+  std::vector<int64_t> FirstTicks() const {
+    std::vector<int64_t> first;
+    if (Has(kTicks)) {
+      first = episode_.Read<int64_t>(kTicks);
+    } else {
+      for (int64_t row = 0; row < episode_.rows(); ++row)
+        first.push_back(row * rates_.control_ticks());
+    }
+    first.push_back(ticks());
+    return first;
+  }
+
+  // What an environment drew for the objects of this episode.
+  void VaryObjects() {
+    const Json metadata = Json::parse(episode_.metadata_json());
+    const Json environment = metadata.value("environment", Json::object());
+    if (!environment.contains("variations")) return;
+    const auto config = FromYamlUnchecked<EnvConfig>(environment["variations"].get<std::string>());
+    const std::vector<double> start = episode_.Read<double>(std::string(kEnvStateColumn));
+    ObjectVariations(config, scene_).Apply(EnvState::FromNumbers(start).variations);
   }
 
   void Add(Quantity quantity) {
@@ -262,13 +300,14 @@ class Replay {
   Rates rates_;
   ReplayOptions options_;
   std::vector<double> times_, ctrl_;
+  std::vector<int64_t> first_ticks_;  // of each row, and where the last one ends
   std::vector<Quantity> quantities_;
-  ReplayReport report_;
+  ReplayResult report_;
 };
 
 }  // namespace
 
-std::string ReplayReport::Text() const {
+std::string ReplayResult::Text() const {
   if (ok()) return fmt::format("{}: {} rows, {} control ticks: the same", episode, rows, ticks);
   const ReplayDifference& d = *first;
   std::string text = fmt::format(
@@ -280,7 +319,7 @@ std::string ReplayReport::Text() const {
   return versions.empty() ? text : text + "\n" + versions;
 }
 
-ReplayReport CheckReplay(const Episode& episode, const ReplayOptions& options) {
+ReplayResult VerifyReplay(const Episode& episode, const ReplayOptions& options) {
   if (!(options.tolerance >= 0)) {
     throw ArgumentError(fmt::format(
         "tolerance {} is not at least 0; 0 takes no difference for none", options.tolerance));

@@ -65,7 +65,7 @@ class Recording {
   CellRow row() const { return {features_.observed(), features_.state(), cameras_.images()}; }
   void PutControl(const mjModel* model, const mjData* data) {
     const StageClock::Stage stage(clock_, times_.writing);
-    outcome_.PutControl(*writer_, model, data);
+    outcome_.PutControl(*writer_, data->time, {data->ctrl, static_cast<size_t>(model->nu)});
   }
   void PutOutcome(const RowOutcome& outcome) {
     const StageClock::Stage stage(clock_, times_.writing);
@@ -185,7 +185,8 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
                           .success = result.success,
                           .terminated = terminated,
                           .truncated = truncated,
-                          .ik_failed = ik_failed});
+                          .ik_failed = ik_failed,
+                          .warnings = recording.warnings().total()});
   }
   if (!result.success && result.failure.empty())
     result.failure = WhyFailed(result, *start.task, expert, truncated);

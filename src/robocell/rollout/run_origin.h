@@ -17,6 +17,7 @@
 
 #include "robocell/data/episode_reader.h"
 #include "robocell/rollout/run_inputs.h"
+#include "robocell/spec/run_config.h"
 
 namespace robocell {
 
@@ -37,5 +38,9 @@ class RunOrigin {
   std::optional<PathsByName> models_ = {};  // here
   PathsByName stored_ = {};                 // where a dataset keeps them
 };
+
+// For a dataset whose dataset.json was lost: what the episodes in the run's dataset were made with that is different now, as RunOrigin says
+// it; nothing when the manifest can be written again. Unset when there are no generated episodes.
+std::optional<std::vector<std::string>> ChangesSinceEpisodes(const RunConfig& run);
 
 }  // namespace robocell

@@ -55,7 +55,7 @@ int SwitchedOff(const mjModel* m, int actuator) {
   return group >= 0 && group < 31 ? m->opt.disableactuator >> group & 1 : 0;
 }
 
-// As the engine does it, to the bit.
+// Sums the masses as the engine does, to the bit.
 void SumMasses(mjModel* m) {
   std::copy_n(m->body_mass, m->nbody, m->body_subtreemass);
   for (int b = static_cast<int>(m->nbody) - 1; b > 0; --b)

@@ -93,7 +93,7 @@ std::optional<MissingAsset> FindMissingAsset(const std::string& text) {
   return std::nullopt;
 }
 
-// Whether an element asks for the asset.
+// Returns true if an element asks for the asset.
 bool Wants(mjsElement* element, const MissingAsset& asset) {
   std::vector<const mjString*> names;
   const bool material = asset.kind == mjOBJ_MATERIAL;

@@ -20,7 +20,7 @@ struct Repeated {
   std::string kind, name;
 };
 std::optional<Repeated> RepeatedName(const std::string& text);
-// Whether the part, with its prefix in the scene, brings such an element.
+// Returns true if the part, with its prefix in the scene, brings such an element.
 bool HasElement(const Part& part, const std::string& prefix, const Repeated& element);
 
 // The file of the part's element of that name: "arm.xml", or "arm.xml or a tool of it" where that

@@ -5,8 +5,8 @@
 
 #include <atomic>
 
-#include "robocell/base/both_languages.h"
 #include "robocell/base/error.h"
+#include "robocell/base/function_name.h"
 #include "robocell/base/names.h"
 #include "robocell/mujoco/model_watch.h"
 #include "robocell/scene/pool.h"
@@ -95,7 +95,7 @@ mjModel* CompiledScene::mutable_model() {
     throw Error("scene '" + scene_spec_.name +
                 "': its compiled scene is frozen because it is shared between scenes; "
                 "what writes to the model needs a scene of its own: " +
-                InBothLanguages("Scene::Build"));
+                CppAndPythonName("Scene::Build"));
   }
   return model_;
 }
@@ -107,7 +107,7 @@ std::shared_ptr<void> CompiledScene::Claim() {
                 "': its compiled scene is used by another scene already, and what one of them "
                 "writes to the model would change the other. Freeze the compiled scene to share it "
                 "with " +
-                InBothLanguages("Freeze") + ", or compile the spec again");
+                CppAndPythonName("Freeze") + ", or compile the spec again");
   }
   auto claim = std::make_shared<char>();
   if (frozen_) return claim;  // frozen ones may be claimed by several threads at once

@@ -91,9 +91,9 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   // has a generation of its own and is not frozen. The spec, for saving, is this one's.
   std::shared_ptr<CompiledScene> Copy();
   bool frozen() const { return frozen_; }
-  // A scene's right to use the model, given up by destroying it. Error when another scene has it
-  // and the model is not frozen: what one writes to the model the other would feel. The pool and
-  // the control modes are as the first scene found them, whatever those before left.
+  // A scene's right to use the model, given up by destroying it. Error if another scene has it and
+  // the model is not frozen, because writes of one scene to the model would affect the other. The
+  // pool and the control modes are as the first scene found them.
   std::shared_ptr<void> Claim();
   // What the parts asked for and did not get, and the engine's own warnings from compiling.
   const std::vector<std::string>& warnings() const { return warnings_; }
@@ -122,8 +122,8 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   // After a hand-over that failed and freed the model: what needs it from now on is an Error.
   void LoseModel();
   bool model_is_external() const { return keeper_ != nullptr; }
-  // An Error that names a file from which this and `next`, the scene with an object more or less,
-  // were compiled, and which was changed in between: what is there already would be another.
+  // Raises an Error if a file of this and `next`, the scene with an object more or less, was
+  // changed between their compilations: existing objects would change.
   void RequireSameFiles(const CompiledScene& next) const;
   const std::shared_ptr<void>& model_keeper() const { return keeper_; }
 
@@ -157,9 +157,8 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   std::optional<int> modes_;  // opt.disableactuator as the first scene found it
 };
 
-// Builds the model. SpecError for what is wrong in the spec (all problems together), NotFoundError
-// for names and files that do not exist, EngineError with the engine's text when the model does not
-// compile.
+// Builds the model. SpecError contains all problems of the spec, NotFoundError missing names and
+// files, EngineError the engine's message if the model does not compile.
 std::shared_ptr<CompiledScene> CompileScene(const SceneSpec& spec);
 
 }  // namespace robocell

@@ -15,8 +15,8 @@ namespace {
 
 std::string Place(const RobotRecord& robot) { return "robot '" + robot.name + "'"; }
 
-// Whether an element is the robot's: it has its prefix and, when it sits on a body, that is one of
-// the robot's or something mounted on it.
+// Returns true if an element is the robot's: it has its prefix and, when it sits on a body, that is
+// one of the robot's or something mounted on it.
 bool Belongs(const mjModel* model, const RobotRecord& robot, mjtObj kind, int id) {
   const std::string name = ElementName(model, kind, id);
   if (name.size() <= robot.prefix.size() || name.rfind(robot.prefix, 0) != 0) return false;
@@ -84,7 +84,7 @@ const ElementRef* NamedBy(const Edit& edit, mjtObj kind) {
   }
 }
 
-// Whether `label` stood for what an edit refers to, before it had a name.
+// Returns true if `label` stood for what an edit refers to, before it had a name.
 bool IsLabelOf(const ElementRef& ref, mjtObj kind, const std::string& label) {
   const bool of_target = kind == mjOBJ_ACTUATOR && ref.kind && *ref.kind != ElementKind::kActuator;
   if (of_target) return label.starts_with(ref.name + ":actuator");

@@ -1,7 +1,7 @@
-// Private to scene: which element of one model is which of another, when a scene was compiled anew
-// with an object more or less.
+// Private to scene: matches the elements of two models, when a scene was compiled again with an
+// object more or less.
 //
-// Elements are found by name. What has no name is told by what it belongs to and by its number
+// Elements are matched by name. Unnamed elements are matched by their parent and their number
 // there: "the second unnamed joint of body 'door'".
 #pragma once
 

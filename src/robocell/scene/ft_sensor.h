@@ -2,7 +2,7 @@
 // as one wrench. Resolved once and immutable; Read() is a function of model and data, so that it
 // works on any data of the model. Robot (robot/robot.h) has them by name.
 //
-// The reading is the load on the sensor: what the things beyond it exert on it. A mass m that hangs
+// The reading is the load on the sensor: what the bodies beyond it exert on it. A mass m that hangs
 // from it at rest reads m * g along gravity. (The engine's own sensors give the reaction to that.)
 // Force and torque have the axes of `frame_site`, the torque is about its origin. "Beyond" is the
 // subtree of the body that the site is on, that body included: let it weigh next to nothing.
@@ -20,8 +20,8 @@ namespace robocell {
 
 class FtSensor {
  public:
-  // NotFoundError names what the robot does not have and what it has; ArgumentError tells what is
-  // no such pair.
+  // NotFoundError contains the missing name and the available ones; ArgumentError is raised for
+  // sensors that are not such a pair.
   FtSensor(const mjModel* model, const RobotRecord& robot, const ForceTorqueSensorSpec& spec);
 
   const std::string& name() const { return name_; }

@@ -12,7 +12,7 @@ namespace robocell {
 // Of a joint's range: by so much less a servo may reach without a word.
 inline constexpr double kServoSlack = 0.02;
 
-// Whether an actuator's activation follows its control with a delay.
+// Returns true if an actuator's activation follows its control with a delay.
 bool IsFiltered(const mjModel* model, int actuator);
 
 // The control with which a position servo would rest at `length`, whatever its control range is.
@@ -52,8 +52,8 @@ void Hold(const mjModel* model, mjData* data, int actuator);
 void MarkDofs(const mjModel* model, const RobotRecord& robot, const MoveGroupConfig& group,
               std::vector<bool>& dofs);
 
-// Whether an actuator pulls at one of the marked degrees of freedom: directly, through a tendon, at
-// a site ... Moments must be up to date (position stage).
+// Returns true if an actuator pulls at one of the marked degrees of freedom: directly, through a
+// tendon, at a site ... Moments must be up to date (position stage).
 bool ActsOn(const mjModel* model, const mjData* data, int actuator, const std::vector<bool>& dofs);
 
 }  // namespace robocell

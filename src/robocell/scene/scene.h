@@ -81,8 +81,9 @@ class SceneObserver {
   // After each Forward(), that of a reset too: the time to look for what somebody wrote into the
   // model. It is called often, and adds no observers.
   virtual void OnForward() {}
-  // After objects were added or removed: model and data are new, look names up again. What it
-  // throws undoes the change; those that were told already are told of the old model again.
+  // Called after objects were added or removed: model and data are new, look names up again. An
+  // exception undoes the change; observers that were called already are called again with the old
+  // model.
   virtual void OnRebuild() {}
   virtual void OnClose() {}
 };
@@ -133,9 +134,9 @@ class Scene {
   void PosesChanged();
 
   // Restores the keyframe (or default), puts robots at home plus noise and bodies where the options
-  // say, calls the hooks, tells the observers, clears stale forces and warm starts, and runs
-  // Forward. The trajectory after a reset does not depend on what was before. A body that is not
-  // there or cannot be moved is an error before anything changes.
+  // say, calls the hooks and the observers, clears stale forces and warm starts, and runs Forward.
+  // The trajectory after a reset does not depend on anything before. A body that does not exist or
+  // cannot be moved is an error before anything changes.
   ResetInfo Reset(const ResetOptions& options = {});
   // Names of the keyframes by their numbers: "home", then those of the parts' own models, each with
   // its part's prefix.

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "robocell/base/both_languages.h"
 #include "robocell/base/error.h"
+#include "robocell/base/function_name.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/mujoco/engine_exception.h"
 #include "robocell/scene/carry_over.h"
@@ -25,7 +25,7 @@ mjSpec* UpToDateSpec(CompiledScene& compiled, const std::string& context) {
   if (!Tried(context, [&] { return mj_copyBack(spec, model); })) {
     throw EngineError(context +
                       ": the model was changed in a way that XML cannot hold; save it with " +
-                      InBothLanguages("SaveBinary") + ". MuJoCo: " + mjs_getError(spec));
+                      CppAndPythonName("SaveBinary") + ". MuJoCo: " + mjs_getError(spec));
   }
   return spec;
 }

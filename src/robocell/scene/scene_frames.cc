@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robocell/base/both_languages.h"
 #include "robocell/base/error.h"
+#include "robocell/base/function_name.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
@@ -92,12 +92,12 @@ int Scene::State::RequireMovable(const std::string& name, bool after_reset) cons
       throw ArgumentError(
           fmt::format("{}: a reset parks object '{}', so it cannot start anywhere; put it into the "
                       "scene after the reset, at its pose, with {}",
-                      context, object.name(), InBothLanguages("AddObject")));
+                      context, object.name(), CppAndPythonName("AddObject")));
     }
     throw ArgumentError(
         fmt::format("{}: object '{}' is parked, so it cannot be moved; put it into the scene at "
                     "its pose with {}",
-                    context, object.name(), InBothLanguages("AddObject")));
+                    context, object.name(), CppAndPythonName("AddObject")));
   }
   if (model()->body_mocapid[body] >= 0 || IsFree(model(), body)) return body;
   throw ArgumentError(
@@ -199,7 +199,7 @@ void Scene::SetBodyWrench(const std::string& body, const Eigen::Vector3d& force,
     throw ArgumentError(
         fmt::format("{}: object '{}' is parked, so nothing can push it; put it into the scene "
                     "first, with {}",
-                    s.context, object.name(), InBothLanguages("AddObject")));
+                    s.context, object.name(), CppAndPythonName("AddObject")));
   }
   for (int i = 0; i < 3; ++i) {
     RequireFinite(force[i], fmt::format("{}: force on body '{}'", s.context, body));

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "robocell/base/both_languages.h"
 #include "robocell/base/error.h"
+#include "robocell/base/function_name.h"
 #include "robocell/base/names.h"
 #include "robocell/mujoco/step.h"
 #include "robocell/scene/placement.h"
@@ -64,7 +64,7 @@ void Scene::State::RequireOwnModel(const char* what, const std::string& object) 
   throw Error(fmt::format(
       "{}: object '{}' cannot be {}: the compiled scene is frozen because it is shared between "
       "scenes. Build a scene of its own with {}, or change the spec and compile it again",
-      context, object, what, InBothLanguages("Scene::Build")));
+      context, object, what, CppAndPythonName("Scene::Build")));
 }
 
 void Scene::Swap(PooledObject& object, bool park, const mjtNum* pos) {
@@ -88,7 +88,7 @@ void Scene::AddObject(const std::string& name, const std::optional<Pose>& pose_i
   if (!object->parked) {
     throw ArgumentError(
         fmt::format("{}: object '{}' is in the scene already; move it with {}, or remove it first",
-                    s.context, name, InBothLanguages("SetBodyPose")));
+                    s.context, name, CppAndPythonName("SetBodyPose")));
   }
   s.RequireOwnModel("added", name);
   FreeJointPos pos;

@@ -31,7 +31,7 @@ bool IsFrameIn(CompiledScene& compiled, const std::string& frame, const std::str
   return false;
 }
 
-// Whether a target is part of the object that begins at `root_body`.
+// Returns true if a target is part of the object that begins at `root_body`.
 bool IsPartOf(CompiledScene& compiled, const AttachTarget& target, const std::string& root_body) {
   const mjModel* m = compiled.model();
   const int root = FindId(m, mjOBJ_BODY, root_body);

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <exception>
 
-#include "robocell/base/both_languages.h"
 #include "robocell/base/error.h"
+#include "robocell/base/function_name.h"
 #include "robocell/base/log.h"
 #include "robocell/base/names.h"
 #include "robocell/base/rng.h"
@@ -189,7 +189,7 @@ int Scene::AddResetHook(ResetHook hook) {
   State& s = open();
   if (!hook) {
     throw ArgumentError(s.context + ": a reset hook cannot be empty; to take one away: " +
-                        InBothLanguages("RemoveResetHook"));
+                        CppAndPythonName("RemoveResetHook"));
   }
   s.hooks.emplace(s.next_hook, std::move(hook));
   return s.next_hook++;

@@ -63,7 +63,7 @@ struct Scene::State {
   ResetInfo RestoreStart(Scene& scene, const ResetOptions& options);
   void CallResetHooks(Scene& scene, const ResetOptions& options, const ResetInfo& info);
   void FinishReset(Scene& scene);
-  // The scene compiled with what is there now and without a pool, for files.
+  // Compiles the scene with its present objects and without a pool, for files.
   std::shared_ptr<CompiledScene> WithoutPool();
   // An Error that an object cannot be `what`.
   void RequireOwnModel(const char* what, const std::string& object) const;

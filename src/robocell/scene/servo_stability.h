@@ -23,7 +23,8 @@ struct UnstableServo {
   std::string text() const { return too_high + ". " + remedy; }
 };
 
-// Those of the subtree of a robot's base body. Names are told without `prefix`, the robot's.
+// Finds unstable servos in the subtree of a robot's base body. Names are without `prefix`, the
+// robot's.
 std::vector<UnstableServo> UnstableServos(const mjModel* model, int base_body,
                                           std::string_view prefix);
 

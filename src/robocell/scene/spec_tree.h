@@ -47,7 +47,7 @@ Pose FramePoseInParent(mjsElement* element);
 Pose PoseInParent(mjsElement* element);
 // The same in the world, with all joints at their reference.
 Pose PoseInWorld(mjsElement* element);
-// Whether neither the body nor any body above it can move (no joints, not a mocap body).
+// Returns true if neither the body nor any body above it can move (no joints, not a mocap body).
 bool IsStatic(mjsBody* body);
 // The child of the world that a body hangs on.
 mjsBody* TopBody(mjsBody* body);

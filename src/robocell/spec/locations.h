@@ -1,6 +1,5 @@
-// Where the parts of a spec stood in its file. A spec that was read from a file carries its
-// locations, so that what turns out wrong later, when a scene is built, is told with
-// file:line:column.
+// The places of a spec's parts in its file. A spec that was read from a file carries its locations,
+// so that errors found later, when a scene is built, contain file:line:column.
 //
 //   robot.locations.At("move_groups.arm.joints[7]")  // "xarm7.yaml:11:28"
 #pragma once
@@ -10,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace robocell {
 
@@ -37,5 +37,16 @@ class Locations {
   std::shared_ptr<const SourceMap> sources_;
   std::string base_;
 };
+
+// Splits a message that begins with a place in a file:
+// "r.yaml:7:73: no joint 'j8'" -> {"r.yaml:7:73", "no joint 'j8'"}; {"", message} for one without.
+std::pair<std::string, std::string> SplitPlace(std::string_view message);
+
+// The message behind `place`, unless it has a place of its own or `place` is empty.
+std::string WithPlace(const std::string& place, const std::string& message);
+
+// Lets a SourceMap distinguish maps, whose keys are the user's names, from specs, whose fields are
+// declared: it stands behind the path of every map of a spec that was read, given or not: "home.*" -> "".
+inline constexpr std::string_view kAnyKey = ".*";
 
 }  // namespace robocell

@@ -1,6 +1,6 @@
-// A spec as bytes to tell specs apart by: two specs have the same bytes when all their fields are
-// equal, and different ones when a field differs. Many times quicker than their YAML; nothing reads
-// them back, and another version of robocell may write other ones.
+// Converts a spec to bytes for comparing specs: two specs have the same bytes if all their fields
+// are equal, and different ones otherwise. Many times faster than YAML. Nothing reads the bytes
+// back, and another version of robocell may write others.
 //
 //   const std::string key = Fingerprint(SpecBytes(scene_spec));
 #pragma once

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "robocell/base/error.h"
-#include "robocell/base/folder_names.h"
+#include "robocell/base/files.h"
 #include "robocell/base/names.h"
 #include "robocell/base/real_file.h"
 #include "robocell/spec/yaml_hints.h"

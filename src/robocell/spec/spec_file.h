@@ -1,4 +1,4 @@
-// Spec files as text. A file that is not there is told with what is there instead.
+// Reads spec files as text. The error for a missing file lists what is there instead.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Small value types that several specs share: numbers as plain arrays, where a thing attaches,
-// where it is placed.
+// Small value types that several specs share: numbers as plain arrays, attachment targets,
+// placements.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ inline constexpr Vec4 kIdentityQuat = {0, 0, 0, 1};  // xyzw
 inline Eigen::Vector3d ToEigen(const Vec3& v) { return {v[0], v[1], v[2]}; }
 inline Vec3 ToVec3(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
 
-// What a thing is attached to.
+// The kind of element that something is attached to.
 enum class AttachKind {
   kWorld,       // the world frame
   kRoot,        // the rig's root frame: root_frame_to_world

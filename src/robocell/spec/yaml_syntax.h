@@ -1,5 +1,5 @@
-// What is wrong with a text that is no YAML: in words about the text instead of the parser's own,
-// with what was probably done. Included by yaml*.cc and their tests only.
+// Explains a text that is not YAML in words about the text instead of the parser's, with the
+// probable cause. Included by yaml*.cc and their tests only.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
-// Grasp candidates: where a parallel gripper could take an object from above, found by rays onto
-// the object's collision geometry. Pure geometry: nothing here knows the arm, its reach or the
+// Grasp candidates: where a parallel gripper could take an object from above, found with rays on
+// the object's collision geometry. This is pure geometry: it does not use the arm, its reach or the
 // other objects.
 //
 // A grasp is a place between the pads; the TCP follows from it by the gripper's shape at the

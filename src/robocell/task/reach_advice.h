@@ -1,5 +1,5 @@
-// What to tell somebody whose robot reaches nothing: from where it would. Used when a run's sampler
-// refused every start.
+// Advice for a robot that reaches nothing: from where it would. Used when a run's sampler refused
+// every start.
 #pragma once
 
 #include <string>

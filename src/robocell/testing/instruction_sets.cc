@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-// Those of lane_kernel.cc and of leaf_kernel.cc.
+// Those of lane_kernel.cc and of operational_space.cc.
 #define HWY_WANT_AVX3_DL
 #define HWY_DISABLED_TARGETS \
   (HWY_SSSE3 | HWY_SSE4 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)

@@ -1,5 +1,5 @@
-// For tests that something did not become many times slower: how long it takes beside something
-// else, in the same run. How fast things are is for benchmarks/ to say.
+// For tests that something did not become many times slower: measures how long it takes beside
+// something else, in the same run. benchmarks/ measures speed.
 #pragma once
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // Skipping a test that needs something this machine lacks. For tests only.
 //
-// A developer without the thing sees "skipped" with the reason. With CI=true the same test fails,
-// so that nothing goes untested for months because a machine lost a package.
+// A developer without it sees "skipped" with the reason. With CI=true the same test fails, so that
+// nothing goes untested for months because a machine lost a package.
 //
 //   TEST(Camera, RendersOnOsMesa) {
 //     if (!OsMesaIsThere()) SKIP_OR_FAIL("libosmesa6 is not installed");

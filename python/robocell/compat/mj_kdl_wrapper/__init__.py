@@ -19,12 +19,7 @@ from robocell import (
     AttachKind,
     AttachmentSpec,
     AttachTarget,
-    CameraSpec,
     CtrlMode,
-    ForceTorqueSensorSpec,
-    ResetContext,
-    ResetInfo,
-    ResetOptions,
     RobotSpec,
     Scene,
     SceneSpec,
@@ -33,7 +28,6 @@ from robocell import (
     VideoResolution,
     __mujoco_version__,
     __version__,
-    mujoco_version,
 )
 from robocell.compat.mj_kdl_wrapper import menagerie
 from robocell.compat.mj_kdl_wrapper.env import Env
@@ -42,6 +36,10 @@ from robocell.compat.mj_kdl_wrapper.names import Condim, scene_object_site_name
 from robocell.compat.mj_kdl_wrapper.objects import SceneObject
 from robocell.compat.mj_kdl_wrapper.robot import Robot
 from robocell.compat.mj_kdl_wrapper.video import VideoRecorder
+from robocell.diagnose import mujoco_version
+from robocell.render import CameraSpec
+from robocell.robots import ForceTorqueSensorSpec
+from robocell.scene import ResetContext, ResetInfo, ResetOptions
 
 __all__ = [
     "AttachKind",

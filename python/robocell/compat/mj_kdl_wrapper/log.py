@@ -23,10 +23,10 @@ def set_log_level(level: LogLevel) -> None:
     if not isinstance(level, LogLevel):
         levels = ", ".join(str(each) for each in LogLevel)
         raise TypeError(f"set_log_level: expected one of {levels}; got {level!r}")
-    robocell.set_log_level(level.value)
+    robocell.log.set_log_level(level.value)
 
 
 def get_log_level() -> LogLevel:
     """The level that is set; what robocell has beyond these is the nearest of them."""
-    level = robocell.log_level()
+    level = robocell.log.log_level()
     return LogLevel(level) if level in {each.value for each in LogLevel} else LogLevel.INFO

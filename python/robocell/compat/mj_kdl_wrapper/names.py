@@ -9,9 +9,9 @@ from robocell.compat.mj_kdl_wrapper.calls import told
 class Condim:
     """Which friction acts at contacts."""
 
-    Tangential = robocell.Condim.TANGENTIAL
-    Torsional = robocell.Condim.TORSIONAL
-    Rolling = robocell.Condim.ROLLING
+    Tangential = robocell.scene.Condim.TANGENTIAL
+    Torsional = robocell.scene.Condim.TORSIONAL
+    Rolling = robocell.scene.Condim.ROLLING
 
 
 @told
@@ -20,11 +20,11 @@ def scene_object_site_name(scene_object: robocell.SceneObject, site: str) -> str
     if not isinstance(scene_object, robocell.SceneObject):
         raise TypeError(
             f"scene_object_site_name: expected a SceneObject, got {scene_object!r}; for a name "
-            f"there is robocell.scene_object_element_name"
+            f"there is robocell.scene.scene_object_element_name"
         )
     for what, name in (("the object has no name", scene_object.name), ("site is empty", site)):
         if not name:
             raise robocell.ArgumentError(
                 f"scene_object_site_name: {what}, and names are made of both"
             )
-    return robocell.scene_object_element_name(scene_object.name, site)
+    return robocell.scene.scene_object_element_name(scene_object.name, site)

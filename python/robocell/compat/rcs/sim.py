@@ -15,7 +15,7 @@ from robocell.compat.rcs._fields import NamedFields
 from robocell.compat.rcs.common import Pose
 from robocell.compat.rcs.registries import GRIPPER_PATHS, HOME_POSITIONS
 
-TIMESTEP = rc.SimSettings().timestep  # seconds
+TIMESTEP = rc.envs.SimSettings().timestep  # seconds
 UNLIMITED = 1e6 * TIMESTEP  # s; the most that a step may take
 
 
@@ -48,10 +48,10 @@ class SimConfig(NamedFields):
     frequency: float = 30.0
     max_convergence_steps: int = 500
 
-    def to_settings(self) -> rc.SimSettings:
+    def to_settings(self) -> rc.envs.SimSettings:
         """As robocell's: steps of the engine become simulated seconds."""
         steps = self.max_convergence_steps
-        return rc.SimSettings(
+        return rc.envs.SimSettings(
             async_control=self.async_control,
             realtime=self.realtime,
             frequency=self.frequency,
@@ -120,7 +120,7 @@ class SimRobotConfig(NamedFields):
         if self.joint_limits is not None:
             lower, upper = self.joint_limits
             robot.edits = [
-                rc.Edit(joint=name, range=[float(low), float(high)])
+                rc.robots.Edit(joint=name, range=[float(low), float(high)])
                 for name, low, high in zip(self.joints, lower, upper, strict=True)
             ]
         return robot
@@ -206,9 +206,9 @@ class SimCameraConfig(NamedFields):
     resolution_height: int = 480
     type: CameraType = CameraType.fixed
 
-    def to_stream(self, name: str) -> rc.CameraConfig:
+    def to_stream(self, name: str) -> rc.render.CameraConfig:
         """As an image stream of this name."""
-        stream = rc.CameraConfig(
+        stream = rc.render.CameraConfig(
             name=name, width=self.resolution_width, height=self.resolution_height
         )
         if self.type == CameraType.tracking:

@@ -88,6 +88,19 @@ inline EnvConfig Rc7WithCube(const Pose& root = Pose()) {
   return config;
 }
 
+// The built-in robot, moved by its joints, with a wall beside it that it comes to when it turns by
+// its first joint.
+inline EnvConfig Rc7BesideAWall() {
+  EnvConfig config = Rc7Env(ControlMode::kJoints, RelativeTo::kConfiguredOrigin);
+  config.max_relative_movement = {3};
+  config.world_frame_objects["wall"] = {.offset = Pose(Eigen::Vector3d(0.4, 0.3, 0.6)),
+                                        .fixed = true,
+                                        .shape = Shape::kBox,
+                                        .size = Vec3{0.4, 0.02, 0.6},
+                                        .mass = 1};
+  return config;
+}
+
 // Two of them, off-centre and tilted towards each other, on a rig that is tilted itself.
 inline EnvConfig Rc7Duo(ControlMode mode, RelativeTo relative_to) {
   EnvConfig config = Rc7Env(mode, relative_to);

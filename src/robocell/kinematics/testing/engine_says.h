@@ -1,4 +1,4 @@
-// What the engine says of a chain where its model stands: the oracle of this folder's tests.
+// The engine's values for a chain in the state of its model: the oracle of this folder's tests.
 #pragma once
 
 #include <mujoco/mujoco.h>
@@ -22,7 +22,7 @@ inline Eigen::Vector3d GravityInBase(const TestModel& t, const Chain& chain) {
   return t.BodyInWorld(chain.base_body()).rotation.transpose() * gravity;
 }
 
-// With what hangs on it where it is.
+// Makes the chain with everything attached to it at its present place.
 inline Chain ChainAsItStands(const TestModel& t, const std::string& base, const ChainTip& tip) {
   const std::span<const double> qpos(t.data()->qpos, t.model()->nq);
   return Chain(t.model(), base, tip, {.qpos = qpos});

@@ -1,4 +1,4 @@
-// Random questions for inverse kinematics, and a judge of answers that is not ours: the engine.
+// Random queries for inverse kinematics, and an independent judge of solutions: the engine.
 #pragma once
 
 #include <numbers>

@@ -66,7 +66,7 @@ class TestModel {
     Forward();
   }
 
-  // What the chain's joints have in mjData.qpos.
+  // Returns the values of the chain's joints in mjData.qpos.
   JointVector ChainPositions(const Chain& chain) const {
     JointVector q(chain.n_joints());
     for (int i = 0; i < q.size(); ++i) q[i] = data()->qpos[chain.joints()[i].qpos_address];
@@ -128,7 +128,7 @@ inline std::string ArmName(const testing::TestParamInfo<MenagerieArm>& info) {
   return info.param.folder;
 }
 
-// What a random chain may contain.
+// The elements that a random chain may contain.
 struct RandomChainOptions {
   int joints = 7;
   double slide_share = 0.2;  // of the joints

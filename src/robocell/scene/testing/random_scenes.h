@@ -22,7 +22,7 @@
 
 namespace robocell {
 
-// A thing with a hinge, an actuator with activation, an equality, a tendon, most of it without
+// A body with a hinge, an actuator with activation, an equality, a tendon, most of it without
 // names.
 inline const char* kLidBox = R"(
   <worldbody>

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import robocell as rc
-from robocell import CameraAdderConfig, WrapperConfig
+from robocell import CameraAdderConfig
 from robocell.compat.rcs._fields import NamedFields
 from robocell.compat.rcs.common import Pose
 from robocell.compat.rcs.envs.base import ControlMode, RelativeTo
@@ -17,6 +17,7 @@ from robocell.compat.rcs.envs.cameras import placed_cameras
 from robocell.compat.rcs.envs.tasks import BaseTaskConfig
 from robocell.compat.rcs.registries import SCENE_PATHS
 from robocell.compat.rcs.sim import SimCameraConfig, SimConfig, SimGripperConfig, SimRobotConfig
+from robocell.envs import WrapperConfig
 
 if TYPE_CHECKING:
     from robocell.gym import GymEnv
@@ -75,7 +76,7 @@ class SimEnvCreatorConfig(NamedFields):
     relative_to: rc.RelativeTo = RelativeTo.LAST_STEP
     robot_to_shared_base_frame: Mapping[str, rc.Pose] | None = None
     add_gravcomp: bool = False
-    wrapper_cfg: rc.WrapperConfig = field(default_factory=WrapperConfig)
+    wrapper_cfg: rc.envs.WrapperConfig = field(default_factory=WrapperConfig)
     headless: bool = False
     shared_base_frame_to_root_frame: rc.Pose = field(default_factory=Pose)
     root_frame_to_world: rc.Pose = field(default_factory=Pose)
@@ -183,7 +184,7 @@ class SimEnvCreator:
 
     def create_model(self, cfg: SimEnvCreatorConfig) -> rc.SceneSpec:
         """The scene alone: to look at, to build with `rc.Scene.build`, to save."""
-        return rc.env_scene_spec(cfg.to_env_config(type(self).__name__))
+        return rc.envs.env_scene_spec(cfg.to_env_config(type(self).__name__))
 
     def create_env(self, cfg: SimEnvCreatorConfig) -> GymEnv:
         """The environment as Gymnasium's."""

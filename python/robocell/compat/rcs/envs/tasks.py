@@ -16,7 +16,7 @@ PICK_AND_PLACE = "pick_and_place"
 
 @dataclass(kw_only=True)
 class BaseTaskConfig(NamedFields):
-    """A task by its name: one of ``rc.task_kinds()``, or RCS's ``pick_place``.
+    """A task by its name: one of ``rc.tasks.task_kinds()``, or RCS's ``pick_place``.
 
     That is all that a task of one's own needs which was registered (``rc.register_task``);
     subclasses may add to the environment in ``add_to`` too.
@@ -35,7 +35,7 @@ class BaseTaskConfig(NamedFields):
         return PICK_AND_PLACE if self.task_id == "pick_place" else self.task_id
 
     def _check_task_id(self) -> None:
-        kinds = rc.task_kinds()
+        kinds = rc.tasks.task_kinds()
         if self.kind not in kinds:
             raise rc.NotFoundError(
                 f"task_cfg: no task '{self.task_id}'. Known tasks: {', '.join(kinds)}; those of "
@@ -79,7 +79,7 @@ class PickTaskConfig(BaseTaskConfig):
                     f"'{self.prefix}', and stands in the root frame; leave '{name}' out of "
                     f"{taken}, or give task_cfg another prefix"
                 )
-        config.root_frame_objects[name] = rc.EnvObject(
+        config.root_frame_objects[name] = rc.envs.EnvObject(
             mjcf_path=str(self.object_xml), offset=self.object_center_to_root_frame, fixed=False
         )
         self._add_task(config, name)
@@ -87,7 +87,7 @@ class PickTaskConfig(BaseTaskConfig):
     def _add_task(self, config: rc.EnvConfig, name: str) -> None:
         if self.kind == PICK_AND_PLACE:
             raise rc.ArgumentError(
-                "task_cfg: pick_place is told where the object goes; PickPlaceTaskConfig has goal"
+                "task_cfg: pick_place needs the place of the object; PickPlaceTaskConfig has goal"
             )
         config.task = {"kind": self.kind}
         # A task of one's own may be about an object or not.
@@ -110,7 +110,7 @@ class PickPlaceTaskConfig(PickTaskConfig):
     goal_tolerance: float = 0.03
 
     def _add_task(self, config: rc.EnvConfig, name: str) -> None:
-        config.task = rc.PickAndPlaceTaskConfig(
+        config.task = rc.tasks.PickAndPlaceTaskConfig(
             object=name,
             rotate=self.include_rotation,
             goal=[float(x) for x in self.goal],

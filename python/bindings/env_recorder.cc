@@ -1,0 +1,135 @@
+// Episodes from environments, and environments from episodes (rollout/env_recorder.h,
+// rollout/env_of_episode.h), under Python's robocell.data.EnvRecorder.
+#include "robocell/rollout/env_recorder.h"
+
+#include <nanobind/nanobind.h>
+
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "bindings.h"
+#include "env.h"
+#include "in_use.h"
+#include "scene_sharing.h"
+#include "signals.h"
+#include "robocell/env/env_batch.h"
+#include "robocell/rollout/env_of_episode.h"
+
+namespace nb = nanobind;
+
+namespace robocell::python {
+
+using namespace nb::literals;
+
+namespace {
+
+std::string PlaceOfBatch(const EnvBatch& batch) {
+  return "batch of environment '" + batch.config().name + "'";
+}
+
+// A recorder of an environment, or of a copy in a batch, which others may be stepping.
+class PythonRecorder {
+ public:
+  template <class F>
+  auto Do(const char* done, F&& f) {
+    std::optional<InUse> of_batch, of_env;
+    if (batch_) {
+      of_batch.emplace(*batch_, &PlaceOfBatch, done);
+    } else {
+      of_env.emplace(env_, &Place, done);
+    }
+    const nb::gil_scoped_release release;
+    return f();
+  }
+  PythonRecorder(Env& env, EnvBatch* batch, const std::filesystem::path& dataset,
+                 EnvRecorderOptions options)
+      : env_(env), batch_(batch) {
+    Do("recorded",
+       [&] { recorder_ = std::make_unique<EnvRecorder>(env_, dataset, std::move(options)); });
+  }
+  EnvRecorder* operator->() { return recorder_.get(); }
+
+ private:
+  Env& env_;
+  EnvBatch* batch_;
+  std::unique_ptr<EnvRecorder> recorder_;
+};
+
+EnvRecorderOptions OptionsOf(const std::string& prefix, bool images, const std::string& metadata) {
+  return {.prefix = prefix, .images = images, .metadata_json = metadata};
+}
+
+Env& CopyOf(EnvBatch& batch, int copy) {
+  batch.RequireOpen();
+  if (copy >= 0 && copy < batch.size()) return batch.env(copy);
+  throw ArgumentError("copy " + std::to_string(copy) + " of a " + PlaceOfBatch(batch) + " of " +
+                      std::to_string(batch.size()) + ": copies are counted from 0");
+}
+
+void BindRecorder(nb::module_& m) {
+  nb::class_<PythonRecorder>(m, "_EnvRecorder", "Under robocell.data.EnvRecorder.")
+      .def(
+          "__init__",
+          [](PythonRecorder* self, Env& env, const std::filesystem::path& dataset,
+             const std::string& prefix, bool images, const std::string& metadata) {
+            new (self) PythonRecorder(env, nullptr, dataset, OptionsOf(prefix, images, metadata));
+          },
+          "env"_a, "dataset"_a, "prefix"_a, "images"_a, "metadata_json"_a, nb::keep_alive<1, 2>())
+      .def(
+          "__init__",
+          [](PythonRecorder* self, EnvBatch& batch, int copy, const std::filesystem::path& dataset,
+             const std::string& prefix, bool images, const std::string& metadata) {
+            new (self) PythonRecorder(CopyOf(batch, copy), &batch, dataset,
+                                      OptionsOf(prefix, images, metadata));
+          },
+          "batch"_a, "copy"_a, "dataset"_a, "prefix"_a, "images"_a, "metadata_json"_a,
+          nb::keep_alive<1, 2>())
+      .def(
+          "save",
+          [](PythonRecorder& r, std::optional<bool> success, const std::string& reason) {
+            return r.Do("recorded",
+                        [&] { return r->Save({.success = success, .reason = reason}); });
+          },
+          "success"_a.none() = nb::none(), "reason"_a = "")
+      .def("discard", [](PythonRecorder& r) { r.Do("recorded", [&] { r->Discard(); }); })
+      .def("close", [](PythonRecorder& r) { r.Do("recorded", [&] { r->Close(); }); })
+      .def_prop_ro("closed", [](PythonRecorder& r) { return r->closed(); })
+      .def_prop_ro("dataset", [](PythonRecorder& r) { return r->dataset(); })
+      .def_prop_ro("episodes",
+                   [](PythonRecorder& r) { return std::vector<std::string>(r->episodes()); })
+      .def_prop_ro("rows", [](PythonRecorder& r) { return r->rows(); });
+}
+
+}  // namespace
+
+void BindEnvRecorder(nb::module_& m) {
+  BindRecorder(m);
+  m.def(
+      "env_of_episode",
+      [](const Episode& episode, bool images) {
+        ImportMujoco();
+        const nb::gil_scoped_release release;
+        return EnvOfEpisode(episode, images, PythonData()).release();
+      },
+      "episode"_a, "images"_a = false, nb::rv_policy::take_ownership,
+      "The environment that an episode was recorded in, made from what the dataset keeps; without "
+      "`images` it has no streams.\n\nArgumentError for episodes that no environment recorded, "
+      "NotFoundError for a task that is not registered: import its module before.");
+  m.def(
+      "replay_actions",
+      [](Env& env, const Episode& episode, const std::string& frame, double tolerance) {
+        const StateFrame in = ToStateFrame(frame);
+        const InUse use(env, &Place, "replayed");
+        const nb::gil_scoped_release release;
+        return ReplayActions(env, episode,
+                             {.frame = in, .tolerance = tolerance, .poll = SparsePoll()});
+      },
+      "env"_a, "episode"_a, "frame"_a = "world", "tolerance"_a = 0.0,
+      "Goes back to the start of an episode and gives its actions again, until an observation or a "
+      "reward differs from what was recorded by more than `tolerance` (0: to the bit).\n\n`frame` "
+      "as of Env.set_state: with 'root' for a rig that stands elsewhere, which needs a tolerance. "
+      "ArgumentError for an episode of another configuration. Ctrl-C ends it.");
+}
+
+}  // namespace robocell::python

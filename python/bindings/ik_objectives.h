@@ -1,0 +1,38 @@
+// Objectives of inverse kinematics beyond a pose, as Python passes them.
+#pragma once
+
+#include "bindings.h"
+#include "robocell/kinematics/ik.h"
+
+namespace robocell::python {
+
+// Keyword arguments of `ik`, `ik_batch` and `ik_solutions`; None where they were not given.
+struct IkObjectives {
+  nb::handle position_weights, rotation_weights, axis;
+  double cone = 0;
+  nb::handle prefer, filter;
+
+  // Into the options, which may be used as long as the objects live, with or without the GIL.
+  void Apply(IkOptions* options) const;
+};
+
+// Values of as many joints as a chain may have; an ArgumentError names them otherwise.
+JointVector ToJointVector(std::span<const double> values, const char* name);
+
+// The seed of one query: empty for None. ArgumentError for no numbers at all, which would be none
+// as well; how many they are, `ik` says.
+JointVector IkSeed(nb::handle seed, const Chain& chain);
+
+// For nb::sig and docstrings of what takes them.
+#define ROBOCELL_IK_OBJECTIVES_SIG                                           \
+  "position_weights: numpy.typing.ArrayLike | None = None, "                 \
+  "rotation_weights: numpy.typing.ArrayLike | None = None, "                 \
+  "axis: numpy.typing.ArrayLike | None = None, cone: float = 0.0, "          \
+  "prefer: str | numpy.typing.ArrayLike | None = None, "                     \
+  "filter: collections.abc.Callable[[numpy.typing.NDArray[numpy.float64]], " \
+  "numpy.typing.ArrayLike] | CollisionFilter | None = None"
+
+// CollisionFilter.
+void BindCollisionFilter(nb::module_& m);
+
+}  // namespace robocell::python

@@ -1,0 +1,72 @@
+"""Environments: a cell behind reset and step, many of them at once, and the cell of a dataset.
+
+    env = robocell.Env(robocell.EnvConfig.load(robocell.models.cell_file("rc7")))
+    observation, info = env.reset(seed=0)
+
+    env = robocell.envs.from_dataset("out/picks", privileged=True)
+    row, info = env.reset(seed=0)
+    row["robots/rc7/arm/qpos"]  # as the dataset records it
+    row, reward, terminated, truncated, info = env.step({"robots/rc7/action/arm": target})
+
+Importing it loads neither numpy nor gymnasium, which `from_dataset` needs. `robocell.gym` registers
+environments with Gymnasium. docs/environments.md describes them.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from robocell._core import (
+    CameraAdderConfig,
+    ControlMode,
+    Env,
+    EnvBatch,
+    EnvConfig,
+    EnvObject,
+    EnvState,
+    ObjectVariation,
+    OnCollision,
+    RelativeTo,
+    RunEnv,
+    SimSettings,
+    WrapperConfig,
+    env_scene_spec,
+)
+
+if TYPE_CHECKING:
+    from robocell.envs._dataset_env import DatasetEnv, from_dataset
+
+__all__ = [
+    "CameraAdderConfig",
+    "ControlMode",
+    "DatasetEnv",
+    "Env",
+    "EnvBatch",
+    "EnvConfig",
+    "EnvObject",
+    "EnvState",
+    "ObjectVariation",
+    "OnCollision",
+    "RelativeTo",
+    "RunEnv",
+    "SimSettings",
+    "WrapperConfig",
+    "env_scene_spec",
+    "from_dataset",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Loads what needs Gymnasium when it is asked for."""
+    if name not in ("DatasetEnv", "from_dataset"):
+        raise AttributeError(f"module 'robocell.envs' has no attribute '{name}'")
+    from robocell.envs import _dataset_env
+
+    value = getattr(_dataset_env, name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """Lists the names that are not loaded yet, too."""
+    return sorted(__all__)

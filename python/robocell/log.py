@@ -1,0 +1,19 @@
+"""What robocell logs, from which level on, and where it goes.
+
+    robocell.log.set_log_level("warn")
+    robocell.log.set_log_sink(lambda level, text: print(level, text))
+
+docs/conventions.md describes it.
+"""
+
+from robocell._core import (
+    log_level,
+    set_log_level,
+    set_log_sink,
+)
+
+__all__ = [
+    "log_level",
+    "set_log_level",
+    "set_log_sink",
+]

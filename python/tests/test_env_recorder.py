@@ -1,0 +1,244 @@
+"""Episodes from environments: what they hold, when they are saved, and doing them again."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+from contextlib import ExitStack
+from pathlib import Path
+
+import gymnasium as gym
+import numpy as np
+import pytest
+
+import robocell as rc
+import robocell.gym
+from robocell.data import EnvRecorder, env_of_episode, replay_actions
+from robocell.dataset_run import run_of_dataset
+from robocell.gym import VectorGymEnv, pick_cube_config
+
+DOWN = {"robot": {"tquat": [0, 0.02, -0.02, 0, 0, 0, 1], "gripper": 1}}
+
+
+def config(**fields) -> rc.EnvConfig:
+    return pick_cube_config(relative_to="last_step", **fields)
+
+
+def test_an_episode_holds_what_was_seen_and_done(tmp_path: Path):
+    env = rc.Env(config())
+    with EnvRecorder(env, tmp_path, metadata={"operator": "ann"}) as recorder:
+        seen = [env.reset(seed=1)[0]]
+        rewards = []
+        for _ in range(3):
+            observation, reward, *_ = env.step(DOWN)
+            seen.append(observation)
+            rewards.append(reward)
+        assert recorder.rows == 3
+        env.reset()
+        assert recorder.episodes == ["episode-000000"]
+        env.step(DOWN)
+    assert recorder.closed
+    dataset = rc.Dataset(tmp_path)
+    assert dataset.ids == recorder.episodes == ["episode-000000", "episode-000001"]
+    episode = dataset[0]
+    assert np.array_equal(episode["reward"], rewards)
+    assert np.array_equal(episode["action/robot/tquat"], [DOWN["robot"]["tquat"]] * 3)
+    joints = episode["observation/robot/joints"]
+    assert np.array_equal(joints, [o["robot"]["joints"] for o in seen[:3]])
+    cube = episode["observation/objects/cube/tquat"]
+    assert np.array_equal(cube, [o["objects"]["cube"]["tquat"] for o in seen[:3]])
+    last = episode.results["final_observation"]
+    assert last["observation/robot/joints"] == seen[3]["robot"]["joints"].tolist()
+    assert episode.metadata["user"] == {"operator": "ann"}
+    features = {feature.name: feature for feature in episode.features}
+    assert features["observation/robot/tquat"].frame == "shared base frame"
+    assert features["action/robot/tquat"].role == "action"
+    assert rc.data.verify(tmp_path).ok
+    for each in dataset:
+        assert rc.data.verify_replay(each, 0).ok
+        assert replay_actions(env, each).ok
+        assert replay_actions(env_of_episode(each), each).ok
+    env.close()
+
+
+def test_who_records_decides_what_is_kept(tmp_path: Path):
+    env = rc.Env(config())
+    with EnvRecorder(env, tmp_path, prefix="teleop") as recorder:
+        env.reset(seed=1)
+        env.step(DOWN)
+        assert recorder.save(success=True, reason="the operator said so") == "teleop-000000"
+        assert recorder.save() is None
+        env.step(DOWN)  # waits for a reset
+        env.set_state(env.get_state())
+        env.step(DOWN)
+        recorder.discard()
+        env.reset()
+    (episode,) = rc.Dataset(tmp_path)
+    assert (episode.success, episode.end_reason) == (True, "the operator said so")
+    with pytest.raises(KeyError):
+        give_up(env, tmp_path)
+    assert len(rc.Dataset(tmp_path)) == 1
+    env.close()
+
+
+def give_up(env: rc.Env, folder: Path) -> None:
+    with EnvRecorder(env, folder):
+        env.reset()
+        env.step(DOWN)
+        raise KeyError
+
+
+def test_a_replay_in_a_rig_that_stands_elsewhere(tmp_path: Path):
+    env = rc.Env(config())
+    with EnvRecorder(env, tmp_path):
+        env.reset(seed=1)
+        env.step(DOWN)
+    env.close()
+    elsewhere = rc.Pose(translation=[1, -1, 0], rpy=[0, 0, 2])
+    moved = rc.Env(config(root_frame_to_world=elsewhere))
+    (episode,) = rc.Dataset(tmp_path)
+    assert replay_actions(moved, episode, frame="root", tolerance=1e-5).ok
+    result = replay_actions(moved, episode, tolerance=1e-5)
+    assert result.first is not None
+    assert result.first.what.startswith("objects.cube.tquat[")
+    moved.close()
+
+
+def test_copies_of_a_vector_that_begin_anew_by_themselves(tmp_path: Path):
+    vector = VectorGymEnv(config(), 2, max_episode_steps=2, threads=2)
+    actions = {"robot": {"tquat": [DOWN["robot"]["tquat"]] * 2, "gripper": [[1], [1]]}}
+    with ExitStack() as stack:
+        recorders = [stack.enter_context(EnvRecorder(vector, tmp_path, copy=i)) for i in range(2)]
+        vector.reset(seed=3)
+        for _ in range(5):  # two steps, the reset in between, two steps
+            vector.step(actions)
+    assert [r.episodes for r in recorders] == [
+        ["copy0-000000", "copy0-000001"],
+        ["copy1-000000", "copy1-000001"],
+    ]
+    alone = rc.Env(config())
+    for episode in rc.Dataset(tmp_path):
+        assert len(episode["time"]) == 2
+        assert rc.data.verify_replay(episode, 0).ok
+        assert replay_actions(alone, episode).ok
+    vector.close()
+    alone.close()
+
+
+def test_environments_of_gymnasium_with_their_wrappers(tmp_path: Path):
+    env = gym.make("robocell/PickCube-v0", max_episode_steps=2)
+    with EnvRecorder(env, tmp_path) as recorder:
+        env.reset(seed=0)
+        env.action_space.seed(0)
+        env.step(env.action_space.sample())
+        env.step(env.action_space.sample())
+        env.reset()
+    assert recorder.episodes == ["episode-000000"]
+    env.close()
+
+
+def test_frames_are_recorded_as_they_were_shown(tmp_path: Path):
+    stream = {"name": "top", "camera": "top"}
+    env = rc.Env(
+        config(
+            camera_adds={"top": {"offset": rc.Pose(translation=[0.4, 0, 1])}},
+            cameras={"streams": [stream], "resolution": [32, 24]},
+        )
+    )
+    with EnvRecorder(env, tmp_path / "seen"):
+        observation, _ = env.reset(seed=1)
+        env.step(DOWN)
+    (episode,) = rc.Dataset(tmp_path / "seen")
+    shown = observation["frames"]["top"]["rgb"]["data"].astype(float)
+    assert np.abs(episode.frame("top", 0) - shown).mean() < 12  # compressed
+    with EnvRecorder(env, tmp_path / "blind", images=False):
+        env.reset(seed=1)
+        env.step(DOWN)
+    assert not rc.Dataset(tmp_path / "blind")[0].streams
+    env.close()
+
+
+def test_what_cannot_be_recorded_is_told(tmp_path: Path):
+    env = rc.Env(config())
+    vector = VectorGymEnv(config(), 2)
+    for told, record in {
+        "int cannot be recorded: EnvRecorder takes an rc.Env": lambda: EnvRecorder(3, tmp_path),
+        "copy says which of the copies is recorded, 0 to 1": lambda: EnvRecorder(vector, tmp_path),
+        "copy is for batches": lambda: EnvRecorder(env, tmp_path, copy=0),
+        "copy 2 of a batch of environment 'pick_cube' of 2": lambda: EnvRecorder(
+            vector, tmp_path, copy=2
+        ),
+        "'a/b' cannot begin the ids": lambda: EnvRecorder(env, tmp_path, prefix="a/b"),
+    }.items():
+        with pytest.raises(rc.ArgumentError, match=told):
+            record()
+    with EnvRecorder(env, tmp_path), pytest.raises(rc.IoError, match="choose another prefix"):
+        EnvRecorder(env, tmp_path)
+    env.close()
+    vector.close()
+
+
+KILLED = """
+import os, signal, sys
+import robocell as rc
+from robocell.data import EnvRecorder
+from robocell.gym import pick_cube_config
+
+env = rc.Env(pick_cube_config(relative_to="last_step"))
+recorder = EnvRecorder(env, sys.argv[1])
+action = {"robot": {"tquat": [0, 0, -0.02, 0, 0, 0, 1], "gripper": 1}}
+for _ in range(2):
+    env.reset()
+    for _ in range(3):
+        env.step(action)
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_a_killed_process_leaves_whole_episodes_only(tmp_path: Path):
+    killed = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(KILLED), str(tmp_path)], check=False, env=os.environ
+    )
+    assert killed.returncode == -signal.SIGKILL
+    assert rc.Dataset(tmp_path).ids == ["episode-000000"]
+    assert rc.data.verify(tmp_path).good == ["episode-000000"]
+    rc.data.remove_leftovers(tmp_path)
+    env = rc.Env(config())
+    with EnvRecorder(env, tmp_path) as recorder:
+        env.reset()
+        env.step(DOWN)
+    assert recorder.episodes == ["episode-000001"]
+    assert sorted(rc.Dataset(tmp_path).ids) == ["episode-000000", "episode-000001"]
+    env.close()
+
+
+def test_an_environment_may_be_closed_first(tmp_path: Path):
+    env = rc.Env(config())
+    with EnvRecorder(env, tmp_path) as recorder:
+        env.reset(seed=1)
+        env.step(DOWN)
+        env.close()
+    assert recorder.episodes == ["episode-000000"]
+    with pytest.raises(rc.ArgumentError, match="recorded from an environment, not made by a run"):
+        run_of_dataset(tmp_path)
+
+
+def test_a_full_disk_costs_the_episode_and_says_so(tmp_path: Path):
+    env = rc.Env(config())
+    folder = tmp_path / "out"
+    with EnvRecorder(env, folder) as recorder:
+        env.reset()
+        env.step(DOWN)
+        os.rename(folder, tmp_path / "gone")
+        with pytest.raises(rc.IoError, match=str(folder)):
+            env.reset()
+        os.rename(tmp_path / "gone", folder)
+        env.step(DOWN)  # waits for a reset
+        env.reset()
+        env.step(DOWN)
+    assert recorder.episodes == ["episode-000000"]
+    assert rc.Dataset(folder).ids == ["episode-000000"]
+    env.close()

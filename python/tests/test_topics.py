@@ -1,0 +1,112 @@
+"""Everyday names are at the top, everything is in a topic, and a miss shows the way."""
+
+import importlib
+import inspect
+import subprocess
+import sys
+import textwrap
+
+import pytest
+
+import robocell as rc
+from robocell import _core, _elsewhere
+
+TOPICS = [getattr(rc, topic) for topic in _elsewhere.TOPICS]
+OF_CORE = [topic for topic in TOPICS if topic not in (rc.models, rc.menagerie)]
+ERRORS = [
+    name
+    for name, value in vars(_core).items()
+    if inspect.isclass(value) and issubclass(value, Exception)
+]
+# What only the package itself uses.
+OWN = {
+    "SpecT", "atomic_write", "changed_code", "ffmpeg_answer", "import_mujoco",
+    "imports_of_run_file", "json_damage", "load_plugin", "make_task", "missing_spec_file",
+    "other_run_of", "override_file", "require_dataset", "set_aside", "sign_json", "temporary_path",
+}  # fmt: skip
+SHORTER_ELSEWHERE = ("builtin_", "menagerie_", "models_root", "resolve_model")  # robocell.models
+
+
+@pytest.mark.parametrize("topic", TOPICS, ids=lambda topic: topic.__name__)
+def test_a_topic_says_what_it_is_for_and_what_it_has(topic):
+    assert topic.__doc__
+    assert len(topic.__all__) == len(set(topic.__all__))
+    for name in topic.__all__:
+        value = getattr(topic, name)
+        if callable(value):
+            assert value.__doc__, name
+
+
+def test_every_name_of_the_core_is_in_one_topic():
+    homes = {}
+    for topic in OF_CORE:
+        for name in topic.__all__:
+            homes.setdefault(name, []).append(topic.__name__)
+    public = {name for name in vars(_core) if not name.startswith(("_", *SHORTER_ELSEWHERE))}
+    assert public - set(homes) == OWN | set(ERRORS)
+    assert {name: found for name, found in homes.items() if len(found) > 1} == {}
+
+
+def test_the_top_has_everyday_names_which_are_the_ones_of_the_topics():
+    modules = {name for name in rc.__all__ if inspect.ismodule(getattr(rc, name))}
+    assert modules == set(_elsewhere.TOPICS)
+    names = (
+        set(rc.__all__) - modules - set(ERRORS) - {"__version__", "__mujoco_version__", "cmake_dir"}
+    )
+    assert len(names) <= 30
+    for name in names:
+        [home] = [topic for topic in TOPICS if name in topic.__all__]
+        assert getattr(rc, name) is getattr(home, name)
+    assert set(ERRORS) <= set(rc.__all__)
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("IkSolver", "It is in a topic: robocell.kinematics.IkSolver"),
+        ("from_dataset", "It is in a topic: robocell.envs.from_dataset"),
+        ("model_path", "It is in a topic: robocell.menagerie.model_path"),
+        ("gym", "It is a module to import: import robocell.gym"),
+        ("iksolver", "Did you mean robocell.kinematics.IkSolver?"),
+        ("SceneSpek", "Did you mean robocell.SceneSpec?"),
+        ("zzz", f"Its topics: {', '.join(_elsewhere.TOPICS)}"),
+    ],
+)
+def test_a_name_that_is_not_at_the_top_is_shown_the_way(name, told):
+    # Where nothing else was imported.
+    program = f"import robocell\ntry: robocell.{name}\nexcept AttributeError as error: print(error)"
+    result = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False
+    )
+    assert result.stdout == f"module 'robocell' has no attribute '{name}'. {told}\n"
+
+
+def test_asking_whether_there_is_a_name_is_no_error():
+    assert not hasattr(rc, "Nope")
+    with pytest.raises(ImportError, match="cannot import name 'Nope' from 'robocell'"):
+        exec("from robocell import Nope")
+
+
+@pytest.mark.parametrize(
+    "topic", ["control", "diagnose", "kinematics", "log", "render", "robots", "scene"]
+)
+def test_what_a_topic_shows_of_itself_runs(topic):
+    spec = rc.SceneSpec(name="cell", timestep=0.002, add_floor=True, add_skybox=True)
+    config = rc.RobotConfig.load(rc.models.robot_file("rc7"))
+    spec.robots.append(rc.RobotSpec(name="rc7", config=config))
+    scene = rc.Scene.build(spec)
+    shown = [
+        line
+        for line in importlib.import_module(f"robocell.{topic}").__doc__.splitlines()
+        if line.startswith("    ")
+    ]
+    assert shown
+    level, sink = rc.log.log_level(), rc.log.set_log_sink(None)
+    try:
+        exec(
+            textwrap.dedent("\n".join(shown)),
+            {"robocell": rc, "scene": scene, "robot": scene.robot("rc7")},
+        )
+    finally:
+        rc.log.set_log_level(level)
+        rc.log.set_log_sink(sink)

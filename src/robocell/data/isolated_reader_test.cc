@@ -1,0 +1,146 @@
+#include "robocell/data/isolated_reader.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <unistd.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cerrno>
+#include <csignal>
+#include <functional>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "robocell/base/error.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+using Lines = std::vector<std::string>;
+
+TEST(Apart, GivesTheLinesOfAChild) {
+  const pid_t here = getpid();
+  bool changed = false;
+  IsolatedReader reader([&](const std::string& question) {
+    changed = true;
+    return Lines{getpid() == here ? "here" : "elsewhere", question};
+  });
+  EXPECT_THAT(reader.Ask("two"), ElementsAre("elsewhere", "two"));
+  EXPECT_FALSE(changed) << "memory is not shared";
+  EXPECT_THAT(IsolatedReader([](const std::string&) { return Lines(); }).Ask(""), IsEmpty());
+}
+
+TEST(Apart, OneChildAnswersManyQuestions) {
+  int count = 0;
+  IsolatedReader reader([&](const std::string&) { return Lines{std::to_string(++count)}; });
+  EXPECT_THAT(reader.Ask(""), ElementsAre("1"));
+  EXPECT_THAT(reader.Ask(""), ElementsAre("2"));
+}
+
+TEST(Apart, LongQuestionsAndAnswersComeWhole) {
+  const std::string line(1 << 20, 'x');
+  IsolatedReader reader([](const std::string& question) { return Lines{question, question}; });
+  EXPECT_THAT(reader.Ask(line), ElementsAre(line, line));
+}
+
+TEST(Apart, WhatIsThrownThereIsThrownHere) {
+  IsolatedReader reader([](const std::string& question) -> Lines {
+    if (question == "closed") throw IoError("cannot read", EACCES);
+    if (question == "empty") throw Error("no rows");
+    return {};
+  });
+  ExpectThrow<Error>([&] { reader.Ask("empty"); }, "no rows");
+  try {
+    reader.Ask("closed");
+    FAIL() << "nothing was thrown";
+  } catch (const IoError& error) {
+    EXPECT_EQ(error.system_error(), EACCES);
+    EXPECT_STREQ(error.what(), "cannot read");
+  }
+  EXPECT_THAT(reader.Ask("whole"), IsEmpty());
+}
+
+void Crash() {
+  std::signal(SIGSEGV, SIG_DFL);  // sanitizers take it otherwise
+  raise(SIGSEGV);
+}
+
+TEST(Apart, ACrashIsAnAnswerAndTheNextQuestionGetsItsOwn) {
+  IsolatedReader reader([](const std::string& question) {
+    if (question == "bad") Crash();
+    return Lines{question};
+  });
+  EXPECT_THAT(reader.Ask("good"), ElementsAre("good"));
+  ExpectThrow<Error>([&] { reader.Ask("bad"); },
+                     "reading it ends the process (Segmentation fault)");
+  EXPECT_THAT(reader.Ask("good"), ElementsAre("good"));
+}
+
+TEST(Apart, NobodyAnswersForWhatAnotherBroke) {
+  bool broken = false;
+  IsolatedReader reader([&](const std::string& question) {
+    if (broken) Crash();
+    broken = question == "sly";  // it crashes at whatever is read next
+    return Lines{question};
+  });
+  EXPECT_THAT(reader.Ask("sly"), ElementsAre("sly"));
+  EXPECT_THAT(reader.Ask("good"), ElementsAre("good"));
+}
+
+TEST(Apart, KeepsNothingOpenThatOthersWaitFor) {
+  int ends[2];
+  ASSERT_EQ(pipe2(ends, O_CLOEXEC), 0);
+  IsolatedReader reader([](const std::string& question) { return Lines{question}; });
+  EXPECT_THAT(reader.Ask("here"), ElementsAre("here"));
+  close(ends[1]);
+  pollfd ended{.fd = ends[0], .events = POLLIN, .revents = 0};
+  EXPECT_EQ(poll(&ended, 1, 5000), 1) << "the child has the other end";
+  EXPECT_TRUE(ended.revents & POLLHUP);
+  close(ends[0]);
+  EXPECT_THAT(reader.Ask("still"), ElementsAre("still"));
+}
+
+TEST(Apart, AProgramThatIgnoresItsChildrenGetsNoVerdict) {
+  const auto before = std::signal(SIGCHLD, SIG_IGN);
+  IsolatedReader reader([](const std::string&) -> Lines {
+    Crash();
+    return {};
+  });
+  ExpectThrow<IoError>([&] { reader.Ask(""); }, "reading it ends the process, nobody knows how");
+  std::signal(SIGCHLD, before);
+}
+
+// The errno of the IoError; 0 when there is none.
+int SystemError(const std::function<void()>& end, const std::string& text) {
+  IsolatedReader reader(
+      [&](const std::string&) {
+        end();
+        return Lines();
+      },
+      std::chrono::seconds(1));
+  try {
+    reader.Ask("");
+  } catch (const IoError& error) {
+    EXPECT_EQ(error.what(), text);
+    return error.system_error();
+  }
+  ADD_FAILURE() << "no IoError";
+  return 0;
+}
+
+// Nothing that is said of what was read: an overloaded machine, one without memory.
+TEST(Apart, WhatDoesNotEndOrIsEndedByOthersIsTheSystems) {
+  EXPECT_EQ(SystemError([] { pause(); }, "reading it had not ended after 1 s"), ETIMEDOUT);
+  EXPECT_EQ(SystemError([] { raise(SIGKILL); }, "reading it ends the process (Killed)"), EINTR);
+  EXPECT_EQ(SystemError([] { throw std::bad_alloc(); }, "there is not enough memory to read it"),
+            ENOMEM);
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,27 @@
+// JSON texts that contain their own hash, so that any byte that changes later is found. The hash is
+// computed with zeros in its place; the key `json_sha256` stands once, at any depth. In episode.json
+// it is in the `run` block, the only part that differs between two runs of the same episode.
+//
+//   object[kJsonHash] = kHashPlaceholder;
+//   const std::string text = InsertSelfHash(object.dump(2));
+//   if (const auto damage = JsonDamage(text)) throw IoError(path + ": " + *damage);
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace robocell {
+
+inline constexpr const char* kJsonHash = "json_sha256";
+// Stands where the hash will go.
+inline constexpr std::string_view kHashPlaceholder =
+    "0000000000000000000000000000000000000000000000000000000000000000";
+
+// Replaces the placeholder by the hash. Throws Error unless the text has the placeholder, written as
+// `"json_sha256": "000..."`.
+std::string InsertSelfHash(std::string text);
+// Returns why the text does not match its hash ("its text is not ..."), or nothing when it does.
+std::optional<std::string> JsonDamage(const std::string& text);
+
+}  // namespace robocell

@@ -1,0 +1,42 @@
+#include "robocell/data/self_hashed_json.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "robocell/base/error.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell {
+namespace {
+
+std::string Text() {
+  return "{\"id\": \"pick\", \"run\": {\"json_sha256\": \"" + std::string(kHashPlaceholder) +
+         "\"}}\n";
+}
+
+TEST(SelfHashedJson, EveryBitCounts) {
+  const std::string text = InsertSelfHash(Text());
+  EXPECT_EQ(text.size(), Text().size());
+  EXPECT_EQ(JsonDamage(text), std::nullopt);
+  for (size_t bit = 0; bit < 8 * text.size(); ++bit) {
+    std::string flipped = text;
+    flipped[bit / 8] ^= static_cast<char>(1 << bit % 8);
+    EXPECT_TRUE(JsonDamage(flipped)) << "bit " << bit;
+  }
+  for (size_t size = 0; size < text.size(); ++size) {
+    EXPECT_TRUE(JsonDamage(text.substr(0, size))) << size << " bytes";
+  }
+  EXPECT_THAT(JsonDamage(text + " "), Optional(HasSubstr("its own hash does not fit")));
+}
+
+TEST(SelfHashedJson, ATextWithoutAPlaceForItsHashIsRefused) {
+  ExpectThrow<Error>([] { InsertSelfHash("{}"); }, "no placeholder for its own hash");
+  EXPECT_THAT(JsonDamage("{\"id\": \"a"),
+              ::testing::Optional(
+                  std::string("it is cut short: its text ends after 9 bytes, in the middle")));
+  EXPECT_THAT(JsonDamage("{}"), Optional(HasSubstr("carries no hash of itself")));
+  EXPECT_THAT(JsonDamage(Text()), Optional(HasSubstr("its own hash does not fit")));
+}
+
+}  // namespace
+}  // namespace robocell

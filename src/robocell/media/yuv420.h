@@ -1,0 +1,36 @@
+// RGB images as planar YUV 4:2:0, the form that H.264 encoders take: a luma plane of full size, then two
+// chroma planes of half its width and height.
+//
+//   Yuv420Converter convert(640, 480);
+//   std::span<const uint8_t> yuv = convert(rgb);  // 640 * 480 * 3 / 2 bytes, until the next call
+//
+// Luma and chroma follow ITU-R BT.601 in its limited range (Y 16 to 235, Cb and Cr 16 to 240). A chroma sample
+// lies on every second column and between two rows, where H.264 has it unless a stream says otherwise: it is
+// the mean of two rows, each filtered with 1 2 1. The arithmetic is in whole numbers, so that the same pixels
+// give the same bytes on every processor.
+//
+// Not thread-safe: a converter owns its buffers.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace robocell::internal {
+
+class Yuv420Converter {
+ public:
+  // Throws ArgumentError unless width and height are even and positive.
+  Yuv420Converter(int width, int height);
+
+  // `rgb`: rows from the top, 3 bytes a pixel, 3 * width * height bytes (ArgumentError otherwise).
+  std::span<const uint8_t> operator()(std::span<const uint8_t> rgb);
+
+ private:
+  int width_, height_;
+  std::vector<uint8_t> yuv_;
+  std::vector<int16_t> sums_;  // of two rows, by channel
+};
+
+}  // namespace robocell::internal

@@ -1,0 +1,49 @@
+#include "robocell/robot/measurement_cache.h"
+
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+namespace robocell {
+namespace {
+
+// By generation, which no two models of a process share: the oldest goes first.
+using MeasurementName = std::pair<uint64_t, std::string>;
+constexpr size_t kMostMeasurements = 1024;
+
+struct Measurements {
+  std::mutex mutex;
+  std::map<MeasurementName, std::vector<double>> kept;
+};
+
+Measurements& AllMeasurements() {
+  static Measurements measurements;
+  return measurements;
+}
+
+std::optional<std::vector<double>> KeptMeasurement(const MeasurementName& name) {
+  Measurements& all = AllMeasurements();
+  const std::lock_guard lock(all.mutex);
+  const auto found = all.kept.find(name);
+  if (found == all.kept.end()) return std::nullopt;
+  return found->second;
+}
+
+}  // namespace
+
+std::vector<double> CachedMeasurement(const CompiledScene& compiled, const std::string& what,
+                                      const std::function<std::vector<double>()>& measure) {
+  if (!compiled.frozen()) return measure();
+  const MeasurementName name(compiled.generation(), what);
+  if (std::optional<std::vector<double>> kept = KeptMeasurement(name)) return *std::move(kept);
+  std::vector<double> measured = measure();
+  Measurements& all = AllMeasurements();
+  const std::lock_guard lock(all.mutex);
+  all.kept[name] = measured;
+  if (all.kept.size() > kMostMeasurements) all.kept.erase(all.kept.begin());
+  return measured;
+}
+
+}  // namespace robocell

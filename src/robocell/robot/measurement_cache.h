@@ -1,0 +1,22 @@
+// Measurements of a model, made once for all scenes that share it: copies of an environment have one
+// model. Private to robot.
+//
+//   const double reach = CachedMeasurement(*scene.compiled(), "reach from link0 to hand", [&] {
+//     return std::vector<double>{ApproximateReach(chain)};
+//   })[0];
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "robocell/scene/compiled_scene.h"
+
+namespace robocell {
+
+// Returns what `measure` returned for this model and this name before, or calls it. A model that is
+// not frozen may have been written to since, so that it is measured each time. Thread-safe.
+std::vector<double> CachedMeasurement(const CompiledScene& compiled, const std::string& what,
+                                      const std::function<std::vector<double>()>& measure);
+
+}  // namespace robocell

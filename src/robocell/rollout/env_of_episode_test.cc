@@ -1,0 +1,202 @@
+#include "robocell/rollout/env_of_episode.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "robocell/base/error.h"
+#include "robocell/base/units.h"
+#include "robocell/data/dataset.h"
+#include "robocell/data/episode_writer.h"
+#include "robocell/env/arm_target.h"
+#include "robocell/env/env_scene.h"
+#include "robocell/env/testing/envs.h"
+#include "robocell/rollout/env_recorder.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+const Pose kElsewhere = Pose::FromRpy({1, -1, 0.3}, {0, 0, 2});
+
+EnvStep StepTo(Env& env, const Eigen::Vector3d& tcp, double gripper) {
+  std::vector<double> action(8);
+  PutTquat(Pose::FromRpy(tcp, {kPi, 0, 0}), action);
+  action[7] = gripper;
+  return env.Step(action);
+}
+
+class EnvOfEpisodeTest : public ::testing::Test {
+ protected:
+  // Three steps above the cube.
+  Episode Record(const EnvConfig& config) const {
+    Env env(config);
+    EnvRecorder recorder(env, folder.path());
+    env.Reset({.seed = 5});
+    for (const double z : {0.3, 0.2, 0.1}) StepTo(env, {0.45, 0, z}, 1);
+    recorder.Close();
+    return Dataset(folder.path()).Open(recorder.episodes().front());
+  }
+  // The same episode with one number of a column changed.
+  Episode Changed(const Episode& from, const std::string& column, size_t number, double by) const {
+    EpisodeSchema schema;
+    std::vector<std::pair<ColumnId, std::vector<double>>> doubles;
+    for (const ColumnInfo& info : from.columns()) {
+      if (info.table.empty()) {
+        schema.AddConstant(info.spec, from.Read<double>(info.spec.name));
+      } else if (info.table == "steps" && info.spec.type == ColumnType::kFloat64) {
+        doubles.emplace_back(schema.AddColumn(info.spec), from.Read<double>(info.spec.name));
+        if (info.spec.name == column) doubles.back().second[number] += by;
+      }
+    }
+    const ColumnId tick = schema.AddColumn(from.column(std::string(kControlTickColumn)).spec);
+    const TableId control = schema.AddTable("control");
+    const ColumnId time = schema.AddColumn({.name = "time", .units = "s"}, control);
+    EpisodeWriter writer(folder.path(), "changed" + std::to_string(++count), schema,
+                         {.metadata_json = from.metadata_json(), .features = from.features()});
+    const auto ticks = from.Read<int64_t>(std::string(kControlTickColumn));
+    for (size_t row = 0; row < ticks.size(); ++row) {
+      for (const auto& [id, values] : doubles) {
+        const size_t width = values.size() / ticks.size();
+        writer.Put(id, std::span(values).subspan(row * width, width));
+      }
+      writer.Put(tick, ticks[row]);
+      writer.EndRow();
+    }
+    for (const double t : from.Read<double>("control/time")) {
+      writer.Put(time, t);
+      writer.EndRow(control);
+    }
+    return Episode(
+        writer.Commit({.end_reason = from.end_reason(), .results_json = from.results_json()}));
+  }
+
+  TempDir folder;
+  mutable int count = 0;
+};
+
+TEST_F(EnvOfEpisodeTest, GivesTheSameToTheBitInEveryEnvironmentOfItsConfiguration) {
+  const Episode episode = Record(Rc7WithCube());
+  Env other(Rc7WithCube());
+  const ReplayResult report = ReplayActions(other, episode);
+  EXPECT_TRUE(report.ok()) << report.Text();
+  EXPECT_EQ(report.rows, 3);
+  EXPECT_EQ(report.ticks, static_cast<int64_t>(episode.ValueCount("control/time")));
+  other.Reset();
+  EXPECT_TRUE(ReplayActions(other, episode).ok());
+  const std::unique_ptr<Env> same = EnvOfEpisode(episode);
+  EXPECT_TRUE(ReplayActions(*same, episode).ok());
+  EXPECT_EQ(same->config().task->kind(), "pick");
+}
+
+TEST_F(EnvOfEpisodeTest, SaysWhatCameOutOtherwise) {
+  const Episode episode = Record(Rc7WithCube());
+  Env env(Rc7WithCube());
+  ReplayResult report = ReplayActions(env, Changed(episode, "observation/robot/joints", 7 + 3, 1));
+  EXPECT_EQ(report.rows, 0);
+  ASSERT_TRUE(report.first);
+  EXPECT_EQ(report.first->row, 1);
+  EXPECT_EQ(report.first->what, "robot.joints[3]");
+  EXPECT_EQ(report.first->column, "observation/robot/joints");
+  EXPECT_EQ(report.first->recorded, report.first->replayed + 1);
+  report = ReplayActions(env, Changed(episode, "action/robot/tquat", 14, 0.01));
+  ASSERT_TRUE(report.first);
+  EXPECT_EQ(report.first->row, 3) << "what the last action led to";
+  EXPECT_GT(report.first->others, 0);
+  const Episode paid = Changed(episode, "reward", 0, 0.1);
+  report = ReplayActions(env, paid);
+  ASSERT_TRUE(report.first);
+  EXPECT_EQ(report.first->what, "the reward");
+  EXPECT_TRUE(ReplayActions(env, paid, {.tolerance = 0.2}).ok());
+  ExpectThrow<ArgumentError>([&] { ReplayActions(env, episode, {.tolerance = -1}); },
+                             "tolerance -1 is not at least 0");
+}
+
+TEST_F(EnvOfEpisodeTest, InARigThatStandsElsewhere) {
+  const Episode episode = Record(Rc7WithCube());
+  Env there(Rc7WithCube(kElsewhere));
+  const ReplayResult report =
+      ReplayActions(there, episode, {.frame = StateFrame::kRoot, .tolerance = 1e-6});
+  EXPECT_TRUE(report.ok()) << report.Text();
+  const ReplayResult world = ReplayActions(there, episode, {.tolerance = 1e-6});
+  ASSERT_TRUE(world.first);
+  EXPECT_EQ(world.first->row, 0);
+  EXPECT_EQ(world.first->column, "observation/objects/cube/tquat");
+}
+
+TEST_F(EnvOfEpisodeTest, EndsWhenThePollThrows) {
+  struct Enough {};
+  const Episode episode = Record(Rc7WithCube());
+  Env env(Rc7WithCube());
+  int calls = 0, last = 0;
+  const auto poll = [&] {
+    if (++calls == last) throw Enough();
+  };
+  EXPECT_TRUE(ReplayActions(env, episode, {.poll = poll}).ok());
+  last = calls / 2;
+  EXPECT_GT(last, 3) << "after each step of the engine";
+  calls = 0;
+  EXPECT_THROW(ReplayActions(env, episode, {.poll = poll}), Enough);
+  EXPECT_EQ(calls, last);
+  ExpectThrow<Error>([&] { StepTo(env, {0.45, 0, 0.3}, 1); }, "call reset to go on");
+  EXPECT_TRUE(ReplayActions(env, episode).ok());
+}
+
+TEST_F(EnvOfEpisodeTest, IsRefusedForOtherConfigurationsAndEpisodes) {
+  const Episode episode = Record(Rc7WithCube());
+  Env env(Rc7Env());
+  ExpectThrow<ArgumentError>([&] { ReplayActions(env, episode); },
+                             "is of another configuration: feature 'observation/objects/cube/tquat'"
+                             " is recorded and not here");
+  EnvConfig more = Rc7WithCube();
+  more.root_frame_objects["ball"] = {.offset = Pose(Eigen::Vector3d(0.6, 0.3, 0.03)),
+                                     .shape = Shape::kSphere,
+                                     .size = Vec3{0.03, 0, 0},
+                                     .mass = 0.05};
+  Env loose(more);
+  ExpectThrow<ArgumentError>([&] { ReplayActions(loose, episode); },
+                             "the state is of another environment");
+  EpisodeSchema schema;
+  const ColumnId time = schema.AddColumn({.name = "time"});
+  EpisodeWriter writer(folder.path(), "foreign", schema);
+  writer.Put(time, 0.0);
+  writer.EndRow();
+  const Episode foreign(writer.Commit({}));
+  ExpectThrow<ArgumentError>([&] { EnvOfEpisode(foreign); }, "was not recorded in an environment");
+  ExpectThrow<ArgumentError>([&] { ReplayActions(env, foreign); },
+                             "was not recorded in an environment");
+}
+
+TEST_F(EnvOfEpisodeTest, OfASavedSceneNeedsItsFile) {
+  EnvConfig config = Rc7WithCube();
+  Env(config).scene().SaveXml(folder / "cell.xml");
+  config.saved_scene = (folder / "cell.xml").string();
+  TempDir other;
+  Env env(config);
+  EnvRecorder recorder(env, other.path());
+  env.Reset({.seed = 5});
+  StepTo(env, {0.45, 0, 0.3}, 1);
+  recorder.Close();
+  const Episode episode = Dataset(other.path()).At(0);
+  Env again(config);
+  EXPECT_TRUE(ReplayActions(again, episode).ok());
+  ExpectThrow<ArgumentError>([&] { EnvOfEpisode(episode); },
+                             "its scene was a saved file (saved_scene), which the dataset does not "
+                             "keep; replay it in an environment of that file");
+  ExpectThrow<ArgumentError>([&] { VerifyReplay(episode); }, "its scene was a saved file");
+}
+
+TEST_F(EnvOfEpisodeTest, NamesModelsAsEveryMachineKnowsThem) {
+  const Episode episode = Record(Rc7WithCube());
+  const std::string config = nlohmann::json::parse(episode.metadata_json())
+                                 .at("environment")
+                                 .at("config")
+                                 .get<std::string>();
+  EXPECT_THAT(config, ::testing::HasSubstr("model: rc7"));
+  EXPECT_THAT(config, ::testing::Not(::testing::HasSubstr(".xml")));
+}
+
+}  // namespace
+}  // namespace robocell

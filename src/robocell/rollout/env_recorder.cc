@@ -1,0 +1,483 @@
+#include "robocell/rollout/env_recorder.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <utility>
+#include <nlohmann/json.hpp>
+
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/base/io_error.h"
+#include "robocell/base/log.h"
+#include "robocell/base/ratio.h"
+#include "robocell/data/dataset.h"
+#include "robocell/data/dataset_folder.h"
+#include "robocell/data/dataset_lock.h"
+#include "robocell/data/episode_files.h"
+#include "robocell/features/chosen_features.h"
+#include "robocell/rollout/engine_record.h"
+#include "robocell/rollout/env_of_episode.h"
+#include "robocell/rollout/episode_cameras.h"
+#include "robocell/rollout/episode_columns.h"
+#include "robocell/rollout/recorded_scene.h"
+#include "robocell/spec/yaml.h"
+#include "robocell/task/task_features.h"
+
+namespace robocell {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+// In the order of EndReason.
+constexpr std::array kEndReasons = {EndReason::kDiverged, EndReason::kCollision,
+                                    EndReason::kIkFailed, EndReason::kArrived,
+                                    EndReason::kSettled,  EndReason::kTimeout};
+
+// Of videos. Steps that end at arrivals have no rate: their frames are played as if they had that
+// of the configuration.
+Ratio RateOfRows(const EnvConfig& config) { return RatioOf(config.sim.frequency); }
+
+// The streams of an environment as cameras of an episode: frames as they were shown.
+class FrameColumns {
+ public:
+  FrameColumns(EpisodeSchema& schema, const Env& env) {
+    for (const EnvFrame& frame : env.frames()) Add(schema, env, frame);
+    if (std::ranges::any_of(env.frames(),
+                            [](const EnvFrame& f) { return !f.segmentation.empty(); }))
+      schema.SetSegmentLabels(SegmentLabelsOf(env.scene()));
+  }
+  // Keeps what is shown now.
+  void Take(const Env& env) {
+    for (size_t i = 0; i < streams_.size(); ++i) {
+      Stream& stream = streams_[i];
+      const EnvFrame& frame = env.frames()[i];
+      stream.rgb = frame.rgb;
+      stream.depth = frame.depth_mm;
+      stream.bodies.resize(frame.segmentation.size());
+      std::ranges::transform(frame.segmentation, stream.bodies.begin(), [](int32_t body) {
+        return body < 0 ? kNoSegment : static_cast<uint16_t>(body);
+      });
+      const Eigen::Matrix<double, 4, 4, Eigen::RowMajor> pose = frame.camera.extrinsics();
+      std::copy_n(pose.data(), 16, stream.extrinsics.begin());
+      stream.time = frame.time;
+    }
+  }
+  void Put(EpisodeWriter& writer) const {
+    for (const Stream& stream : streams_) {
+      writer.Put(stream.extrinsics_column, std::span<const double>(stream.extrinsics));
+      writer.Put(stream.time_column, stream.time);
+      writer.WriteFrame(stream.video, stream.rgb);
+      if (!stream.depth.empty()) writer.WriteDepth(stream.video, stream.depth);
+      if (!stream.bodies.empty()) writer.WriteSegmentation(stream.video, stream.bodies);
+    }
+  }
+
+ private:
+  struct Stream {
+    CameraId video;
+    ColumnId extrinsics_column, time_column;
+    std::vector<uint8_t> rgb;
+    std::vector<uint16_t> depth, bodies;
+    std::array<double, 16> extrinsics = {};
+    double time = 0;
+  };
+
+  void Add(EpisodeSchema& schema, const Env& env, const EnvFrame& frame) {
+    if (frame.rgb.empty()) {
+      throw ArgumentError(fmt::format(
+          "environment '{}': stream '{}' has no colour images, so it cannot be recorded; set its "
+          "`rgb: true`, or record without images",
+          env.config().name, frame.stream));
+    }
+    const Ratio rate = RateOfRows(env.config());
+    const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> k = frame.camera.intrinsics();
+    std::array<double, 9> intrinsics = {};
+    std::copy_n(k.data(), 9, intrinsics.begin());
+    Stream stream;
+    stream.video = schema.AddCamera({.name = frame.stream,
+                                     .width = frame.width,
+                                     .height = frame.height,
+                                     .fps_num = static_cast<int>(rate.num),
+                                     .fps_den = static_cast<int>(rate.den),
+                                     .intrinsics = intrinsics,
+                                     .depth = !frame.depth_mm.empty(),
+                                     .segmentation = !frame.segmentation.empty()});
+    const std::string path = "cameras/" + frame.stream + "/";
+    stream.extrinsics_column = schema.AddColumn({.name = path + "extrinsics",
+                                                 .shape = {4, 4},
+                                                 .units = "m, 1",
+                                                 .frame = "world -> camera, OpenCV axes"});
+    stream.time_column = schema.AddColumn({.name = path + "time",
+                                           .units = "s",
+                                           .description = "When the frame was taken, since the "
+                                                          "reset: streams with a rate of their own "
+                                                          "show one until the next."});
+    streams_.push_back(std::move(stream));
+  }
+
+  std::vector<Stream> streams_;
+};
+
+// What is the same in all episodes of one scene; hashing models takes a while.
+struct SceneDescription {
+  uint64_t generation = 0;
+  PortableScene portable;
+  std::string config;  // the environment's, as YAML with portable names
+};
+
+// One episode while it is recorded.
+class EnvEpisode {
+ public:
+  EnvEpisode(const Env& env, const fs::path& dataset, const std::string& id,
+             const EnvRecorderOptions& options, const SceneDescription& scene)
+      : env_(env),
+        nu_(static_cast<size_t>(env.scene().model()->nu)),
+        generation_(env.scene().generation()),
+        features_(FeaturesOfCell(env.scene(), RobotsOf(env.scene()), env.task(),
+                                 OwnAmong(env.config().features.names))),
+        state_columns_(schema_, features_.observed()),
+        command_columns_(schema_, features_.commanded()),
+        seen_columns_(schema_, env.layout().observed),
+        asked_columns_(schema_, env.layout().commanded),
+        outcome_(schema_, env.scene(), {},
+                 env.task() ? env.task()->subtasks() : std::vector<std::string>()) {
+    if (options.images) frames_.emplace(schema_, env);
+    AddColumns();
+    const std::vector<double> state = env.scene().state(), env_state = env.state().numbers();
+    schema_.AddConstant(
+        {.name = "initial_state",
+         .shape = {static_cast<int64_t>(state.size())},
+         .description = "The engine's full state before the first action (mjSTATE_INTEGRATION)."},
+        state);
+    schema_.AddConstant({.name = std::string(kEnvStateColumn),
+                         .shape = {static_cast<int64_t>(env_state.size())},
+                         .description = "The environment's state before the first action: the "
+                                        "numbers of an EnvState."},
+                        env_state);
+    writer_.emplace(dataset, id, schema_,
+                    EpisodeOptions{.metadata_json = Metadata(options, scene),
+                                   .versions_json = Json{{"mujoco", mj_versionString()}}.dump(),
+                                   .features = AllFeatures()});
+    for (const auto& [name, files] : scene.portable.models) writer_->AddModel(name, files);
+  }
+
+  // A step begins.
+  void Begin(std::span<const double> action) {
+    if (env_.scene().generation() != generation_) {
+      throw Error(fmt::format(
+          "environment '{}': objects were added or removed while an episode is recorded, whose "
+          "rows have numbers for those it began with; save it, and reset, before the scene changes",
+          env_.config().name));
+    }
+    Flush();
+    features_.ReadState();
+    seen_.assign(env_.observation().begin(), env_.observation().end());
+    action_.assign(action.begin(), action.end());
+    if (frames_) frames_->Take(env_);
+    ForgetTicks();
+  }
+  void ForgetTicks() { times_.clear(), ctrl_.clear(); }
+  void Tick(const mjData* data) {
+    times_.push_back(data->time);
+    ctrl_.insert(ctrl_.end(), data->ctrl, data->ctrl + nu_);
+  }
+  // It ends.
+  void End(const EnvStep& step) {
+    commands_ = features_.ReadActions();
+    after_.assign(env_.observation().begin(), env_.observation().end());
+    warnings_ = outcome_.warnings();
+    last_ = {.reward = step.reward,
+             .progress = step.progress,
+             .subtask = step.subtask,
+             .success = step.success,
+             .terminated = step.success || step.reason == EndReason::kDiverged,
+             .ik_failed = !step.ik_failed.empty(),
+             .warnings = warnings_.total()};
+    reason_ = step.reason;
+    divergence_ = step.message;
+    ++rows_;
+    is_pending_ = true;
+  }
+  int rows() const { return rows_; }
+
+  void Commit(const EnvEpisodeEnd& end) {
+    const bool diverged = reason_ == EndReason::kDiverged;
+    if (end.success) last_.success = *end.success;
+    last_.terminated = last_.success || diverged;
+    last_.truncated = !last_.terminated;
+    Flush();
+    EpisodeSummary summary{.success = last_.success,
+                           .terminated = last_.terminated,
+                           .truncated = last_.truncated,
+                           .end_reason = end.reason};
+    if (end.reason.empty())
+      summary.end_reason = last_.success ? "success" : diverged ? "diverged" : "stopped";
+    if (diverged) summary.warnings.push_back(divergence_);
+    if (warnings_.total() > 0) summary.warnings.push_back(warnings_.Text());
+    if (!diverged) summary.results_json = FinalObservation();
+    writer_->Commit(summary);
+  }
+
+ private:
+  // What the last action led to, which has no row of its own.
+  std::string FinalObservation() const {
+    Json final = Json::object();
+    std::span<const double> rest = after_;
+    for (const Feature& feature : env_.layout().observed.features()) {
+      const auto size = static_cast<size_t>(feature.size());
+      final[feature.column.name] = std::vector<double>(rest.begin(), rest.begin() + feature.size());
+      rest = rest.subspan(size);
+    }
+    return Json{{kFinalObservation, final}}.dump();
+  }
+
+  void AddColumns() {
+    std::vector<std::string> reasons;
+    for (const EndReason reason : kEndReasons) reasons.emplace_back(ToString(reason));
+    const auto add = [&](ColumnSpec column) {
+      labels_.Add({.column = column, .role = FeatureRole::kLabel, .source = "env recorder"});
+      return schema_.AddColumn(std::move(column));
+    };
+    reason_column_ = add({.name = "step_reason",
+                          .type = ColumnType::kInt32,
+                          .values = std::move(reasons),
+                          .description = "Why the step ended."});
+    tick_column_ = add({.name = std::string(kControlTickColumn),
+                        .type = ColumnType::kInt64,
+                        .description = "The first row of the table `control` that belongs to this "
+                                       "one."});
+  }
+
+  FeatureSchema AllFeatures() const {
+    FeatureSchema all = features_.schema();
+    for (const FeatureSchema* more :
+         {&env_.layout().observed, &env_.layout().commanded, &outcome_.labels(), &labels_}) {
+      for (const Feature& feature : more->features()) all.Add(feature);
+    }
+    return all;
+  }
+
+  std::string Metadata(const EnvRecorderOptions& options, const SceneDescription& scene) const {
+    const EnvConfig& config = env_.config();
+    Json environment = {{"name", config.name}, {"config", scene.config}};
+    if (!config.variations.empty()) {
+      EnvConfig varied;
+      varied.variations = config.variations;
+      environment["variations"] = ToYaml(varied);
+    }
+    if (!config.saved_scene.empty()) environment["saved_scene"] = true;
+    const double step_ms = env_.scene().timestep() * 1000;
+    Json meta = {{"environment", environment},
+                 {"user", Json::parse(options.metadata_json)},
+                 {"instruction", env_.instruction()},
+                 {"task", config.task ? config.task->kind() : ""},
+                 {"scene_spec", ToYaml(scene.portable.spec)},
+                 {"engine", EngineRecord(env_.scene())},
+                 {"timestep", env_.scene().timestep()},
+                 {"rates", {{"control_ms", step_ms}, {"sim_ms", step_ms}}}};
+    if (config.sim.async_control) {
+      const Ratio rate = RateOfRows(config);
+      meta["rates"]["policy_ms"] = 1000 / rate.value();
+      meta["rates"]["policy_hz"] = {rate.num, rate.den};
+    }
+    return meta.dump();
+  }
+
+  // Writes the row that ended last; what it ended with is known by now.
+  void Flush() {
+    if (!std::exchange(is_pending_, false)) return;
+    EpisodeWriter& writer = *writer_;
+    state_columns_.Put(writer, features_.state());
+    command_columns_.Put(writer, commands_);
+    seen_columns_.Put(writer, seen_);
+    asked_columns_.Put(writer, action_);
+    outcome_.PutPhase(writer, 0);
+    outcome_.PutOutcome(writer, last_);
+    writer.Put(reason_column_,
+               static_cast<int32_t>(std::ranges::find(kEndReasons, reason_) - kEndReasons.begin()));
+    writer.Put(tick_column_, ticks_);
+    if (frames_) frames_->Put(writer);
+    writer.EndRow();
+    for (size_t i = 0; i < times_.size(); ++i)
+      outcome_.PutControl(writer, times_[i], std::span(ctrl_).subspan(i * nu_, nu_));
+    ticks_ += static_cast<int64_t>(times_.size());
+  }
+
+  const Env& env_;
+  size_t nu_;
+  uint64_t generation_;
+  EpisodeSchema schema_;
+  CellFeatures features_;
+  FeatureColumns state_columns_, command_columns_, seen_columns_, asked_columns_;
+  OutcomeColumns outcome_;
+  FeatureSchema labels_;
+  ColumnId reason_column_, tick_column_;
+  std::optional<FrameColumns> frames_;
+  std::optional<EpisodeWriter> writer_;
+
+  // The row that has begun; with is_pending_ it has ended and is not written yet.
+  std::vector<double> seen_, action_, after_, times_, ctrl_;
+  std::span<const double> commands_;
+  RowOutcome last_;
+  EndReason reason_ = EndReason::kTimeout;
+  std::string divergence_;
+  EngineWarnings warnings_;
+  bool is_pending_ = false;
+  int rows_ = 0;
+  int64_t ticks_ = 0;
+};
+
+// The number after the highest of "<prefix>-000017".
+int64_t NextNumber(const fs::path& dataset, const std::string& prefix) {
+  int64_t next = 0;
+  for (const std::string& name : FolderNames(dataset)) {
+    if (!name.starts_with(prefix + "-")) continue;
+    const std::string_view digits = std::string_view(name).substr(prefix.size() + 1);
+    int64_t number = 0;
+    const auto [end, error] = std::from_chars(digits.begin(), digits.end(), number);
+    if (error == std::errc() && end == digits.end()) next = std::max(next, number + 1);
+  }
+  return next;
+}
+
+void PrepareFolder(const fs::path& dataset) {
+  std::error_code error;
+  fs::create_directories(dataset, error);
+  if (error) ThrowIoError("create the dataset's folder", dataset, error.value());
+  const std::vector<std::string> names = FolderNames(dataset);
+  const bool is_new = std::ranges::all_of(
+      names, [](const std::string& name) { return name.starts_with(kLockFile); });
+  if (!is_new) RequireDataset(dataset);
+  if (ReadManifest(dataset)) {
+    throw ArgumentError(fmt::format(
+        "'{}' is the dataset of a run, whose episodes are those of its plan; record into a folder "
+        "of its own",
+        dataset.string()));
+  }
+}
+
+void CheckRecorderOptions(const EnvRecorderOptions& options) {
+  if (!IsEpisodeId(options.prefix))
+    throw ArgumentError(fmt::format(
+        "'{}' cannot begin the ids of episodes, which are visible folders", options.prefix));
+  const Json json = Json::parse(options.metadata_json, nullptr, false);
+  if (!json.is_object()) throw ArgumentError("metadata_json must be an object in JSON");
+}
+
+}  // namespace
+
+struct EnvRecorder::State : public EnvObserver {
+  State(Env& its_env, fs::path its_dataset, EnvRecorderOptions its_options)
+      : env(&its_env), dataset(std::move(its_dataset)), options(std::move(its_options)) {
+    CheckRecorderOptions(options);
+    PrepareFolder(dataset);
+    lock = DatasetLock::Numbering(dataset, options.prefix);
+    next = NextNumber(dataset, options.prefix);
+    env->AddObserver(this);
+  }
+  ~State() override {
+    if (env) env->RemoveObserver(this);
+  }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  void OnStart() override {
+    Save({});
+    is_waiting = false;
+  }
+  void OnAction(std::span<const double> action) override {
+    if (is_waiting) return;
+    Try([&] {
+      if (!episode) Start();
+      episode->Begin(action);
+    });
+  }
+  void OnControlTick(const mjModel*, const mjData* data) override {
+    if (episode) episode->Tick(data);
+  }
+  void OnTakenBack() override {
+    if (episode) episode->ForgetTicks();
+  }
+  void OnStep(const EnvStep& step) override {
+    if (episode) Try([&] { episode->End(step); });
+  }
+
+  // An episode that cannot be written is none; the environment goes on with the next reset.
+  template <class F>
+  void Try(F&& f) {
+    try {
+      f();
+    } catch (...) {
+      Discard();
+      throw;
+    }
+  }
+  void Start() {
+    if (!scene || scene->generation != env->scene().generation()) {
+      scene = {.generation = env->scene().generation(),
+               .portable = MakePortable(env->scene().spec()),
+               .config = PortableConfig(env->config())};
+    }
+    episode = std::make_unique<EnvEpisode>(
+        *env, dataset, fmt::format("{}-{:06}", options.prefix, next), options, *scene);
+  }
+  std::optional<std::string> Save(const EnvEpisodeEnd& end) {
+    is_waiting = true;
+    const std::unique_ptr<EnvEpisode> ended = std::move(episode);
+    if (!ended || ended->rows() == 0) return std::nullopt;
+    ended->Commit(end);
+    episodes.push_back(fmt::format("{}-{:06}", options.prefix, next++));
+    return episodes.back();
+  }
+  void Discard() {
+    is_waiting = true;
+    episode.reset();
+  }
+
+  Env* env;  // null when it is closed
+  fs::path dataset;
+  EnvRecorderOptions options;
+  std::optional<DatasetLock> lock;
+  int64_t next = 0;
+  std::optional<SceneDescription> scene;
+  std::unique_ptr<EnvEpisode> episode;
+  bool is_waiting = false;  // for a reset
+  std::vector<std::string> episodes;
+};
+
+EnvRecorder::EnvRecorder(Env& env, const fs::path& dataset, EnvRecorderOptions options)
+    : state_(std::make_unique<State>(env, dataset, std::move(options))) {}
+
+EnvRecorder::~EnvRecorder() {
+  if (rows() == 0) return;
+  LogWarn(
+      fmt::format("'{}': the recorder of environment '{}' was not closed; the {} steps that "
+                  "were not saved are gone",
+                  dataset().string(), state_->env->config().name, rows()));
+}
+
+std::optional<std::string> EnvRecorder::Save(const EnvEpisodeEnd& end) {
+  if (closed()) throw ClosedError("the recorder of '" + dataset().string() + "' is closed");
+  return state_->Save(end);
+}
+
+void EnvRecorder::Discard() { state_->Discard(); }
+
+void EnvRecorder::Close() {
+  if (closed()) return;
+  std::exchange(state_->env, nullptr)->RemoveObserver(state_.get());
+  const std::optional<DatasetLock> lock = std::exchange(state_->lock, std::nullopt);
+  state_->Save({});
+}
+
+bool EnvRecorder::closed() const { return !state_->env; }
+const fs::path& EnvRecorder::dataset() const { return state_->dataset; }
+const std::vector<std::string>& EnvRecorder::episodes() const { return state_->episodes; }
+int EnvRecorder::rows() const { return state_->episode ? state_->episode->rows() : 0; }
+
+}  // namespace robocell
