@@ -17,6 +17,7 @@
 #include "robocell/robot/arrival.h"
 #include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/hold_ctrl.h"
+#include "robocell/spec/problems.h"
 
 namespace robocell {
 namespace {
