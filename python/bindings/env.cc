@@ -10,6 +10,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "env.h"
+#include "features.h"
 #include "handles.h"
 #include "in_use.h"
 #include "scene_sharing.h"
@@ -33,8 +34,8 @@ std::vector<std::string> RobotNamesOf(const Env& env) {
 }
 
 // Says what is wrong with the keys of a dictionary.
-void CheckKeys(const Env& env, const FieldPath& path, const nb::dict& values, const char* kind,
-               const std::vector<std::string>& keys, const std::string& why = "") {
+void RequireKeys(const Env& env, const FieldPath& path, const nb::dict& values, const char* kind,
+                 const std::vector<std::string>& keys, const std::string& why = "") {
   for (const auto& [key, value] : values) {
     const std::string name = ToText(key, path);
     if (std::find(keys.begin(), keys.end(), name) != keys.end()) continue;
@@ -84,7 +85,7 @@ std::vector<nb::object> RobotsOf(const Env& env, const FieldPath& path, const nb
   for (const RobotLayout& robot : robots) found.push_back(Find(action, robot.robot));
   const bool all = std::all_of(found.begin(), found.end(), [](auto& f) { return f.is_valid(); });
   if (!all || action.size() != robots.size())
-    CheckKeys(env, path, action, "robot", RobotNamesOf(env));
+    RequireKeys(env, path, action, "robot", RobotNamesOf(env));
   return found;
 }
 
@@ -96,8 +97,8 @@ void PutCommands(const Env& env, const RobotLayout& robot, const FieldPath& path
   if (!command.is_valid() || gripper.is_valid() != robot.has_gripper || own.size() != count) {
     std::vector<std::string> keys = {robot.command};
     if (robot.has_gripper) keys.emplace_back("gripper");
-    CheckKeys(env, path, own, "command", keys,
-              fmt::format(" (control_mode {})", ToString(env.config().control_mode)));
+    RequireKeys(env, path, own, "command", keys,
+                fmt::format(" (control_mode {})", ToString(env.config().control_mode)));
   }
   PutNumbers(command, FieldPath(path, robot.command), robot.action, out);
   if (robot.has_gripper) out[robot.gripper_action] = ToGripper(gripper, FieldPath(path, "gripper"));
@@ -149,8 +150,15 @@ nb::dict RobotParts(const std::vector<RobotLayout>& robots, const Sliced& part, 
   return out;
 }
 
-// Fills in what the task adds: objects as {name: {tquat}}, task as {signal: numbers}.
+// Fills in what the task adds, objects as {name: {tquat}} and task as {signal: numbers}, and the
+// features that were chosen, as {name: numbers}.
 void AddTaskParts(const EnvLayout& layout, const Sliced& part, nb::dict& out) {
+  if (!layout.features.empty()) {
+    nb::dict features;
+    for (const FeatureLayout& feature : layout.features)
+      features[feature.key.c_str()] = part(feature.part);
+    out["features"] = features;
+  }
   if (!layout.signals.empty()) {
     nb::dict signals;
     for (const SignalLayout& signal : layout.signals)
@@ -198,36 +206,28 @@ nb::tuple RangeParts(const Env& env, const VectorRange& range, bool observation)
   return nb::make_tuple(dict(range.lower), dict(range.upper));
 }
 
-nb::tuple Part(nb::tuple path, const VectorPart& part) {
-  return nb::make_tuple(path, part.begin, part.size);
+// (path, begin, size) of each feature.
+nb::tuple PartsOf(const FeatureSchema& schema, const std::vector<std::vector<std::string>>& paths) {
+  nb::list out;
+  int64_t begin = 0;
+  for (size_t i = 0; i < paths.size(); ++i) {
+    const int64_t size = schema.features()[i].size();
+    nb::list path;
+    for (const std::string& key : paths[i]) path.append(key);
+    out.append(nb::make_tuple(nb::tuple(path), begin, size));
+    begin += size;
+  }
+  return nb::tuple(out);
 }
 
 }  // namespace
 
 nb::tuple ActionParts(const EnvLayout& layout) {
-  nb::list out;
-  for (const RobotLayout& robot : layout.robots) {
-    out.append(Part(nb::make_tuple(robot.robot, robot.command), robot.action));
-    if (robot.has_gripper)
-      out.append(Part(nb::make_tuple(robot.robot, "gripper"), {robot.gripper_action, 1}));
-  }
-  return nb::tuple(out);
+  return PartsOf(layout.commanded, layout.commanded_paths);
 }
 
 nb::tuple ObservationParts(const EnvLayout& layout) {
-  nb::list out;
-  for (const RobotLayout& robot : layout.robots) {
-    out.append(Part(nb::make_tuple(robot.robot, "tquat"), robot.tquat));
-    out.append(Part(nb::make_tuple(robot.robot, "xyzrpy"), robot.xyzrpy));
-    out.append(Part(nb::make_tuple(robot.robot, "joints"), robot.joints));
-    if (robot.has_gripper)
-      out.append(Part(nb::make_tuple(robot.robot, "gripper"), {robot.gripper, 1}));
-  }
-  for (const ObjectLayout& object : layout.objects)
-    out.append(Part(nb::make_tuple("objects", object.object, "tquat"), object.tquat));
-  for (const SignalLayout& signal : layout.signals)
-    out.append(Part(nb::make_tuple("task", signal.name), signal.part));
-  return nb::tuple(out);
+  return PartsOf(layout.observed, layout.observed_paths);
 }
 
 nb::dict Observation(const Env& env) {
@@ -339,7 +339,8 @@ void BindEnv(nb::module_& m) {
       "A cell of robots behind reset and step; all poses in the shared base frame.\n\n"
       "Actions are {robot: {'joints' | 'xyzrpy' | 'tquat': numbers, 'gripper': number}},\n"
       "observations {robot: {'tquat': (7,), 'xyzrpy': (6,), 'joints': (n,), 'gripper': (1,)}};\n"
-      "with a task {'objects': {id: {'tquat': (7,)}}, 'task': {signal: (n,)}}, with streams "
+      "with a task {'objects': {id: {'tquat': (7,)}}, 'task': {signal: (n,)}}, with features "
+      "{'features': {name: (n,)}}, with streams "
       "{'frames': {stream: {'rgb' |\n"
       "'depth' | 'segmentation': {'data', 'intrinsics', 'extrinsics'}, 'time': (1,)}}};\n"
       "metres, radians, quaternions xyzw, grippers 0 closed ... 1 open. Arrays are copies.",
@@ -416,6 +417,15 @@ void BindEnv(nb::module_& m) {
           "observation_parts", [](const Env& e) { return ObservationParts(e.layout()); },
           nb::sig("def observation_parts(self, /) -> tuple[tuple[tuple[str, ...], int, int], ...]"),
           "The same of observations.")
+      .def_prop_ro(
+          "observed", [](const Env& e) { return FeatureList(e.layout().observed); },
+          nb::sig("def observed(self, /) -> list[Feature]"),
+          "What observations are, part by part, with units, frames and ranges; a name is "
+          "'observation/' and the path in the dictionaries.")
+      .def_prop_ro(
+          "commanded", [](const Env& e) { return FeatureList(e.layout().commanded); },
+          nb::sig("def commanded(self, /) -> list[Feature]"),
+          "The same of actions: 'action/left/joints'.")
       .def_prop_ro(
           "action_range", [](const Env& e) { return RangeParts(e, e.layout().action, false); },
           nb::sig("def action_range(self, /) -> tuple[dict[str, typing.Any], "

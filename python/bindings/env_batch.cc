@@ -5,6 +5,7 @@
 #include "bindings.h"
 #include "cameras.h"
 #include "env.h"
+#include "features.h"
 #include "handles.h"
 #include "in_use.h"
 #include "signals.h"
@@ -183,6 +184,12 @@ void BindEnvBatch(nb::module_& m) {
           },
           "config"_a, "count"_a, "threads"_a = 0, "max_episode_steps"_a = nb::none())
       .def_prop_ro("count", &EnvBatch::size, "Number of copies.")
+      .def_prop_ro(
+          "observed", [](const EnvBatch& batch) { return FeatureList(batch.layout().observed); },
+          nb::sig("def observed(self, /) -> list[Feature]"), "As of Env.")
+      .def_prop_ro(
+          "commanded", [](const EnvBatch& batch) { return FeatureList(batch.layout().commanded); },
+          nb::sig("def commanded(self, /) -> list[Feature]"), "As of Env.")
       .def_prop_ro(
           "action_parts", [](const EnvBatch& batch) { return ActionParts(batch.layout()); },
           nb::sig("def action_parts(self, /) -> tuple[tuple[tuple[str, ...], int, int], "

@@ -50,7 +50,7 @@ nb::dict Render(SceneRenderer& self, nb::handle camera, int width, int height, b
       .width = width,
       .height = height,
       .markers = markers};
-  CheckImageSize(width, height);
+  RequireImageSize(width, height);
   const size_t h = static_cast<size_t>(height), w = static_cast<size_t>(width);
   const size_t shape[] = {h, w, 3};
   const auto image = [&]<class T>(bool wanted, size_t dimensions, std::span<T>& numbers) {

@@ -7,7 +7,6 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium import spaces
 from gymnasium.utils import seeding
 
 from robocell._core import ArgumentError, Env, EnvConfig, OrbitCamera, Renderer
@@ -59,12 +58,10 @@ class GymEnv(gymnasium.Env[Any, Any]):
         self._generator: np.random.Generator | None = None
         self.core = Env(config)
         self.render_mode = render_mode
-        self.action_space = space_of(*self.core.action_range)
-        lower, upper = self.core.observation_range
-        seen = {key: space_of(lower[key], upper[key]) for key in lower}
-        if config.cameras.streams:
-            seen["frames"] = frame_space(config)
-        self.observation_space = spaces.Dict(seen)
+        self.action_space = space_of(self.core.commanded, self.core.action_parts)
+        self.observation_space = space_of(
+            self.core.observed, self.core.observation_parts, frame_space(config)
+        )
         self.metadata = {**self.metadata, "render_fps": frame_rate(config)}
         view = side_view(self.core.scene, config)
         self._camera = OrbitCamera(**view) if render_camera is None else render_camera

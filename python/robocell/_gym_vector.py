@@ -13,12 +13,11 @@ from numpy.typing import NDArray
 
 from robocell._core import ArgumentError, EnvBatch, EnvConfig, OrbitCamera
 from robocell._gym_env import options_of
-from robocell._spaces import frame_space, space_of
+from robocell._spaces import Part, frame_space, space_of
 from robocell._window import RENDER_SIZE, frame_rate, side_view, warn_once
 
 Observation = dict[str, Any]
 Action = Mapping[str, Any]
-Part = tuple[tuple[str, ...], int, int]  # keys, first column, number of columns
 
 RESET_OPTION = "reset_mask"
 NO_WINDOWS = (
@@ -74,11 +73,10 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
         self._action_parts = self.core.action_parts
         self._observation_parts = self.core.observation_parts
         self._action_keys = list(_keys_of(self._action_parts))
-        self.single_action_space = self._space(self._action_parts, self.core.action_range)
-        observed = self._space(self._observation_parts, self.core.observation_range)
-        if config.cameras.streams:
-            observed["frames"] = frame_space(config)
-        self.single_observation_space = observed
+        self.single_action_space = space_of(self.core.commanded, self._action_parts)
+        self.single_observation_space = space_of(
+            self.core.observed, self._observation_parts, frame_space(config)
+        )
         self.num_envs = num_envs
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
@@ -95,11 +93,6 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
         self._size = render_size
         self._ended = np.zeros(num_envs, dtype=bool)
         self._seeded = np.zeros(num_envs, dtype=bool)
-
-    @staticmethod
-    def _space(parts: Sequence[Part], flat: tuple[NDArray[Any], NDArray[Any]]) -> Any:
-        lower, upper = (_split(parts, ends) for ends in flat)
-        return space_of(lower, upper)
 
     def reset(
         self,

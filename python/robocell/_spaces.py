@@ -1,23 +1,39 @@
-"""Converts the ranges of an environment to Gymnasium's spaces."""
+"""Converts the schema of an environment to Gymnasium's spaces."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from gymnasium import spaces
 
-from robocell._core import CameraConfig, EnvConfig
+from robocell._core import CameraConfig, EnvConfig, Feature
 
 FAR = 1e6  # upper bound for pixels, metres and seconds
 
 
-def space_of(lower: Any, upper: Any) -> spaces.Space[Any]:
-    """Converts dictionaries of ranges to a space of the same structure."""
-    if isinstance(lower, Mapping):
-        return spaces.Dict({key: space_of(lower[key], upper[key]) for key in lower})
-    return spaces.Box(lower, upper, dtype=np.float64)
+Part = tuple[tuple[str, ...], int, int]  # keys, first number, how many
+
+
+def space_of(
+    features: Sequence[Feature], parts: Sequence[Part], frames: spaces.Space[Any] | None = None
+) -> spaces.Dict:
+    """Returns a space of dictionaries that has each feature at its path."""
+    tree: dict[str, Any] = {}
+    for feature, (path, _, _) in zip(features, parts, strict=True):
+        at = tree
+        for key in path[:-1]:
+            at = at.setdefault(key, {})
+        low, high = (np.array(ends, dtype=np.float64) for ends in (feature.lower, feature.upper))
+        at[path[-1]] = spaces.Box(low, high, dtype=np.float64)
+    if frames is not None:
+        tree["frames"] = frames
+    return _dict_of(tree)
+
+
+def _dict_of(tree: Mapping[str, Any]) -> spaces.Dict:
+    return spaces.Dict({k: _dict_of(v) if isinstance(v, dict) else v for k, v in tree.items()})
 
 
 def _image(shape: tuple[int, ...], low: int, high: int, dtype: type) -> spaces.Space[Any]:
@@ -44,6 +60,8 @@ def _frame_space(config: EnvConfig, stream: CameraConfig) -> spaces.Space[Any]:
     return spaces.Dict(frame)
 
 
-def frame_space(config: EnvConfig) -> spaces.Space[Any]:
-    """Returns the space of all streams."""
+def frame_space(config: EnvConfig) -> spaces.Space[Any] | None:
+    """Returns the space of all streams, None without any."""
+    if not config.cameras.streams:
+        return None
     return spaces.Dict({s.name: _frame_space(config, s) for s in config.cameras.streams})

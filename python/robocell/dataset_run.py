@@ -27,6 +27,12 @@ def run_of_dataset(source: str | Path) -> RunConfig:
         raise ArgumentError(f"'{folder}' has no episode, so nothing says what its cell is")
     first = dataset[0]
     metadata: Any = first.metadata
+    if "identity" not in metadata:
+        what = "an environment" if "environment" in metadata else "something else"
+        raise ArgumentError(
+            f"'{folder}' was recorded from {what}, not made by a run, so there is no run to go on "
+            "with; robocell.envs.from_dataset makes the environment of a recorded one"
+        )
     run = RunConfig.from_yaml(str(metadata["identity"]), str(folder), overrides=['output="unset"'])
     config = recorded_scene(first).robots[0].config
     if config is None:

@@ -17,6 +17,7 @@ import pytest
 import robocell as rc
 import robocell.gym
 from robocell.data import EnvRecorder, env_of_episode, replay_actions
+from robocell.dataset_run import run_of_dataset
 from robocell.gym import VectorGymEnv, pick_cube_config
 
 DOWN = {"robot": {"tquat": [0, 0.02, -0.02, 0, 0, 0, 1], "gripper": 1}}
@@ -57,7 +58,7 @@ def test_an_episode_holds_what_was_seen_and_done(tmp_path: Path):
     assert features["action/robot/tquat"].role == "action"
     assert rc.data.verify(tmp_path).ok
     for each in dataset:
-        assert rc.data.check_replay(each, 0).ok
+        assert rc.data.verify_replay(each, 0).ok
         assert replay_actions(env, each).ok
         assert replay_actions(env_of_episode(each), each).ok
     env.close()
@@ -100,9 +101,9 @@ def test_a_replay_in_a_rig_that_stands_elsewhere(tmp_path: Path):
     moved = rc.Env(config(root_frame_to_world=elsewhere))
     (episode,) = rc.Dataset(tmp_path)
     assert replay_actions(moved, episode, frame="root", tolerance=1e-5).ok
-    report = replay_actions(moved, episode, tolerance=1e-5)
-    assert report.first is not None
-    assert report.first.what.startswith("objects.cube.tquat[")
+    result = replay_actions(moved, episode, tolerance=1e-5)
+    assert result.first is not None
+    assert result.first.what.startswith("objects.cube.tquat[")
     moved.close()
 
 
@@ -121,7 +122,7 @@ def test_copies_of_a_vector_that_begin_anew_by_themselves(tmp_path: Path):
     alone = rc.Env(config())
     for episode in rc.Dataset(tmp_path):
         assert len(episode["time"]) == 2
-        assert rc.data.check_replay(episode, 0).ok
+        assert rc.data.verify_replay(episode, 0).ok
         assert replay_actions(alone, episode).ok
     vector.close()
     alone.close()
@@ -212,6 +213,17 @@ def test_a_killed_process_leaves_whole_episodes_only(tmp_path: Path):
     assert recorder.episodes == ["episode-000001"]
     assert sorted(rc.Dataset(tmp_path).ids) == ["episode-000000", "episode-000001"]
     env.close()
+
+
+def test_an_environment_may_be_closed_first(tmp_path: Path):
+    env = rc.Env(config())
+    with EnvRecorder(env, tmp_path) as recorder:
+        env.reset(seed=1)
+        env.step(DOWN)
+        env.close()
+    assert recorder.episodes == ["episode-000000"]
+    with pytest.raises(rc.ArgumentError, match="recorded from an environment, not made by a run"):
+        run_of_dataset(tmp_path)
 
 
 def test_a_full_disk_costs_the_episode_and_says_so(tmp_path: Path):

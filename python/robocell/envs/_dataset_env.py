@@ -22,11 +22,13 @@ from numpy.typing import NDArray
 
 from robocell._core import (
     ArgumentError,
+    CameraSystemConfig,
     Dataset,
     Feature,
     NotFoundError,
     RunEnv,
 )
+from robocell._recorded_env import RecordedEnv, is_recorded
 from robocell.dataset_run import run_of_dataset
 from robocell.generate.run_source import import_named
 
@@ -51,9 +53,10 @@ def from_dataset(
     Args:
         dataset: A dataset, or its folder.
         observations: Names of columns and image streams to observe. Default: all columns that
-            every episode has and that exist outside of simulation too, and all streams.
+            every episode has and that exist outside of simulation too, and all streams; of a
+            recorded environment those that it showed.
         actions: Names of the action columns that a step takes. Default: the absolute target of each
-            group.
+            group; of a recorded environment those that it took.
         privileged: Whether the default includes columns that only simulation knows, such as poses
             of objects.
         cameras: False renders no images.
@@ -73,35 +76,66 @@ def from_dataset(
     opened = dataset if isinstance(dataset, Dataset) else Dataset(Path(dataset))
     for module in imports:
         import_named(module, Path.cwd())
-    run = run_of_dataset(opened.folder)
-    if not cameras or flat:
-        run.cameras.streams.clear()
     shared = _shared_features(opened)
-    streams = [stream.name for stream in run.cameras.streams]
+    core = _core_of(opened, cameras and not flat)
+    streams = [stream.name for stream in core.cameras.streams]
     if observations is None:
-        roles = ("observation", "privileged") if privileged else ("observation",)
-        observations = [*(n for n, f in shared.items() if f.role in roles), *streams]
+        observations = [*_default_observations(core, shared, privileged), *streams]
     if actions is None:
-        actions = [n for n in _names(shared, "action") if f"{n}_relative" in shared]
+        actions = _default_actions(core, shared)
     for kind, names in (("observation", observations), ("action", actions)):
         for name in names:
             _require(opened, shared, streams, kind, name)
-    return DatasetEnv(RunEnv(run), shared, list(observations), list(actions), flat)
+    return DatasetEnv(core, shared, list(observations), list(actions), flat)
+
+
+class _RunCell(RunEnv):
+    """The cell of a run."""
+
+    @property
+    def cameras(self) -> CameraSystemConfig:
+        return self.run.cameras
+
+
+def _core_of(dataset: Dataset, images: bool) -> _RunCell | RecordedEnv:
+    if is_recorded(dataset):
+        return RecordedEnv(dataset, images)
+    run = run_of_dataset(dataset.folder)
+    if not images:
+        run.cameras.streams.clear()
+    return _RunCell(run)
+
+
+def _default_observations(
+    core: _RunCell | RecordedEnv, features: Mapping[str, Feature], privileged: bool
+) -> list[str]:
+    roles = ("observation", "privileged") if privileged else ("observation",)
+    names = [name for name, feature in features.items() if feature.role in roles]
+    if isinstance(core, RecordedEnv):  # what its policy saw, not all that there is
+        return [name for name in names if name.startswith("observation/")]
+    return names
+
+
+def _default_actions(core: _RunCell | RecordedEnv, features: Mapping[str, Feature]) -> list[str]:
+    names = _names(features, "action")
+    if isinstance(core, RecordedEnv):
+        return [name for name in names if name.startswith("action/")]
+    return [name for name in names if f"{name}_relative" in features]
 
 
 class DatasetEnv(gymnasium.Env[Any, Any]):
     """An environment made by `from_dataset`; `core` is its RunEnv.
 
     `reset(seed=i)` goes to start i of the dataset's run, and later resets continue from there. The
-    first starts are those of the dataset's episodes; larger numbers are new starts. The spaces have
-    the ranges of the dataset's schema.
+    first starts are those of the dataset's episodes; larger numbers are new starts. In a dataset
+    of `EnvRecorder` start i is that of seed i. The spaces have the ranges of the dataset's schema.
     """
 
     metadata = {"render_modes": []}  # noqa: RUF012  (as in Gymnasium)
 
     def __init__(
         self,
-        core: RunEnv,
+        core: _RunCell | RecordedEnv,
         features: Mapping[str, Feature],
         observations: list[str],
         actions: list[str],
@@ -130,8 +164,9 @@ class DatasetEnv(gymnasium.Env[Any, Any]):
                 lower, upper = lower - slack, upper + slack
             return spaces.Box(lower, upper, shape, np.float64)
         stream, _, kind = name.partition(".")
-        (config,) = [s for s in self.core.run.cameras.streams if s.name == stream]
-        width, height = (int(size) for size in self.core.run.cameras.resolution)
+        cameras = self.core.cameras
+        (config,) = [s for s in cameras.streams if s.name == stream]
+        width, height = (int(size) for size in cameras.resolution)
         shape = (config.height or height, config.width or width)
         if kind:
             return spaces.Box(0, 65535, shape, np.uint16)

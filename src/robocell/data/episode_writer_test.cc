@@ -470,10 +470,10 @@ TEST(EpisodeWriter, KillingTheProcessAtAnyMomentLeavesWholeEpisodesOnly) {
     while (read(ends[0], &byte, 1) == 1) ++acknowledged;
     close(ends[0]);
   }
-  const VerifyReport report = Verify(folder.path());
-  EXPECT_TRUE(report.ok()) << report.Text();
-  EXPECT_GE(report.good.size(), acknowledged);
-  EXPECT_LE(report.good.size(), acknowledged + kRounds);  // one committed, not yet acknowledged
+  const VerifyResult result = Verify(folder.path());
+  EXPECT_TRUE(result.ok()) << result.Text();
+  EXPECT_GE(result.good.size(), acknowledged);
+  EXPECT_LE(result.good.size(), acknowledged + kRounds);  // one committed, not yet acknowledged
 }
 
 int64_t ResidentBytes() {
@@ -539,9 +539,9 @@ TEST(EpisodeWriter, SeveralThreadsWriteIndependentEpisodes) {
     });
   }
   for (std::thread& thread : threads) thread.join();
-  const VerifyReport report = Verify(folder.path());
-  EXPECT_TRUE(report.ok()) << report.Text();
-  EXPECT_EQ(report.good.size(), 12u);
+  const VerifyResult result = Verify(folder.path());
+  EXPECT_TRUE(result.ok()) << result.Text();
+  EXPECT_EQ(result.good.size(), 12u);
 }
 
 }  // namespace

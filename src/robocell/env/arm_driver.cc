@@ -197,7 +197,7 @@ void ArmDriver::Recall(const Memory& memory) {
     gripper_->Apply({{gripper()->name(), GroupCommand::Opening(memory.commanded_opening)}});
 }
 
-void ArmDriver::Check(std::span<const double> action, const std::string& place) const {
+void ArmDriver::RequireAction(std::span<const double> action, const std::string& place) const {
   const auto fail = [&](const std::string& message) {
     throw ArgumentError(fmt::format("{} / robot '{}': {}", place, layout_.robot, message));
   };

@@ -78,7 +78,7 @@ class ArmDriver {
   void SetOriginToCurrent();
   // ArgumentError for numbers that are not finite and a quaternion without direction, in the words
   // of `place`. `action` is the whole vector, here and below.
-  void Check(std::span<const double> action, const std::string& place) const;
+  void RequireAction(std::span<const double> action, const std::string& place) const;
   // Sends the command; false when its pose has no solution and no motion leads towards it: then the
   // arm keeps its target. A small step to a pose without a solution nearby, as beside a
   // singularity, goes there in damped steps as far as these get.

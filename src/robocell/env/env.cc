@@ -10,8 +10,8 @@
 #include "robocell/base/log.h"
 #include "robocell/base/names.h"
 #include "robocell/env/env_scene.h"
-#include "robocell/robot/check_config.h"
 #include "robocell/robot/unused_groups.h"
+#include "robocell/robot/validate_config.h"
 #include "robocell/spec/validate.h"
 #include "robocell/task/task_kind.h"
 
@@ -105,7 +105,8 @@ Env::Env(EnvConfig config, Scene scene, std::optional<int> copy,
       scene_(std::move(scene)),
       variations_(config_, scene_),
       task_(MakeTask(config_, scene_)),
-      layout_(MakeEnvLayout(config_, ArmsOf(config_, scene_), task_.get())),
+      chosen_(scene_, RobotsOf(scene_), config_.features.names),
+      layout_(MakeEnvLayout(config_, ArmsOf(config_, scene_), task_.get(), chosen_)),
       objects_(ObservedObjects(layout_, scene_)),
       arms_(DriversOf(config_, scene_, layout_)),
       stepper_(scene_, RobotsOfDrivers(arms_), {.control_ticks = 1, .sim_steps = 1}),
@@ -117,7 +118,7 @@ Env::Env(EnvConfig config, Scene scene, std::optional<int> copy,
       draws_(!drawing) {
   if (task_) {
     const std::vector<std::string> resting = task_->resting_objects();
-    if (!resting.empty()) start_check_.emplace(scene_, resting);
+    if (!resting.empty()) start_inspector_.emplace(scene_, resting);
   }
   const bool is_first = copy.value_or(0) == 0;  // what is to be said is said of the first
   if (is_first) {
@@ -133,7 +134,7 @@ Env::Env(EnvConfig config, Scene scene, std::optional<int> copy,
 void Env::RequireDistances(const ArmDriver& arm) const {
   for (const Robot& robot : arm.robots()) {
     Problems problems(robot.config().locations);
-    CheckDistances(robot, problems);
+    ValidateDistances(robot, problems);
     problems.Throw(fmt::format("{} / robot '{}'", place(), robot.name()));
   }
 }
@@ -198,13 +199,13 @@ void Env::RequireReady() const {
   }
 }
 
-void Env::CheckAction(std::span<const double> action) const {
+void Env::RequireAction(std::span<const double> action) const {
   RequireReady();
   if (action.size() != static_cast<size_t>(layout_.action.size())) {
     throw ArgumentError(fmt::format("{}: expected an action of {} numbers, got {}", place(),
                                     layout_.action.size(), action.size()));
   }
-  for (const ArmDriver& arm : arms_) arm.Check(action, place());
+  for (const ArmDriver& arm : arms_) arm.RequireAction(action, place());
 }
 
 std::vector<std::string> Env::Send(std::span<const double> action) {
@@ -290,7 +291,7 @@ StepResult Env::AdvanceGuarded(std::span<const double> action, const EnvState& b
 
 EnvStep Env::Step(std::span<const double> action, const Poll& poll) {
   const SceneUse::Claim claim(scene_.use(), "Env::Step");
-  CheckAction(action);
+  RequireAction(action);
   EnvStep out;
   collided_ = held_ = false;
   const bool guarded = config_.sim.on_collision == OnCollision::kGuard;
@@ -344,6 +345,7 @@ void Env::Observe() {
     for (double& x : out.first(3)) x = std::clamp(x, -kFarthestObject, kFarthestObject);
   }
   ObserveTask();
+  ObserveFeatures();
   if (draws_) cameras_.Draw(TimeSinceReset());
 }
 
@@ -360,6 +362,15 @@ void Env::ObserveTask() {
     observation_[i] =
         std::clamp(observation_[i], layout_.observation.lower[i], layout_.observation.upper[i]);
   }
+}
+
+void Env::ObserveFeatures() {
+  const auto [begin, size] = layout_.all_features;
+  if (size == 0) return;
+  chosen_.Read(std::span(observation_).subspan(begin, size));
+  for (int i = begin; i < begin + size; ++i)
+    observation_[i] =
+        std::clamp(observation_[i], layout_.observation.lower[i], layout_.observation.upper[i]);
 }
 
 void Env::SetOriginToCurrent(const std::string& robot) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "robocell/base/error.h"
@@ -87,11 +88,25 @@ class Builder {
   void AddSignals(const std::vector<TaskSignal>& signals) {
     out_.all_signals = {static_cast<int>(out_.observed.size()), 0};
     for (const TaskSignal& signal : signals) {
-      CheckSignal(signal);
+      RequireSignal(signal);
       const VectorPart part = Observe({"task", signal.name}, {}, {signal.lower, signal.upper},
                                       FeatureRole::kPrivileged, "task");
       out_.signals.push_back({signal.name, part});
       out_.all_signals.size += part.size;
+    }
+  }
+
+  void AddFeatures(const ChosenFeatures& chosen) {
+    out_.all_features = {static_cast<int>(out_.observed.size()), static_cast<int>(chosen.size())};
+    for (size_t i = 0; i < chosen.keys().size(); ++i) {
+      const Feature& feature = chosen.features()[i];
+      Bounds bounds{feature.lower, feature.upper};
+      constexpr double kAny = std::numeric_limits<double>::infinity();
+      if (bounds.lower.empty()) bounds.Add(-kAny, kAny, static_cast<int>(feature.size()));
+      const std::string& key = chosen.keys()[i];
+      const VectorPart part = Observe({"features", key}, feature.column, std::move(bounds),
+                                      feature.role, feature.source);
+      out_.features.push_back({key, part});
     }
   }
 
@@ -102,7 +117,7 @@ class Builder {
   }
 
  private:
-  void CheckSignal(const TaskSignal& signal) const {
+  void RequireSignal(const TaskSignal& signal) const {
     bool is_range = signal.lower.size() == signal.upper.size() && !signal.lower.empty();
     for (size_t i = 0; is_range && i < signal.lower.size(); ++i)
       is_range = signal.lower[i] <= signal.upper[i];
@@ -253,8 +268,8 @@ std::vector<Interval> CommandLimits(const Robot& robot) {
   return limits;
 }
 
-EnvLayout MakeEnvLayout(const EnvConfig& config, const std::vector<Robot>& robots,
-                        const Task* task) {
+EnvLayout MakeEnvLayout(const EnvConfig& config, const std::vector<Robot>& robots, const Task* task,
+                        const ChosenFeatures& chosen) {
   Builder builder(config);
   const std::vector<std::string> names = config.robots.keys();
   for (size_t i = 0; i < robots.size(); ++i) builder.Add(names[i], robots[i]);
@@ -262,6 +277,7 @@ EnvLayout MakeEnvLayout(const EnvConfig& config, const std::vector<Robot>& robot
     for (const std::string& object : task->objects()) builder.AddObject(object);
     builder.AddSignals(task->signals());
   }
+  builder.AddFeatures(chosen);
   return builder.Take();
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "robocell/data/feature_schema.h"
+#include "robocell/features/chosen_features.h"
 #include "robocell/robot/robot.h"
 #include "robocell/spec/env_config.h"
 #include "robocell/task/task.h"
@@ -46,6 +47,12 @@ struct SignalLayout {
   VectorPart part;
 };
 
+// A feature that was chosen to be observed too (EnvConfig::features).
+struct FeatureLayout {
+  std::string key;  // "tcp_height", "sensors/touch"
+  VectorPart part;
+};
+
 // What every number of a vector lies between.
 struct VectorRange {
   std::vector<double> lower, upper;
@@ -57,6 +64,8 @@ struct EnvLayout {
   std::vector<ObjectLayout> objects;
   std::vector<SignalLayout> signals;
   VectorPart all_signals;  // one after another
+  std::vector<FeatureLayout> features;
+  VectorPart all_features;  // one after another
   // The features in the order of the vectors: `observation/left/tquat`, `action/left/joints`. The
   // rest of a name is the path in the dictionaries of Python, joined by "/".
   FeatureSchema observed, commanded;
@@ -69,9 +78,9 @@ struct EnvLayout {
 inline constexpr double kJointSlack = 0.5;
 
 // `robots` are those of the configuration, in its order, in a scene at its start; `task` null
-// without one. ArgumentError for signals whose ranges are none.
-EnvLayout MakeEnvLayout(const EnvConfig& config, const std::vector<Robot>& robots,
-                        const Task* task);
+// without one; `chosen` are the features of the configuration. ArgumentError for signals whose ranges are none.
+EnvLayout MakeEnvLayout(const EnvConfig& config, const std::vector<Robot>& robots, const Task* task,
+                        const ChosenFeatures& chosen);
 
 // "left.joints[2]", "objects.cube.tquat[0]", "task.goal[1]": number i of the observation.
 std::string NameOfObservation(const EnvLayout& layout, int i);

@@ -137,7 +137,7 @@ void GlRenderer::SetModel(const mjModel* model) {
 CameraModel GlRenderer::Render(const mjData* data, const RenderRequest& request,
                                const RenderOutputs& outputs) {
   Impl& r = *impl_;
-  CheckOutputs(request, outputs);
+  RequireOutputs(request, outputs);
   CameraModel camera = r.drawn.Update(data, request);
   GlContext::Current current(*r.context);
   const bool as_new = std::exchange(r.as_new, false);

@@ -143,7 +143,7 @@ void SoftRenderer::SetModel(const mjModel* model) {
 CameraModel SoftRenderer::Render(const mjData* data, const RenderRequest& request,
                                  const RenderOutputs& outputs) {
   Impl& r = *impl_;
-  CheckOutputs(request, outputs);
+  RequireOutputs(request, outputs);
   const RenderQuality& quality = r.options.quality;
   CameraModel camera = r.drawn.Update(data, request);
   r.scene.Update(r.drawn.model(), *r.drawn.scene(), r.drawn.BodyOfId(), camera,

@@ -10,14 +10,15 @@
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
-#include "robocell/base/folder_names.h"
+#include "robocell/base/files.h"
 #include "robocell/base/io_error.h"
 #include "robocell/base/log.h"
 #include "robocell/base/ratio.h"
 #include "robocell/data/dataset.h"
+#include "robocell/data/dataset_folder.h"
 #include "robocell/data/dataset_lock.h"
 #include "robocell/data/episode_files.h"
-#include "robocell/data/require_dataset.h"
+#include "robocell/features/chosen_features.h"
 #include "robocell/rollout/engine_record.h"
 #include "robocell/rollout/env_of_episode.h"
 #include "robocell/rollout/episode_cameras.h"
@@ -137,7 +138,8 @@ class EnvEpisode {
       : env_(env),
         nu_(static_cast<size_t>(env.scene().model()->nu)),
         generation_(env.scene().generation()),
-        features_(FeaturesOfCell(env.scene(), RobotsOf(env.scene()), env.task(), {})),
+        features_(FeaturesOfCell(env.scene(), RobotsOf(env.scene()), env.task(),
+                                 OwnAmong(env.config().features.names))),
         state_columns_(schema_, features_.observed()),
         command_columns_(schema_, features_.commanded()),
         seen_columns_(schema_, env.layout().observed),

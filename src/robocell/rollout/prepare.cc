@@ -23,10 +23,10 @@
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_reader.h"
 #include "robocell/data/model_store.h"
-#include "robocell/rollout/check_run.h"
 #include "robocell/rollout/run_inputs.h"
 #include "robocell/rollout/run_origin.h"
 #include "robocell/rollout/run_renderer.h"
+#include "robocell/rollout/validate_run.h"
 #include "robocell/spec/locations.h"
 
 namespace robocell {
@@ -232,9 +232,9 @@ void RestoreModels(const RunConfig& run) {
 
 void PrepareDataset(const RunConfig& run, const PrepareOptions& options) {
   RequireOutput(run);
-  if (options.check_run) {
+  if (options.validate) {
     for (const std::string& warning :
-         CheckRun(run, {.scripted_expert = false, .on_this_machine = false}))
+         ValidateRun(run, {.scripted_expert = false, .on_this_machine = false}))
       LogWarn(fmt::format("run '{}': {}", run.run, warning));
   }
   const RunInputs inputs = InputsOf(run);
@@ -243,7 +243,7 @@ void PrepareDataset(const RunConfig& run, const PrepareOptions& options) {
   RestoreModels(run);
 }
 
-void CheckDataset(const RunConfig& run) {
+void ValidateDataset(const RunConfig& run) {
   RequireOutput(run);
   std::error_code error;
   if (fs::exists(run.output, error)) MustBegin(run, InputsOf(run));

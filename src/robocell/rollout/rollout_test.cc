@@ -150,7 +150,7 @@ TEST_F(RolloutTest, ObjectsThatComeInTheMiddleEndItWithAnError) {
                      "objects were added or removed while an episode is recorded");
 }
 
-// Where images come from shows in them, to the bit.
+// Images of different renderers differ.
 TEST_F(RolloutTest, WhatDrewIsRecordedWithWhatWasDrawn) {
   const auto renderer_of = [&](const std::string& id) {
     return nlohmann::json::parse(Episode(folder / id).metadata_json()).value("renderer", "none");

@@ -53,6 +53,7 @@ struct EnvConfig {
   bool add_gravcomp = false;
   bool headless = true;
   std::optional<TaskSpec> task = {};
+  NameList features = {};
   ControlMode control_mode = ControlMode::kJoints;
   RelativeTo relative_to = RelativeTo::kLastStep;
   std::vector<double> max_relative_movement = {};
@@ -109,6 +110,10 @@ struct EnvConfig {
       "Without a window. Else robocell.gym opens one, where there is a display.");
     v("task", &EnvConfig::task,
       "What the robots are to do: the kind of task and its fields; none unless set.");
+    v("features", &EnvConfig::features,
+      "What is observed beside robots, objects and task: registered features by their names, "
+      "sensors and all else of the cell by the names that datasets have; * stands for any part: "
+      "sensors/*.");
     v("control_mode", &EnvConfig::control_mode,
       "What actions are: joints, or the TCP in the shared base frame as cartesian_trpy "
       "(translation, roll pitch yaw) or cartesian_tquat (translation, quaternion xyzw).");
@@ -119,12 +124,12 @@ struct EnvConfig {
       "How far one action can send a robot from where it was last sent: [metres, radians], or one "
       "number for joints. Unset: 0.5 m and 90 degrees, joints 5 degrees; absolute actions without "
       "limit.",
-      Check::kPositive);
+      Bound::kPositive);
     v("max_target_lead", &EnvConfig::max_target_lead,
       "How far the target that an action starts from may lead the arm: [metres, radians], or one "
       "number for joints. When something blocks the arm, the excess is dropped with the next "
       "action. Unset: 0.02 m and 0.1 rad.",
-      Check::kPositive);
+      Bound::kPositive);
     v("sim", &EnvConfig::sim, "How the simulation runs, and when a step ends.");
     v("wrappers", &EnvConfig::wrappers, "Grippers, resets and depth.");
     v("options", &EnvConfig::options, "Solver options.");

@@ -192,10 +192,13 @@ TEST(EnvConfig, ATaskIsAboutAnObjectOfTheRig) {
 }
 
 TEST(EnvConfig, RobotsAreNotCalledLikeOtherPartsOfObservations) {
-  EnvConfig env = Duo();
-  env.robots["frames"] = Arm();
-  EXPECT_THAT(Message(env),
-              HasSubstr("robots: 'frames' is a part of observations; give the robot another name"));
+  for (const std::string taken : {"features", "frames", "objects", "task"}) {
+    EnvConfig env = Duo();
+    env.robots[taken] = Arm();
+    EXPECT_THAT(Message(env), HasSubstr("robots: '" + taken +
+                                        "' is a part of observations; give the robot another "
+                                        "name"));
+  }
 }
 
 TEST(EnvConfig, StepsAreNoShorterThanTheEngines) {

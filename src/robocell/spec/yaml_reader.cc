@@ -531,7 +531,7 @@ struct PoseFields {
     v("euler", &PoseFields::euler, "");
     v("quat", &PoseFields::quat, "");
   }
-  void Validate(Problems& problems) const { CheckPlacement(euler, quat, problems); }
+  void Validate(Problems& problems) const { ValidatePlacement(euler, quat, problems); }
 };
 
 struct IndexedElement {
@@ -542,7 +542,7 @@ struct IndexedElement {
   template <class V>
   static void Fields(V&& v) {
     v("body", &IndexedElement::body, "");
-    v("index", &IndexedElement::index, "", Check::kNonNegative);
+    v("index", &IndexedElement::index, "", Bound::kNonNegative);
   }
 };
 

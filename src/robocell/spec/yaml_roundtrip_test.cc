@@ -55,7 +55,7 @@ bool Change(Member& value, const Member& plain) {
 template <class T>
 std::vector<Field<T>> FieldsOf() {
   std::vector<Field<T>> fields;
-  T::Fields([&](const char* name, auto member, const char* doc, Check = Check::kNone) {
+  T::Fields([&](const char* name, auto member, const char* doc, Bound = Bound::kNone) {
     fields.push_back({name, doc, [member](T& spec, const T& plain) {
                         return Change(spec.*member, plain.*member);
                       }});

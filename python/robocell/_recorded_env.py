@@ -1,0 +1,98 @@
+"""The environment behind a dataset that `robocell.data.EnvRecorder` made, for `from_dataset`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from robocell._core import (
+    ArgumentError,
+    CameraSystemConfig,
+    CellFeatures,
+    Dataset,
+    Env,
+    Feature,
+    env_of_episode,
+)
+
+
+def is_recorded(dataset: Dataset) -> bool:
+    """Whether its episodes were recorded from an environment."""
+    metadata: Any = dataset[0].metadata if len(dataset) else {}
+    return "environment" in metadata
+
+
+class RecordedEnv:
+    """An environment whose rows and actions have the names of its episodes' columns."""
+
+    def __init__(self, dataset: Dataset, images: bool) -> None:
+        self.env: Env = env_of_episode(dataset[0], images)
+        self._cell = CellFeatures(self.env.scene)
+        self._observation: dict[str, Any] = {}
+        self.object_kinds: list[str] = []
+
+    @property
+    def cameras(self) -> CameraSystemConfig:
+        """Its image streams."""
+        return self.env.config.cameras
+
+    @property
+    def observed(self) -> list[Feature]:
+        """What rows have."""
+        return [*self._cell.observed, *self.env.observed]
+
+    @property
+    def commanded(self) -> list[Feature]:
+        """What actions have."""
+        return self.env.commanded
+
+    @property
+    def instruction(self) -> str:
+        """What is to be done, in words."""
+        return self.env.instruction
+
+    def reset(self, index: int) -> None:
+        """To the start of seed `index`."""
+        self._observation, _ = self.env.reset(index)
+
+    def row(self) -> dict[str, Any]:
+        """What is recorded of the present state."""
+        row: dict[str, Any] = dict(self._cell.read())
+        for path, _, _ in self.env.observation_parts:
+            row["/".join(("observation", *path))] = _at(self._observation, path)
+        for name, frame in self._observation.get("frames", {}).items():
+            row[name] = frame["rgb"]["data"]
+            if "depth" in frame:
+                row[f"{name}.depth"] = frame["depth"]["data"][..., 0]
+            if "segmentation" in frame:
+                row[f"{name}.segmentation"] = _labels(frame["segmentation"]["data"][..., 0])
+        return row
+
+    def act(self, actions: Mapping[str, Any]) -> tuple[float, bool, bool, dict[str, Any]]:
+        """(reward, terminated, truncated, info) of actions by their names."""
+        action: dict[str, Any] = {}
+        for name, numbers in actions.items():
+            kind, _, rest = name.partition("/")
+            robot, _, command = rest.rpartition("/")
+            if kind != "action" or not robot:
+                raise ArgumentError(
+                    f"action '{name}' is none of this environment; it takes "
+                    f"{', '.join(f.name for f in self.commanded)}"
+                )
+            action.setdefault(robot, {})[command] = numbers
+        self._observation, reward, terminated, truncated, info = self.env.step(action)
+        info.setdefault("is_success", False)
+        return reward, terminated, truncated, info
+
+
+def _at(tree: Any, path: tuple[str, ...]) -> Any:
+    for key in path:
+        tree = tree[key]
+    return tree
+
+
+def _labels(bodies: Any) -> Any:
+    """Body ids as episodes have them: 65535 where nothing is."""
+    return np.where(bodies < 0, 65535, bodies).astype(np.uint16)

@@ -1,0 +1,135 @@
+"""Features of a user's own and sensors in observations, and the schema that spaces are views of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import robocell as rc
+from robocell.data import EnvRecorder, replay_actions
+from robocell.envs import from_dataset
+from robocell.gym import FlatGymEnv, GymEnv, VectorGymEnv, pick_cube_config
+
+STAY = {"robot": {"tquat": [0, 0.01, -0.02, 0, 0, 0, 1], "gripper": 1}}
+
+
+@rc.register_feature("env_test_tool", shape=(2,), unit="m", frame="world", names=["x", "z"])
+def tool(scene: rc.Scene) -> np.ndarray:
+    return scene.robot("robot").tcp_in_world.translation[[0, 2]]
+
+
+@pytest.fixture
+def config(tmp_path: Path) -> rc.EnvConfig:
+    """The cube, and a plate that feels what lies on it."""
+    (tmp_path / "pad.xml").write_text(
+        """<mujoco><worldbody><body name="plate"><geom size="0.05 0.05 0.01" type="box"/>
+        <site name="top" size="0.06"/></body></worldbody>
+        <sensor><touch name="weight" site="top"/></sensor></mujoco>"""
+    )
+    chosen = pick_cube_config(
+        relative_to="last_step", features=["env_test_tool", "sensors/*", "robots/*/arm/qvel"]
+    )
+    chosen.root_frame_objects["pad"] = rc.envs.EnvObject(
+        mjcf_path=str(tmp_path / "pad.xml"),
+        offset=rc.Pose(translation=[0.3, 0.4, 0.01]),
+        fixed=True,
+    )
+    return chosen
+
+
+@pytest.fixture
+def env(config: rc.EnvConfig) -> Iterator[rc.Env]:
+    made = rc.Env(config)
+    yield made
+    made.close()
+
+
+def test_they_are_observed_like_what_is_built_in(env: rc.Env):
+    observation, _ = env.reset(seed=1)
+    seen = observation["features"]
+    assert list(seen) == ["env_test_tool", "sensors/pad_weight", "robots/robot/arm/qvel"]
+    assert np.array_equal(seen["env_test_tool"], tool(env.scene))
+    observation, *_ = env.step(STAY)
+    assert np.array_equal(observation["features"]["env_test_tool"], tool(env.scene))
+    features = {feature.name: feature for feature in env.observed}
+    own = features["observation/features/env_test_tool"]
+    assert (own.unit, own.frame, own.names) == ("m", "world", ["x", "z"])
+    assert features["observation/features/sensors/pad_weight"].unit == "N"
+    assert features["observation/robot/tquat"].frame == "shared base frame"
+    assert [f.name for f in env.commanded] == ["action/robot/tquat", "action/robot/gripper"]
+    assert [path for path, _, _ in env.observation_parts] == [
+        tuple(f.name.split("/")[1:]) if "features" not in f.name else ("features", f.name[21:])
+        for f in env.observed
+    ]
+
+
+def test_in_gymnasium_and_in_vectors_they_are_the_same(config: rc.EnvConfig):
+    single, flat = GymEnv(config), FlatGymEnv(config)
+    vector = VectorGymEnv(config, 2, threads=2)
+    observation, _ = single.reset(seed=1)
+    assert single.observation_space.contains(observation)
+    assert single.observation_space["features"]["env_test_tool"].shape == (2,)
+    numbers, _ = flat.reset(seed=1)
+    assert flat.observation_space.contains(numbers)
+    assert len(numbers) == sum(size for _, _, size in single.core.observation_parts)
+    both, _ = vector.reset(seed=1)
+    assert vector.observation_space.contains(both)
+    for name, value in observation["features"].items():
+        assert np.array_equal(both["features"][name][0], value)
+    assert vector.single_observation_space == single.observation_space
+    assert [f.name for f in vector.core.observed] == [f.name for f in single.core.observed]
+    single.close()
+    flat.close()
+    vector.close()
+
+
+def test_without_them_observations_are_as_they_were():
+    env = GymEnv(pick_cube_config())
+    observation, _ = env.reset(seed=1)
+    assert sorted(observation) == ["objects", "robot"]
+    assert sorted(observation["robot"]) == ["gripper", "joints", "tquat", "xyzrpy"]
+    env.close()
+
+
+def test_a_name_that_is_none_is_told_with_the_nearest():
+    with pytest.raises(rc.NotFoundError, match=r"no feature 'env_test_tol'.*'env_test_tool'"):
+        rc.Env(pick_cube_config(features=["env_test_tol"]))
+
+
+def test_they_are_recorded_and_the_dataset_gives_its_environment_back(env: rc.Env, tmp_path: Path):
+    folder = tmp_path / "out"
+    with EnvRecorder(env, folder):
+        env.reset(seed=1)
+        for _ in range(3):
+            env.step(STAY)
+    (episode,) = dataset = rc.Dataset(folder)
+    assert np.array_equal(
+        episode["features/env_test_tool"], episode["observation/features/env_test_tool"]
+    )
+    assert replay_actions(env, episode).ok
+    assert rc.data.verify_replay(episode, 0).ok
+
+    back = from_dataset(dataset, privileged=True)
+    assert back.actions == ["action/robot/tquat", "action/robot/gripper"]
+    row, info = back.reset(seed=1)
+    assert info["instruction"]
+    for i in range(3):
+        for name in back.observations:
+            assert np.array_equal(row[name], episode[name][i]), name
+        row, _, terminated, _, info = back.step({n: episode[n][i] for n in back.actions})
+    assert not terminated
+    assert info["is_success"] is False
+    with pytest.raises(rc.ArgumentError, match="action 'joints' is none of this environment"):
+        back.core.act({"joints": [0]})
+    vector = from_dataset(
+        dataset, ["robots/robot/arm/qpos", "observation/features/env_test_tool"], flat=True
+    )
+    numbers, _ = vector.reset(seed=1)
+    assert np.array_equal(
+        numbers,
+        [*episode["robots/robot/arm/qpos"][0], *episode["observation/features/env_test_tool"][0]],
+    )
+    vector.step(np.concatenate([episode[n][0] for n in vector.actions]))

@@ -1,0 +1,48 @@
+// ChosenFeatures: some features of a cell, by name, in the order in which they were chosen: what an
+// environment observes beside its robots, objects and task.
+//
+//   ChosenFeatures chosen(scene, robots, {"tcp_height", "sensors/*", "robots/left/arm/qvel"});
+//   chosen.keys();      // "tcp_height", "sensors/touch", "robots/left/arm/qvel"
+//   chosen.Read(out);   // their numbers; allocates nothing of ours
+//
+// A registered feature (own_features.h) is chosen by its name; all others have the names that
+// datasets have them under, with "*" for any part of it. Sources of which nothing is chosen are
+// neither made nor read. Errors: NotFoundError with the nearest names, and those of the sources.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "robocell/features/feature_source.h"
+#include "robocell/robot/robot.h"
+#include "robocell/scene/scene.h"
+
+namespace robocell {
+
+class ChosenFeatures final : public FeatureSource {
+ public:
+  ChosenFeatures(const Scene& scene, const std::vector<Robot>& robots,
+                 const std::vector<std::string>& names);
+  // How each was chosen: a registered feature without "features/", all others by their names.
+  const std::vector<std::string>& keys() const { return keys_; }
+  void Read(std::span<double> out) override;
+
+ private:
+  // Numbers of a source.
+  struct Part {
+    size_t source, begin, size;
+  };
+  void Choose(const std::string& name, const std::vector<std::unique_ptr<FeatureSource>>& all);
+  void AddPart(size_t source, size_t begin, const Feature& feature);
+
+  std::vector<std::unique_ptr<FeatureSource>> sources_;
+  std::vector<std::vector<double>> numbers_;  // of each source
+  std::vector<Part> parts_;                   // of each feature
+  std::vector<std::string> keys_;
+};
+
+// Those of the names that are registered features.
+std::vector<std::string> OwnAmong(const std::vector<std::string>& names);
+
+}  // namespace robocell
