@@ -4,7 +4,7 @@
 #include <string>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/render/egl_devices.h"
 #include "robocell/render/gl_context.h"
 #include "robocell/render/gl_renderer.h"

@@ -6,8 +6,8 @@
 #include <iterator>
 #include <vector>
 
+#include "robocell/render/depth_conversion.h"
 #include "robocell/render/drawn_scene.h"
-#include "robocell/render/image_convert.h"
 #include "robocell/render/soft_kernel.h"
 #include "robocell/render/soft_scene.h"
 

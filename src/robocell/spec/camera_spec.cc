@@ -6,7 +6,7 @@
 #include <string_view>
 #include <Eigen/Geometry>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/spec/validate.h"
 
 namespace robocell {

@@ -21,7 +21,7 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/spec/element_ref.h"
 #include "robocell/spec/locations.h"
 #include "robocell/spec/run_config.h"
