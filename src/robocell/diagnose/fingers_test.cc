@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "robocell/scene/testing/arm_with_hand.h"
+#include "robocell/scene/testing/robot_files.h"
 
 namespace robocell {
 namespace {
@@ -32,6 +33,37 @@ TEST_F(FingerChecks, AFingerThatTouchesNothing) {
               ElementsAre(AllOf(StartsWith(file_ + ":5:33: robot 'arm': move_groups.hand.joints: "),
                                 HasSubstr("no geom of the finger 'left' collides (their contype "
                                           "and conaffinity are 0), so it can hold nothing"))));
+}
+
+using FingersOfFiles = RobotFiles;
+
+TEST_F(FingersOfFiles, AFingerThatNothingMoves) {
+  std::string gripper = kTwoFingerGripper;
+  const std::string tie = R"(<joint joint1="left_slide" joint2="right_slide"/>)";
+  const std::string tendon = R"(<joint joint="right_slide" coef="0.5"/>)";
+  gripper.erase(gripper.find(tie), tie.size());
+  const auto warnings = [&](const std::string& model, const std::string& fingers) {
+    folder.Write("gripper", model);
+    const Scene scene = BuildRobot(
+        RobotFile("attachments: [{mjcf_path: gripper.xml, prefix: g_, attach_to: {site: flange}}]\n"
+                  "move_groups:\n"
+                  "  gripper: {kind: gripper, joints: [g_left_slide, g_right_slide], actuators: "
+                  "g_grip" +
+                  fingers + "}\n"));
+    return scene.compiled()->warnings();
+  };
+  EXPECT_THAT(warnings(gripper, ""), IsEmpty()) << "the tendon moves both";
+  gripper.erase(gripper.find(tendon), tendon.size());
+  const std::string why =
+      ": nothing moves the finger 'g_right': no actuator acts on its joint 'g_right_slide' and no "
+      "equality ties it to the other finger. In the model, couple it (<equality><joint "
+      "joint1=\"g_right_slide\" joint2=\"g_left_slide\"/></equality>) or give it an actuator";
+  EXPECT_THAT(warnings(gripper, ""), ElementsAre("robot 'left': move_groups.gripper.joints" + why));
+  EXPECT_THAT(warnings(gripper, ", fingers: [g_left_pad, g_right_pad]"),
+              ElementsAre("robot 'left': move_groups.gripper.fingers" + why));
+  std::string tied = gripper;
+  tied.insert(tied.find("</equality>"), tie);
+  EXPECT_THAT(warnings(tied, ""), IsEmpty());
 }
 
 }  // namespace

@@ -302,17 +302,6 @@ TEST_F(Robots, GetATcpSiteFromTheOffset) {
                                                 1e-9, 1e-9));
 }
 
-TEST_F(Robots, RefuseTwoDifferentToolPoints) {
-  config.attachment_site = "flange";
-  config.tcp_offset = Pose(Eigen::Vector3d(0, 0, 0.1));
-  ExpectThrow<SpecError>(
-      [&] { BuildArm(); },
-      "scene 'test' / robot 'left': the TCP is given twice: site 'flange' is the arm's leaf, but "
-      "attachment_site * tcp_offset is 0.1 m and 0 rad away from it; keep one of them");
-  config.tcp_offset = Pose();
-  EXPECT_NO_THROW(BuildArm());
-}
-
 TEST_F(Robots, NameEverythingThatIsWrongAtOnce) {
   config.move_groups["arm"].joints = {"shoulder", "elbo"};
   config.move_groups["arm"].actuators = {"servo2", "servo3"};
