@@ -49,9 +49,9 @@ int main(int argc, char** argv) try {
   rc::PrepareDataset(run);
   rc::Runner runner(run);
   for (const rc::PlanItem& item : rc::MakePlan(run)) {
-    const rc::EpisodeReport report = runner.Run(item);
+    const rc::ItemResult result = runner.Run(item);
     std::printf("%s: %s, attempts: %d, rows: %d\n", item.id.c_str(),
-                report.success ? "success" : "no success", report.attempts, report.rows);
+                result.success ? "success" : "no success", result.attempts, result.rows);
   }
 
   for (const rc::Episode& episode : rc::Dataset(run.output)) {
@@ -61,7 +61,7 @@ int main(int argc, char** argv) try {
     if (wrist.frames != episode.rows()) throw rc::Error("frame i belongs to row i");
   }
   rc::WritePng(folder / "picture.png", Strip(*rc::Dataset(run.output).begin(), "wrist"));
-  const rc::VerifyReport found = rc::Verify(run.output);
+  const rc::VerifyResult found = rc::Verify(run.output);
   std::printf("%zu episodes, every byte as it was written: %s\n", found.good.size(),
               found.ok() ? "True" : "False");
   return found.ok() && found.good.size() == 2 ? 0 : 1;

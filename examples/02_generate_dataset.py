@@ -35,9 +35,9 @@ def main(folder: Path) -> None:
     rc.generate.prepare_dataset(run)
     runner = rc.generate.Runner(run)
     for item in rc.generate.make_plan(run):
-        report = runner.run(item)
-        outcome = "success" if report.success else "no success"
-        print(f"{item.id}: {outcome}, attempts: {report.attempts}, rows: {report.rows}")
+        result = runner.run(item)
+        outcome = "success" if result.success else "no success"
+        print(f"{item.id}: {outcome}, attempts: {result.attempts}, rows: {result.rows}")
 
     for episode in rc.Dataset(run.output):
         frames = episode.frames("wrist")

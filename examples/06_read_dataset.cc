@@ -111,9 +111,9 @@ int main(int argc, char** argv) try {
 
     // Played again by hand, and by the check that compares every row and tick.
     Require(Play(episode) < 1e-9, "it was not the same when played again");
-    const rc::ReplayReport report = rc::CheckReplay(episode);
-    std::printf("  replayed: %s\n", report.ok() ? "the same" : report.Text().c_str());
-    Require(report.ok(), report.Text());
+    const rc::ReplayResult result = rc::VerifyReplay(episode);
+    std::printf("  replayed: %s\n", result.ok() ? "the same" : result.Text().c_str());
+    Require(result.ok(), result.Text());
   }
   rc::WritePng(folder / "picture.png", DrawPath(*episodes.begin(), "exo"));
   return 0;

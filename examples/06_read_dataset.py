@@ -80,9 +80,9 @@ def main(folder: Path, dataset: Path | None) -> None:
 
         # Played again by hand, and by the check that compares every row and tick.
         assert play(episode) < 1e-9
-        report = rc.data.check_replay(episode)
-        print(f"  replayed: {'the same' if report.ok else report}")
-        assert report.ok
+        result = rc.data.verify_replay(episode)
+        print(f"  replayed: {'the same' if result.ok else result}")
+        assert result.ok
     rc.render.write_png(folder / "picture.png", draw_path(episodes[0], "exo"))
 
 

@@ -25,7 +25,7 @@ TABLE: dict[str, str] = {
     "spec": "base math",
     "assets": "base spec",
     "scene": "base math mujoco spec assets",
-    "kinematics": "base math mujoco spec",
+    "kinematics": "base math mujoco",
     "robot": "+scene +kinematics",
     "control": "+robot",
     "render": "+scene media",

@@ -21,7 +21,7 @@ struct StackConfig {
   static constexpr const char* kTypeName = "StackConfig";
   template <class V>
   static void Fields(V&& v) {
-    v("edge", &StackConfig::edge, "Of the cubes, metres.", rc::Check::kPositive);
+    v("edge", &StackConfig::edge, "Of the cubes, metres.", rc::Bound::kPositive);
   }
 };
 

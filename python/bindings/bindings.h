@@ -45,5 +45,6 @@ void BindDataset(nb::module_& m);       // datasets
 void BindData(nb::module_& m);          // their locks, their verification
 void BindRollout(nb::module_& m);       // plans and the runner
 void BindEnvRecorder(nb::module_& m);   // episodes from environments and back
+void BindDiagnose(nb::module_& m);      // checks of robots and runs
 
 }  // namespace robocell::python

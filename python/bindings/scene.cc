@@ -57,7 +57,7 @@ Scene FromCompiled(std::shared_ptr<CompiledScene> compiled) {
   return Scene::FromCompiled(std::move(compiled), PythonData());
 }
 
-// What the argument of that name says; None for none.
+// Converts the argument of that name; None for none.
 BodyPoses GivenBodyPoses(nb::handle given) {
   return given.is_none() ? BodyPoses() : ToBodyPoses(given, FieldPath("body_poses"));
 }

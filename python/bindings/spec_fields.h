@@ -606,7 +606,7 @@ const std::vector<Field>& FieldsOf() {
   static const std::vector<Field> kFields = [] {
     std::vector<Field> fields;
     const T plain{};
-    ForEachField(plain, [&](const char* name, const auto& value, const char* doc, Check) {
+    ForEachField(plain, [&](const char* name, const auto& value, const char* doc, Bound) {
       using Value = std::remove_cvref_t<decltype(value)>;
       AddField(&fields, name, doc, &plain, &value, kFieldOps<Value>);
     });

@@ -7,6 +7,7 @@ namespace robocell::python {
 void BindRunSpecs(nb::module_& m) {
   BindSpecClass<CameraConfig>(m, "One stream of images from a camera.");
   BindSpecClass<RenderQuality>(m, "How images are drawn; everything costly is off by default.");
+  BindSpecClass<RendererConfig>(m, "Who draws images, and how.");
   auto cameras =
       BindSpecClass<CameraSystemConfig>(m, "The image streams of a run and the size they share.");
   DefYamlFile(cameras);

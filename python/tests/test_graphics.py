@@ -43,10 +43,10 @@ def test_an_error_says_what_was_tried_when_nothing_draws():
 def test_a_run_with_cameras_says_once_that_a_card_is_idle(tmp_path: Path):
     run = rc.RunConfig.load(str(EXAMPLES / "demo.yaml"))
     assert run.cameras.streams
-    assert run.cameras.renderer == "soft"
+    assert run.cameras.renderer.backend == "soft"
     root = machine_with_a_card(tmp_path / "card")
     assert graphics_warnings(run, root) == []  # it uses no card on purpose
-    run.cameras.renderer = "auto"
+    run.cameras.renderer.backend = "auto"
     assert graphics_warnings(run, str(tmp_path)) == []
     drawing = describe().stdout.removeprefix("draws: ").strip()
     if "llvmpipe" in drawing:

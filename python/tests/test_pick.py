@@ -65,9 +65,9 @@ class Recorder(rc.PickTaskSampler):
         self.stages.append("propose_base_pose")
         return super().propose_base_pose(robot, support, target_in_world, placement, rng)
 
-    def check_base_pose(self, scene, robot, target_body):
-        self.stages.append("check_base_pose")
-        return super().check_base_pose(scene, robot, target_body)
+    def validate_base_pose(self, scene, robot, target_body):
+        self.stages.append("validate_base_pose")
+        return super().validate_base_pose(scene, robot, target_body)
 
     def make_task(self, target, kind, objects):
         self.stages.append("make_task")
@@ -81,7 +81,7 @@ STAGES = [
     "choose_base_placement",
     "place_objects",
     "propose_base_pose",
-    "check_base_pose",
+    "validate_base_pose",
     "make_task",
 ]
 
@@ -116,8 +116,8 @@ def test_every_stage_of_a_samplers_subclass_runs(tmp_path: Path):
 
 def test_episodes_carry_the_labels_of_a_subclass_of_pick_task(tmp_path: Path):
     run = load(tmp_path)
-    report = rc.generate.Runner(run, sampler=Recorder).run(rc.generate.make_plan(run)[0])
-    assert report.success
+    result = rc.generate.Runner(run, sampler=Recorder).run(rc.generate.make_plan(run)[0])
+    assert result.success
     episode = rc.Dataset(run.output)[0]
     assert episode.metadata["instruction"].startswith("do not pick up the ")
     assert (episode["reward"] >= 7).all()
@@ -148,14 +148,14 @@ def test_the_sample_of_a_subclass_runs_and_can_call_the_scripted_one(tmp_path: P
             return super().sample(request, rng)
 
     run = load(tmp_path)
-    report = rc.generate.Runner(run, sampler=Second).run(rc.generate.make_plan(run)[0])
-    assert report.success
-    assert dict(report.refusals)["camera constraint"] == 1
+    result = rc.generate.Runner(run, sampler=Second).run(rc.generate.make_plan(run)[0])
+    assert result.success
+    assert dict(result.refusals)["camera constraint"] == 1
 
 
 def test_refusals_of_a_stage_are_counted_with_the_places_tried(tmp_path: Path):
     class Picky(rc.PickTaskSampler):
-        def check_base_pose(self, scene, robot, target_body):
+        def validate_base_pose(self, scene, robot, target_body):
             return rc.tasks.Refusal(rc.tasks.RefusalReason.BASE_IN_COLLISION, "as told")
 
     run = load(tmp_path, max_attempts=2)
@@ -225,7 +225,7 @@ def test_a_stage_that_returns_nothing_is_named(tmp_path: Path):
         def choose_base_placement(self, request, rng):
             return None
 
-        def check_base_pose(self, scene, robot, target_body):
+        def validate_base_pose(self, scene, robot, target_body):
             return "free"
 
     run = load(tmp_path)
@@ -233,7 +233,7 @@ def test_a_stage_that_returns_nothing_is_named(tmp_path: Path):
     with pytest.raises(TypeError, match=wanted):
         rc.generate.Runner(run, sampler=Nowhere).run(rc.generate.make_plan(run)[0])
     del Nowhere.choose_base_placement
-    wanted = r"Nowhere.check_base_pose\(\) must return a Refusal or None, got 'free'"
+    wanted = r"Nowhere.validate_base_pose\(\) must return a Refusal or None, got 'free'"
     with pytest.raises(TypeError, match=wanted):
         rc.generate.Runner(run, sampler=Nowhere).run(rc.generate.make_plan(run)[0])
 

@@ -7,10 +7,10 @@ import json
 
 from rich.console import Console
 
-from robocell.generate.items import Report
+from robocell.generate.items import ItemResult
 from robocell.generate.progress import Bar, JsonLines, PlainLines, beginning, status
 from robocell.generate.totals import Unmade
-from test_totals import REPORT, totals_after_one
+from test_totals import RESULT, totals_after_one
 
 
 def test_the_status_has_rate_time_left_success_and_reasons():
@@ -28,7 +28,7 @@ def test_plain_lines_come_seldom_and_say_what_happened():
     totals = totals_after_one()
     lines.started(totals)
     for _ in range(3):
-        lines.episode(REPORT, totals)
+        lines.episode(RESULT, totals)
     lines.retry("s0000_e0002", "worker 1 (pid 7) was killed by SIGSEGV", totals)
     lines.unmade(
         Unmade("s0000_e0003", "dropped 20", "robocell generate r.yaml --shard 3/20"), totals
@@ -51,9 +51,9 @@ def test_the_last_plain_line_comes_once():
     lines = PlainLines(file, interval_s=0)
     totals = totals_after_one()
     totals.planned = 7
-    lines.episode(REPORT, totals)
+    lines.episode(RESULT, totals)
     totals.unmade.append(Unmade("s0000_e0003", "dropped 20", ""))
-    lines.episode(REPORT, totals)
+    lines.episode(RESULT, totals)
     lines.finished(totals)
     assert [line[:12] for line in file.getvalue().splitlines()] == ["6/7 episodes"] * 2
 
@@ -77,7 +77,7 @@ def test_json_lines_are_one_object_per_event():
     lines = JsonLines(file)
     totals = totals_after_one()
     lines.started(totals)
-    lines.episode(REPORT, totals)
+    lines.episode(RESULT, totals)
     lines.retry("a", "killed", totals)
     lines.unmade(Unmade("b", "dropped 20", "robocell generate"), totals)
     lines.warning("look")
@@ -87,7 +87,7 @@ def test_json_lines_are_one_object_per_event():
     assert [event["event"] for event in events] == [
         *("started", "episode", "retry", "unmade", "warning", "stopping", "finished")
     ]
-    assert Report.from_json(events[1]["report"]) == REPORT
+    assert ItemResult.from_json(events[1]["result"]) == RESULT
     assert events[1]["totals"]["made"] == 1
     assert events[1]["totals"]["refusals"] == {"too far": 2}
     assert events[3] == {

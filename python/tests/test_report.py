@@ -16,7 +16,7 @@ import robocell
 from command_line import refused, robocell_command, write_run
 from robocell.generate import report as reports
 from robocell.generate.check import Found
-from robocell.generate.items import Report
+from robocell.generate.items import ItemResult
 from robocell.generate.job import Job
 from robocell.generate.observer import Observer
 from robocell.generate.report import Command, DamagedReportError, RunReport
@@ -31,8 +31,8 @@ from robocell.generate.totals import (
 IDS = ["s0000_e0000", "s0000_e0001"]
 
 
-def made(name: str) -> Report:
-    return Report(
+def made(name: str) -> ItemResult:
+    return ItemResult(
         name,
         success=True,
         attempts=3,

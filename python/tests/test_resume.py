@@ -10,7 +10,7 @@ import pytest
 from command_line import write_run
 from robocell import RunConfig
 from robocell.generate import make_plan, resume
-from robocell.generate.resume import DamagedEpisodesError, made_items, report_of
+from robocell.generate.resume import DamagedEpisodesError, made_items, result_of
 
 
 def test_attempts_follow_their_numbers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
@@ -34,7 +34,7 @@ def test_what_is_broken_is_named_and_never_taken_for_made(tmp_path: Path):
     assert made_items(run, [first, second]) == set(), "an empty folder is no episode"
     (out / first.id / "steps.h5").write_bytes(b"half")
     (out / f".{second.id}.7.1.partial").mkdir()
-    assert report_of(run, first) is None
+    assert result_of(run, first) is None
     with pytest.raises(DamagedEpisodesError, match=f"{first.id}' is half an episode"):
         made_items(run, [first, second])
     assert made_items(run, [second]) == set()

@@ -19,7 +19,6 @@ from command_line import (
     write_run,
 )
 from robocell.cli import reach_map
-from robocell.cli.robot_checks import trial
 from robocell.cli.robot_scene import load_robot
 
 
@@ -206,7 +205,8 @@ def test_actuators_that_were_added_for_a_controller_are_not_idle(tmp_path: Path,
 
     loaded = load_robot(write_robot(tmp_path, choose))
     assert loaded.scene.model.nu == 7 + 1 + 7
-    told = [doubt for doubt in trial(loaded) if "no move group" in doubt]
+    told = [str(found) for found in robocell.diagnose.check_robot(loaded.robot)]
+    told = [text for text in told if "no move group" in text]
     assert len(told) == 1
     assert told[0].endswith("has the actuators gripper: nothing will command them")
 
@@ -263,7 +263,7 @@ def test_check_and_runs_say_the_same_of_a_group_that_nothing_commands(tmp_path: 
     assert unfit in reasons[0]
     config = robocell.RunConfig.load(run)
     config.cameras.streams = []  # which are of rc7's cameras
-    robocell.generate.check_run(
+    robocell.diagnose.check_run(
         config, scripted_expert=False, on_this_machine=False
     )  # is recorded without
 

@@ -82,10 +82,10 @@ def runner(run: rc.RunConfig, samplers: list[Waiting], refused: int = 0) -> rc.g
 def test_a_sampler_and_a_task_in_python_make_episodes(tmp_path: Path):
     run = load(tmp_path)
     samplers: list[Waiting] = []
-    report = runner(run, samplers, refused=2).run(rc.generate.make_plan(run)[0])
+    result = runner(run, samplers, refused=2).run(rc.generate.make_plan(run)[0])
     gc.collect()
-    assert (report.success, report.attempts, report.accepted) == (True, 3, 1)
-    assert dict(report.refusals) == {"no grasp": 2}
+    assert (result.success, result.attempts, result.accepted) == (True, 3, 1)
+    assert dict(result.refusals) == {"no grasp": 2}
     asked = samplers[0].asked
     assert [ask[:3] for ask in asked] == [(0, 0, 0), (0, 0, 1), (0, 0, 2)]
     episode = rc.Dataset(run.output)[0]
@@ -146,11 +146,11 @@ def test_a_wrapped_sampler_hears_that_somebody_asks_for_an_end(tmp_path: Path):
             kept.append(request)
             return own.sample(request, rng)
 
-    report = rc.generate.Runner(run, sampler=lambda run: Stopping()).run(
+    result = rc.generate.Runner(run, sampler=lambda run: Stopping()).run(
         rc.generate.make_plan(run)[0], stop=stop
     )
-    assert report.stopped
-    assert not report.committed
+    assert result.stopped
+    assert not result.committed
     assert not kept[0].stopped, "the call is over"
 
 

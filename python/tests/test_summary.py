@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from robocell.generate.items import Report
+from robocell.generate.items import ItemResult
 from robocell.generate.summary import Summary
 from robocell.generate.totals import (
     Totals,
@@ -46,10 +46,14 @@ def test_the_summary_counts_from_the_disk_and_leaves_out_what_did_not_happen():
 
 def test_success_is_told_by_object_when_there_are_several():
     totals = Totals(planned=3)
-    totals.add(Report("a", success=True, object_kind="mug", kinds={"mug": 1}, rollouts={"mug": 1}))
+    totals.add(
+        ItemResult("a", success=True, object_kind="mug", kinds={"mug": 1}, rollouts={"mug": 1})
+    )
     assert "success by object" not in Summary("r", Path(), 1, totals).rows()
-    totals.add(Report("b", success=True, object_kind="box", kinds={"box": 3}, rollouts={"box": 2}))
-    totals.add(Report("c", object_kind="can", kinds={"can": 4}))
+    totals.add(
+        ItemResult("b", success=True, object_kind="box", kinds={"box": 3}, rollouts={"box": 2})
+    )
+    totals.add(ItemResult("c", object_kind="can", kinds={"can": 4}))
     totals.attempts, totals.accepted = 8, 3
     read = Totals.from_record(totals.record())
     for told in (totals, side_by_side([read])):

@@ -61,7 +61,7 @@ def load(tmp_path: Path, **fields: object) -> rc.RunConfig:
 def make(
     run: rc.RunConfig, expert: Callable[[rc.RunConfig, rc.tasks.EpisodeStart], rc.tasks.Expert]
 ):
-    """The report of the run's first item."""
+    """The result of the run's first item."""
     return rc.generate.Runner(run, expert=expert).run(rc.generate.make_plan(run)[0])
 
 
@@ -72,8 +72,8 @@ def test_what_an_expert_factory_gets_may_be_kept(tmp_path):
         kept.append((run, start))
         return Idle()
 
-    report = make(load(tmp_path, max_attempts=2), expert)
-    assert report.accepted == len(kept)
+    result = make(load(tmp_path, max_attempts=2), expert)
+    assert result.accepted == len(kept)
     gc.collect()
     for run, start in kept:
         assert run.run == "tiny"
@@ -95,10 +95,10 @@ def test_an_expert_lives_as_long_as_it_is_used(tmp_path):
         gc.collect()
         return made
 
-    report = make(load(tmp_path, max_attempts=2), expert)
-    assert report.failures == {"idle": report.accepted}
+    result = make(load(tmp_path, max_attempts=2), expert)
+    assert result.failures == {"idle": result.accepted}
     gc.collect()
-    assert [ref() for ref in alive] == [None] * report.accepted
+    assert [ref() for ref in alive] == [None] * result.accepted
 
 
 def test_a_kept_stream_says_that_it_was_lent(tmp_path):

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 from robocell.generate import report as reports
-from robocell.generate.items import Report
+from robocell.generate.items import ItemResult
 from robocell.generate.report import Command, RunReport
 from robocell.generate.summary import Summary
 from robocell.generate.totals import (
@@ -21,7 +21,7 @@ from robocell.generate.totals import (
     size,
 )
 
-REPORT = Report(
+RESULT = ItemResult(
     "s0000_e0001",
     success=True,
     attempts=4,
@@ -37,14 +37,14 @@ REPORT = Report(
 def totals_after_one() -> Totals:
     totals = Totals(planned=20, already=5, workers=2)
     totals.started, totals.ended = 100.0, 110.0
-    totals.add(REPORT)
+    totals.add(RESULT)
     return totals
 
 
 def test_what_an_interruption_ended_is_no_failure():
     totals = totals_after_one()
     before = (totals.attempts, totals.success_rate, totals.acceptance_rate)
-    totals.add(Report("s0000_e0002", stopped=True, undecided=1))
+    totals.add(ItemResult("s0000_e0002", stopped=True, undecided=1))
     assert (totals.attempts, totals.success_rate, totals.acceptance_rate) == before
     assert totals.to_json()["undecided"] == 1
     rows = Summary("demo", Path("out"), 6, totals).rows()
@@ -65,8 +65,8 @@ def test_durations_and_shares_read_like_words():
     assert [percent(s) for s in (None, 0, 0.955)] == ["-", "0 %", "96 %"]
 
 
-def made(name: str) -> Report:
-    return Report(
+def made(name: str) -> ItemResult:
+    return ItemResult(
         name,
         success=True,
         attempts=3,

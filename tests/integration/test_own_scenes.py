@@ -89,7 +89,7 @@ def test_episodes_take_place_in_scenes_of_ones_own(run_file: Path, tmp_path: Pat
         top = 0.45 + 0.05 * int(episode.metadata["scene"])
         assert 0 < episode["objects/target/pose"][0][2] - top < 0.1
         assert episode.metadata["task"] == "pick"
-        assert rc.data.check_replay(episode).ok
+        assert rc.data.verify_replay(episode).ok
     manifest = json.loads((tmp_path / "two" / "dataset.json").read_text())
     assert "code/own_desks.py" in manifest["files"]
     assert "4 episodes" in robocell_command("report", tmp_path / "two").stdout

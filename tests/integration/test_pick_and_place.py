@@ -38,7 +38,7 @@ def test_the_example_puts_objects_on_the_tray(tmp_path: Path):
         target = episode["objects/target/pose"][-1][:3]
         tray = episode["objects/goal/pose"][-1][:3]
         assert np.linalg.norm((target - tray)[:2]) < 0.03
-        assert rc.data.check_replay(episode).ok
+        assert rc.data.verify_replay(episode).ok
     for file in sorted((tmp_path / "two").glob("s*/steps.h5")):
         assert file.read_bytes() == (tmp_path / "one" / file.parent.name / file.name).read_bytes()
 
@@ -76,8 +76,8 @@ def test_the_expert_can_be_subclassed(tmp_path: Path):
     run.output = str(tmp_path / "out")
     run.episodes_per_scene = 1
     rc.generate.prepare_dataset(run)
-    report = rc.generate.Runner(run, expert=Counting).run(rc.generate.make_plan(run)[0])
-    assert report.success
+    result = rc.generate.Runner(run, expert=Counting).run(rc.generate.make_plan(run)[0])
+    assert result.success
     assert Counting.actions >= len(rc.Dataset(run.output)[0]["phase"])
 
 

@@ -44,9 +44,9 @@ def test_twenty_picks_are_on_the_disk_and_intact(twenty: GeneratedRun):
         content = read_json(episode)
         assert content["success"] is True, episode.name
         assert content["warnings"] == [], episode.name
-    report = robocell.data.verify(twenty.dataset)
-    assert report.ok, str(report)
-    assert report.leftovers == []
+    result = robocell.data.verify(twenty.dataset)
+    assert result.ok, str(result)
+    assert result.leftovers == []
 
 
 def test_the_expert_lifts_nearly_every_accepted_start(twenty: GeneratedRun):

@@ -227,8 +227,8 @@ def test_two_picks_are_generated_and_intact(grasping_file: Path, tmp_path: Path)
     dataset = tmp_path / "dataset"
     totals = generate(run_file, dataset, "--workers", 1)[-1]["totals"]
     assert totals["made"] == EPISODES
-    report = rc.data.verify(dataset)
-    assert report.ok, str(report)
+    result = rc.data.verify(dataset)
+    assert result.ok, str(result)
     assert len(list(dataset.glob("*/episode.json"))) == EPISODES
 
 

@@ -143,7 +143,7 @@ TEST(EpisodeCommit, KillingTheProcessAtAnyMomentLeavesWholeEpisodesOnly) {
     while (read(ends[0], &byte, 1) == 1) ++acknowledged;
     close(ends[0]);
   }
-  const VerifyReport report = Verify(folder.path());
+  const VerifyResult report = Verify(folder.path());
   EXPECT_TRUE(report.ok()) << report.Text();
   EXPECT_GE(report.good.size(), acknowledged);
   EXPECT_LE(report.good.size(), acknowledged + kRounds);  // one committed, not yet acknowledged

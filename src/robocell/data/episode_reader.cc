@@ -172,8 +172,8 @@ struct Episode::Impl {
         json.at(key);  // asked for later, without a check
       }
       if (json.contains("features")) features = FeatureSchema::FromJson(json["features"].dump());
-      CheckFiles();
-      CheckModels();
+      RequireFiles();
+      RequireModels();
     } catch (const nlohmann::json::exception&) {
       ThrowDamaged();
     } catch (const SpecError& error) {  // of the features
@@ -196,7 +196,7 @@ struct Episode::Impl {
         dataset, dataset);
   }
 
-  void CheckFiles() const {
+  void RequireFiles() const {
     for (const auto& [file, facts] : json.at("files").items()) {
       std::error_code error;
       if (!ValidFileName(file))
@@ -214,7 +214,7 @@ struct Episode::Impl {
     }
   }
 
-  void CheckModels() const {
+  void RequireModels() const {
     const auto models = json.find("models");
     if (models == json.end()) return;
     for (const auto& [name, path] : models->items()) {

@@ -429,9 +429,9 @@ TEST(EpisodeWriter, SeveralThreadsWriteIndependentEpisodes) {
     });
   }
   for (std::thread& thread : threads) thread.join();
-  const VerifyReport report = Verify(folder.path());
-  EXPECT_TRUE(report.ok()) << report.Text();
-  EXPECT_EQ(report.good.size(), 12u);
+  const VerifyResult result = Verify(folder.path());
+  EXPECT_TRUE(result.ok()) << result.Text();
+  EXPECT_EQ(result.good.size(), 12u);
 }
 
 }  // namespace

@@ -167,7 +167,7 @@ EnvState Env::state() const {
   return state;
 }
 
-void Env::CheckState(const EnvState& state) const {
+void Env::RequireState(const EnvState& state) const {
   bool fits = state.names_hash == HashOfNames(config_, scene_.model()) &&
               state.arms.size() == arms_.size() &&
               state.variations.size() == variations_.drawn().size() &&
@@ -219,7 +219,7 @@ void Env::MoveToRoot(const Pose& from) {
 
 void Env::SetState(const EnvState& state, StateFrame frame) {
   const SceneUse::Claim claim(scene_.use(), "Env::SetState");
-  CheckState(state);
+  RequireState(state);
   phase_ = Phase::kBroken;  // until all is done
   Recall(state);
   if (frame == StateFrame::kRoot) MoveToRoot(state.root_frame_to_world);

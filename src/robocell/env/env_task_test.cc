@@ -239,7 +239,7 @@ struct BeHighConfig {
   static constexpr const char* kTypeName = "BeHighConfig";
   template <class V>
   static void Fields(V&& v) {
-    v("rise", &BeHighConfig::rise, "Success: so far above the start, metres.", Check::kPositive);
+    v("rise", &BeHighConfig::rise, "Success: so far above the start, metres.", Bound::kPositive);
   }
 };
 

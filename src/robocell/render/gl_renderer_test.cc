@@ -93,7 +93,7 @@ class Projection : public testing::Test {
     for (int i = 0; i < 4; ++i) data_->mocap_quat[4 * mocap + i] = q[i];
   }
 
-  // Where the camera is, without drawing: what the markers are placed by.
+  // Returns the camera's model without drawing, for placing the markers.
   CameraModel Where(const CameraView& view, int width, int height) {
     mj_forward(model_.get(), data_.get());
     return ComputeCamera(model_.get(), data_.get(), view, width, height);

@@ -57,9 +57,8 @@ std::vector<std::string> RendererBackends() {
 
 std::unique_ptr<Renderer> MakeRenderer(const RendererOptions& options) {
   if (options.backend != kAuto) return MakeByName("renderer", options.backend, options);
-  const char* variable = std::getenv(kVariable);
-  if (variable && *variable && std::string(variable) != kAuto) {
-    return MakeByName(std::string("environment variable ") + kVariable, variable, options);
+  if (const std::string name = NameInEnvironment(); !name.empty()) {
+    return MakeByName(std::string("environment variable ") + kVariable, name, options);
   }
   // A fork of a process that has drawn would draw something else than that process.
   const bool fixed = GlIsChosen(options) || GlContext::InFork();
@@ -69,6 +68,14 @@ std::unique_ptr<Renderer> MakeRenderer(const RendererOptions& options) {
     if (fixed) throw;
     return MakeByName("renderer", "soft", options);
   }
+}
+
+std::string RendererBackendHere() {
+  const std::string description = MakeRenderer()->description();
+  for (const RendererBackend& backend : kBackends) {
+    if (description.starts_with(std::string(backend.name) + ":")) return backend.name;
+  }
+  throw Error("the renderer '" + description + "' has no name");
 }
 
 }  // namespace robocell

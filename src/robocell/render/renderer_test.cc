@@ -1,4 +1,4 @@
-// What every back end of renderer.h promises.
+// The promises of every back end of renderer.h.
 #include "robocell/render/renderer.h"
 
 #include <dlfcn.h>
@@ -256,7 +256,7 @@ TEST_P(Rendering, AModelThatWasCompiledAnewNeedsAnUpload) {
   renderer_->Render(data.get(), request, {.rgb = rgb});
 }
 
-// What was freed is not read: the new model has the signature of the old one, and may even have its
+// Freed memory is not read: the new model has the signature of the old one, and may even have its
 // address.
 TEST_P(Rendering, AModelThatWasFreedIsToldThoughTheNextOneLooksTheSame) {
   std::vector<uint8_t> rgb(3 * kW * kH);

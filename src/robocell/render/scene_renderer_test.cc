@@ -43,7 +43,7 @@ class FollowingRenderer : public testing::Test {
                       {.rgb = out.rgb, .segmentation = out.ids});
     return out;
   }
-  // What one that was made now draws.
+  // Draws with a new renderer.
   View TakeAnew() const {
     View out;
     const auto renderer = MakeRenderer();

@@ -25,7 +25,7 @@ namespace {
 
 constexpr int kAcross = 320, kDown = 240, kShown = kAcross * kDown;
 
-// Every shape, textures of both kinds, lights of both kinds, and things that bend.
+// Every shape, textures of both kinds, lights of both kinds, and flexible objects.
 constexpr char kZoo[] = R"(<mujoco>
   <option gravity="0 0 -9.81"/>
   <asset>

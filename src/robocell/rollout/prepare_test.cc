@@ -99,7 +99,7 @@ TEST(PrepareDataset, IsNotDisturbedByWhoeverTidiesUp) {
   });
   for (int i = 0; i < 10; ++i) {
     std::filesystem::remove(folder / "out/dataset.json");
-    EXPECT_NO_THROW(PrepareDataset(run, {.check_run = false}));
+    EXPECT_NO_THROW(PrepareDataset(run, {.validate = false}));
   }
   done = true;
   sweeper.join();
@@ -194,7 +194,7 @@ TEST(PrepareDataset, BeginsAnewWhatHasNoEpisodes) {
   std::filesystem::create_directory(folder / "out/.logs");
   run.seed = 7;
   ExpectThrow<SpecError>([&] { RequireSameRun(run); }, "seed: 0 then, 7 now");
-  EXPECT_NO_THROW(CheckDataset(run));
+  EXPECT_NO_THROW(ValidateDataset(run));
   PrepareDataset(run);
   EXPECT_NO_THROW(RequireSameRun(run));
 }
@@ -232,12 +232,12 @@ TEST(PrepareDataset, ChecksTheRunFirst) {
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
 }
 
-TEST(CheckDataset, WritesNothing) {
+TEST(ValidateDataset, WritesNothing) {
   TempDir folder;
-  CheckDataset(Demo(folder / "out"));
+  ValidateDataset(Demo(folder / "out"));
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
   AtomicWrite(folder / "thesis.txt", "years of work");
-  ExpectThrow<SpecError>([&] { CheckDataset(Demo(folder.path())); }, "is no dataset");
+  ExpectThrow<SpecError>([&] { ValidateDataset(Demo(folder.path())); }, "is no dataset");
 }
 
 }  // namespace

@@ -8,8 +8,9 @@
 #include "robocell/base/error.h"
 #include "robocell/env/stepper.h"
 #include "robocell/render/renderer.h"
-#include "robocell/rollout/check_run.h"
 #include "robocell/rollout/plan.h"
+#include "robocell/rollout/run_renderer.h"
+#include "robocell/rollout/validate_run.h"
 #include "robocell/task/sampler_kind.h"
 #include "robocell/task/task_features.h"
 
@@ -56,19 +57,17 @@ struct RunEnv::State {
 };
 
 RunEnv::RunEnv(RunConfig run) : state_(std::make_unique<State>()) {
-  CheckRunFields(run);
+  ValidateRunFields(run);
   state_->run = std::move(run);
   state_->sampler = MakeSampler(state_->run);
-  if (!state_->run.cameras.streams.empty())
-    state_->renderer = MakeRenderer(
-        {.backend = state_->run.cameras.renderer, .quality = state_->run.cameras.quality});
+  if (!state_->run.cameras.streams.empty()) state_->renderer = MakeRendererOf(state_->run);
 }
 RunEnv::~RunEnv() = default;
 RunEnv::RunEnv(RunEnv&&) noexcept = default;
 
 const RunConfig& RunEnv::run() const { return state_->run; }
 
-void RunEnv::Reset(int index, const StopCheck& stop) {
+void RunEnv::Reset(int index, const StopRequest& stop) {
   if (index < 0)
     throw ArgumentError(fmt::format("the start of an episode is a number from 0, got {}", index));
   const RunConfig& run = state_->run;

@@ -28,8 +28,8 @@ TEST(RunEnv, TheActionsOfAnEpisodeGiveItsRows) {
   Runner runner(run);
   RunEnv env(run);
   for (const PlanItem& item : MakePlan(run)) {
-    const EpisodeReport report = runner.Run(item);
-    ASSERT_TRUE(report.success);
+    const ItemResult result = runner.Run(item);
+    ASSERT_TRUE(result.success);
     const Episode episode(std::filesystem::path(run.output) / item.id);
     env.Reset(item.index);
     const std::vector<double> arm = episode.Read<double>("robots/rc7/action/arm");

@@ -25,9 +25,9 @@ class RunOrigin {
  public:
   explicit RunOrigin(const RunConfig& run);  // which must outlive it
 
-  // What differs, as Differences() says it. Unset for an episode that no run made. A model is known
-  // by its file's name and what it holds; those that the run does not list say nothing, nor do
-  // those of a task of the user's own, whose sampler may bring others of the same name.
+  // The differences, as in Differences(). Unset for an episode that no run made. A model is
+  // identified by its file's name and content. Models that the run does not list are ignored, and
+  // so are those of the user's own tasks, whose sampler may bring others of the same name.
   std::optional<std::vector<std::string>> ChangesSince(const Episode& episode);
 
  private:

@@ -5,8 +5,8 @@
 //   RunConfig run = RunConfig::Load("xarm7_pick.yaml");
 //   PrepareDataset(run);
 //   Runner runner(run);
-//   EpisodeReport report = runner.Run(MakePlan(run)[0]);
-//   if (report.committed) ...
+//   ItemResult result = runner.Run(MakePlan(run)[0]);
+//   if (result.committed) ...
 //
 // Everything random comes from AttemptStream, so an episode does not depend on which process makes
 // it, in what order, or what was made before. What is on the disk already is not made again: an
@@ -30,7 +30,7 @@
 
 namespace robocell {
 
-struct EpisodeReport {
+struct ItemResult {
   PlanItem item;
   bool committed = false;  // something is on the disk
   bool complete = false;   // nothing is left to be made of it
@@ -73,7 +73,7 @@ class Runner {
   Runner& operator=(const Runner&) = delete;
 
   const RunConfig& run() const;
-  EpisodeReport Run(const PlanItem& item, const StopCheck& stop = {});
+  ItemResult Run(const PlanItem& item, const StopRequest& stop = {});
 
  private:
   struct State;

@@ -273,7 +273,7 @@ TEST_F(Robots, RefuseGainsForWhatIsNoServo) {
       "stiffness, damping and force_limit are for position servos; actuator 'servo1' is none");
 }
 
-// Of force = gain * ctrl + a + b * length.
+// The gains of force = gain * ctrl + a + b * length.
 TEST_F(Robots, StiffenServosWithScaledControlsWhichRestWhereTheyDid) {
   config.model = folder.Write(
       "scaled",

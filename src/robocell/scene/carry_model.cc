@@ -62,7 +62,7 @@ void SumMasses(mjModel* m) {
     m->body_subtreemass[m->body_parentid[b]] += m->body_subtreemass[b];
 }
 
-// What the engine looks at before it looks at the numbers.
+// Flags that the engine checks before the numbers.
 void CarryFlags(const mjModel& from, mjModel* to) {
   to->flg_gravcomp = to->flg_gravcomp || from.flg_gravcomp;
   to->flg_surfacevel = to->flg_surfacevel || from.flg_surfacevel;

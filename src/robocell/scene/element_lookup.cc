@@ -48,7 +48,7 @@ ElementId FindByIndex(const mjModel* model, const RobotRecord& robot, const Elem
                   Place(robot), ref.body, seen, KindName(kind), ref.index));
 }
 
-// Of geoms and cameras; what else a robot's file refers to has labels.
+// Advice for geoms and cameras; other elements of a robot's file have labels.
 std::string HowToReferToUnnamed(const mjModel* model, const RobotRecord& robot, mjtObj kind) {
   const int top = FindId(model, mjOBJ_BODY, robot.top_body);
   size_t count = 0;
@@ -64,7 +64,7 @@ std::string HowToReferToUnnamed(const mjModel* model, const RobotRecord& robot, 
                      ElementName(model, mjOBJ_BODY, first).substr(robot.prefix.size()));
 }
 
-// What an edit names; null for one that adds or deletes.
+// The element that an edit names; null for an edit that adds or deletes.
 const ElementRef* NamedBy(const Edit& edit, mjtObj kind) {
   const auto ref = [](const std::optional<ElementRef>& target) {
     return target ? &*target : nullptr;

@@ -24,7 +24,7 @@ Eigen::Map<const RowMajor3d> SiteRotation(const mjData* data, int site) {
   return Eigen::Map<const RowMajor3d>(data->site_xmat + 9 * site);
 }
 
-// Finds one of the two sensors by name and says what is there instead.
+// Finds one of the two sensors by name, or lists the available ones.
 class PairSearch {
  public:
   PairSearch(const mjModel* model, const RobotRecord& robot, const ForceTorqueSensorSpec& spec)

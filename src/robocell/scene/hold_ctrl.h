@@ -9,7 +9,7 @@
 
 namespace robocell {
 
-// Of a joint's range: by so much less a servo may reach without a word.
+// Share of a joint's range that a servo may miss without a warning.
 inline constexpr double kServoSlack = 0.02;
 
 // Returns true if an actuator's activation follows its control with a delay.
@@ -30,8 +30,8 @@ std::optional<double> HoldingCtrl(const mjModel* model, const mjData* data, int 
 // Leaves other actuators alone.
 void SettleFilter(const mjModel* model, mjData* data, int actuator, double ctrl);
 
-// What keeps an actuator at rest where it is. A servo that integrates its control (intvelocity)
-// holds by its activation, at control 0; a filtered one has the same number in both.
+// Control and activation that keep an actuator at rest. A servo that integrates its control
+// (intvelocity) holds by its activation, at control 0; a filtered one has the same number in both.
 struct HoldingInputs {
   double ctrl = 0;
   std::optional<double> act = {};  // of actuators with an activation

@@ -55,7 +55,7 @@ class PooledObject {
   std::vector<int> actuators_;
 };
 
-// What an object of the pool is like inside of the scene, read off a model that was just compiled.
+// Reads the properties of a pool object from a model that was just compiled.
 PoolRecord ReadPoolRecord(const mjModel* m, const ObjectRecord& record, bool parked);
 
 // Those of a compiled scene, as a reset leaves them.

@@ -49,7 +49,7 @@ TEST(PoolRest, IsToTheBitWithoutAnyOtherCompensatedBody) {
   }
 }
 
-// What somebody writes to the model means the same before and after something was parked.
+// Values written to the model mean the same before and after something was parked.
 TEST(PoolRest, DoesNotSwitchOnCompensationThatWasOff) {
   SceneSpec spec = OneParked(false);
   spec.objects.push_back(BoxObject("b", {1, 0, 0.02}));

@@ -124,7 +124,7 @@ void Scene::Rebuild(const SceneSpec& spec) {
   CarryModel(match, compiled->mutable_model());
   compiled->KeepJacobian(*s.compiled);
   DataHandle data = s.factory(*compiled);
-  // What is new starts as after a reset.
+  // New elements start as after a reset.
   Guarded(s.context, data.data, [&, m = compiled->model(), key = compiled->home_key()] {
     mj_resetDataKeyframe(m, data.data, key);
   });

@@ -60,7 +60,7 @@ Numbers NumbersOf(const Scene& scene) {
   return out;
 }
 
-// What of `before` is not the same in `after`, to the bit.
+// Returns what differs between `before` and `after`, to the bit.
 std::vector<std::string> Changed(const Numbers& before, const Numbers& after) {
   std::vector<std::string> changed;
   for (const auto& [name, values] : before) {
@@ -199,7 +199,7 @@ TEST(AddRemove, WhatWasWrittenToTheModelStays) {
   EXPECT_EQ(n->actuator_ctrlrange[2 * 3], -0.5);
   EXPECT_EQ(n->dof_damping[n->jnt_dofadr[RequireId(n, mjOBJ_JOINT, "r_joint2", "")]], 7);
   EXPECT_EQ(n->vis.headlight.ambient[0], 0.75F);
-  // What went and came again is as its spec says.
+  // An object that was removed and added again is as its spec says.
   EXPECT_EQ(n->body_mass[RequireId(n, mjOBJ_BODY, "cube", "")], 0.1);
 
   m = scene.mutable_model();

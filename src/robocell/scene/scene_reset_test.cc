@@ -218,7 +218,7 @@ TEST(Reset, RefusesAKeyframeThatIsNotThere) {
                              "scene 'test': there is no keyframe 3; the scene has 1");
 }
 
-// Writes down in which order things happen.
+// Records the order of events.
 struct Diary : SceneObserver {
   explicit Diary(std::vector<std::string>& entries) : entries(entries) {}
   void OnReset() override { entries.push_back("observer"); }
@@ -326,7 +326,7 @@ TEST(Reset, AHookThatThrowsLeavesAResetWithoutHooks) {
   EXPECT_TRUE(Trajectory(scene, 3) == Trajectory(fresh, 3));
 }
 
-// Throws when it is told.
+// Throws on request.
 struct Sulky : SceneObserver {
   void OnReset() override {
     if (at_once) throw ArgumentError("I would rather not");

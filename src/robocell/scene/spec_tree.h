@@ -31,7 +31,8 @@ std::vector<mjsElement*> BodyElements(mjsBody* body, mjtObj kind, bool whole_sub
 // The body's own free joint; null without one.
 mjsElement* FreeJointOf(mjsBody* body);
 
-// What an actuator with this transmission names as its target; mjOBJ_UNKNOWN for none of ours.
+// Kind of the target of an actuator with this transmission; mjOBJ_UNKNOWN for kinds that robocell
+// does not handle.
 mjtObj TargetKind(mjtTrn transmission);
 
 // The element of that name, null when there is none. Frames are a kind like the others.

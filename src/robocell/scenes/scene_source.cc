@@ -131,7 +131,7 @@ std::vector<int> SceneIndices(const RunConfig& run) {
       fmt::format("run '{}': scenes: source '{}' has no scenes", run.run, run.scenes.kind()));
 }
 
-void CheckHouses(const RunConfig& run, Problems& problems) {
+void ValidateHouses(const RunConfig& run, Problems& problems) {
   const Problems::Scope scope(problems, "scenes");
   const std::optional<int> size = MakeSceneSource(run)->size();
   if (!size) return;

@@ -80,7 +80,7 @@ SceneSpec MakeBaseScene(const RunConfig& run, int index);
 // The scenes of a run by their numbers in the source, in the order of `scenes.houses`.
 std::vector<int> SceneIndices(const RunConfig& run);
 // Adds a problem for each of `scenes.houses` that the source does not have.
-void CheckHouses(const RunConfig& run, Problems& problems);
+void ValidateHouses(const RunConfig& run, Problems& problems);
 // Where objects may be put in a scene: what the source knows, else the support that the geometry
 // has (support.h). NotFoundError without one.
 std::vector<Support> SupportsOf(SceneSource& source, int index, const SceneSpec& scene);

@@ -21,7 +21,7 @@ struct ShelfConfig {
   static constexpr const char* kTypeName = "ShelfConfig";
   template <class V>
   static void Fields(V&& v) {
-    v("boards", &ShelfConfig::boards, "How many boards there are.", Check::kPositive);
+    v("boards", &ShelfConfig::boards, "How many boards there are.", Bound::kPositive);
   }
 };
 
@@ -106,7 +106,7 @@ TEST(SceneSource, HousesThatItDoesNotHaveAreProblems) {
   RunConfig run = ShelfRun();
   run.scenes.houses.values = {0, 3};
   Problems problems;
-  CheckHouses(run, problems);
+  ValidateHouses(run, problems);
   ASSERT_EQ(problems.list().size(), 1u);
   EXPECT_THAT(problems.list()[0].message,
               HasSubstr("3 is outside the 3 scenes of source 'shelf_of_test'"));

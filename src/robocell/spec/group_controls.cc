@@ -9,7 +9,7 @@
 namespace robocell {
 namespace {
 
-// Of arms too, and no field of a robot file chooses it.
+// A controller of arms that no field of a robot file chooses.
 constexpr std::string_view kDifferentialIk = "differential_ik";
 
 bool IsBuiltIn(std::string_view controller) {

@@ -39,7 +39,7 @@ struct KindFieldRef {
   std::string name;
   KindField value;
   std::string doc;
-  Check check = Check::kNone;
+  Check check = Bound::kNone;
 };
 
 // The fields of one kind, their type hidden.

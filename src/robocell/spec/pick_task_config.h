@@ -25,11 +25,11 @@ void PickedObjectFields(V&& v) {
   v("spread", &T::spread,
     "How far `object` lies from its place, uniform between plus and minus these, along x and y of "
     "the root frame, metres.",
-    Check::kNonNegative);
+    Bound::kNonNegative);
   v("rotate", &T::rotate, "Turn `object` by any angle about the root frame's z too.");
   v("lift_height", &T::lift_height,
     "Success: lifted this far above where the episode began, metres, and held only by robots.",
-    Check::kPositive);
+    Bound::kPositive);
 }
 template <class T, class V>
 void PickRunFields(V&& v) {
@@ -79,13 +79,13 @@ struct PickAndPlaceTaskConfig {
     v("goal_object", &T::goal_object,
       "The goal is on this object, by its id in root_frame_objects, wherever it is.");
     v("goal_spread", &T::goal_spread,
-      "How far the goal, or goal_object, lies from its place, as `spread`.", Check::kNonNegative);
+      "How far the goal, or goal_object, lies from its place, as `spread`.", Bound::kNonNegative);
     v("goal_tolerance", &T::goal_tolerance,
       "Success: released and at rest so near to the goal, metres, after it was lifted.",
-      Check::kPositive);
+      Bound::kPositive);
     v("goal_distance", &T::goal_distance,
       "Episodes begin with the object at least so far from the goal along the ground, metres.",
-      Check::kNonNegative);
+      Bound::kNonNegative);
     v("goals", &T::goals,
       "Of runs: what objects are put on, kinds of the catalogue or built-in equipment with a free "
       "joint; `tray` unless set.");

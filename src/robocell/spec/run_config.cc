@@ -9,12 +9,12 @@ namespace robocell {
 namespace {
 
 // What only environments can do with a task that picks something up.
-class PickCheck {
+class PickValidator {
  public:
-  explicit PickCheck(Problems& problems) : problems_(problems) {}
+  explicit PickValidator(Problems& problems) : problems_(problems) {}
 
   template <class T>
-  void Check(const T& task) {
+  void Validate(const T& task) {
     const T plain;
     const Problems::Scope scope(problems_, "task");
     RequireUnset("object", task.object == plain.object);
@@ -43,11 +43,11 @@ class PickCheck {
 }  // namespace
 
 void RunConfig::Validate(Problems& problems) const {
-  PickCheck check(problems);
-  if (const auto* pick = task.If<PickTaskConfig>()) check.Check(*pick);
-  if (const auto* place = task.If<PickAndPlaceTaskConfig>()) check.Check(*place);
-  CheckNotEmpty(run, "run", "the run's name", problems);
-  CheckNotEmpty(output, "output", "the folder the dataset goes to", problems);
+  PickValidator validator(problems);
+  if (const auto* pick = task.If<PickTaskConfig>()) validator.Validate(*pick);
+  if (const auto* place = task.If<PickAndPlaceTaskConfig>()) validator.Validate(*place);
+  ValidateNotEmpty(run, "run", "the run's name", problems);
+  ValidateNotEmpty(output, "output", "the folder the dataset goes to", problems);
   if (robot.config == RobotConfig{}) {
     problems.AddAt("robot", "is required: a robot file, or the robot's fields");
   } else {

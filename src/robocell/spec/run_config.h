@@ -85,7 +85,7 @@ struct RunConfig {
     v("scenes", &RunConfig::scenes,
       "Where the task takes place: the kind of source, `houses` and the fields of that kind.");
     v("episodes_per_scene", &RunConfig::episodes_per_scene, "Episodes made in each scene.",
-      Check::kPositive);
+      Bound::kPositive);
     v("cameras", &RunConfig::cameras, "Image size and streams.");
     v("features", &RunConfig::features,
       "Registered features of your own that are observed and recorded beside what is built in.");
@@ -96,13 +96,13 @@ struct RunConfig {
       "or "
       "all (failures are kept and labelled).");
     v("max_attempts", &RunConfig::max_attempts, "An episode is given up after this many tries.",
-      Check::kPositive);
+      Bound::kPositive);
     v("episodes", &RunConfig::episodes,
       "How many in all; the scenes take turns. Default: episodes_per_scene for each.",
-      Check::kPositive);
-    v("workers", &RunConfig::workers, "Worker processes.", Check::kPositive);
+      Bound::kPositive);
+    v("workers", &RunConfig::workers, "Worker processes.", Bound::kPositive);
     v("seed", &RunConfig::seed, "Seed of the run: all its random numbers follow from this one.",
-      Check::kNonNegative);
+      Bound::kNonNegative);
     v("output", &RunConfig::output,
       "Folder of the dataset; a relative one starts at the working folder.");
     v("imports", &RunConfig::imports,

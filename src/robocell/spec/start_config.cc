@@ -8,8 +8,8 @@
 namespace robocell {
 
 void StartConfig::Validate(Problems& problems) const {
-  if (base_distance) CheckRange(*base_distance, "base_distance", problems);
-  if (base_height_noise) CheckRange(*base_height_noise, "base_height_noise", problems);
+  if (base_distance) ValidateRange(*base_distance, "base_distance", problems);
+  if (base_height_noise) ValidateRange(*base_height_noise, "base_height_noise", problems);
 }
 
 std::string StartHint(const std::string& name) {

@@ -30,7 +30,7 @@ struct StartConfig {
     v("base_distance", &StartConfig::base_distance,
       "Horizontal distance from the robot's base to the first object of the task, metres, smallest "
       "and largest. Unset: the task's own range, which is [0.3, 0.6] unless the task says more.",
-      Check::kNonNegative);
+      Bound::kNonNegative);
     v("base_height_offset", &StartConfig::base_height_offset,
       "Height of the base's bottom above that object, metres. Unset: the task's own, else 0.");
     v("base_height_noise", &StartConfig::base_height_noise,
@@ -38,15 +38,15 @@ struct StartConfig {
     v("base_facing_noise", &StartConfig::base_facing_noise,
       "How far the base may be turned away from the object, radians, uniform between minus and "
       "plus this.",
-      Check::kNonNegative);
+      Bound::kNonNegative);
     v("base_clearance", &StartConfig::base_clearance,
-      "The robot stands at least so far from everything else, metres.", Check::kNonNegative);
+      "The robot stands at least so far from everything else, metres.", Bound::kNonNegative);
     v("visible_from", &StartConfig::visible_from,
       "Cameras that have to see the object when an episode begins, named as in cameras.streams; "
       "none unless set.");
     v("visible_share", &StartConfig::visible_share,
       "The share of the object that each of visible_from has to see in its image, unhidden.",
-      Check::kFraction);
+      Bound::kFraction);
   }
   void Validate(Problems& problems) const;
 };

@@ -34,7 +34,7 @@ struct PourConfig {
   static constexpr const char* kTypeName = "PourConfig";
   template <class V>
   static void Fields(V&& v) {
-    v("angle", &PourConfig::angle, "How far to tilt, radians.", Check::kPositive);
+    v("angle", &PourConfig::angle, "How far to tilt, radians.", Bound::kPositive);
     v("cups", &PourConfig::cups, "Names of the cups.");
   }
 };

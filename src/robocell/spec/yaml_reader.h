@@ -88,6 +88,8 @@ class Reader {
   void Read(const YAML::Node& node, IndexList& out);
   void Read(const YAML::Node& node, Pose& out);
   void Read(const YAML::Node& node, AttachTarget& out);
+  void Read(const YAML::Node& node, RendererConfig& out);
+  void Read(const YAML::Node& node, RenderQuality& out);
   void Read(const YAML::Node& node, ElementRef& out);
   void Read(const YAML::Node& node, RobotConfig& out);  // the fields, or the name of a robot file
   void Read(const YAML::Node& node, RobotSource& out);
@@ -191,7 +193,7 @@ class Reader {
     }
     const char* fits = nullptr;
     T trial{};
-    ForEachField(trial, [&](const char* name, auto& value, const char*, Check) {
+    ForEachField(trial, [&](const char* name, auto& value, const char*, Bound) {
       if (fits == nullptr && FitsInto(node, value)) fits = name;
     });
     return FieldsHint(node, fits, names);
@@ -313,7 +315,7 @@ class Reader {
   // The map fields of T, for locations.h.
   template <class T>
   void MarkMaps(T& out) {
-    ForEachField(out, [&](const char* field, auto& value, const char*, Check) {
+    ForEachField(out, [&](const char* field, auto& value, const char*, Bound) {
       if constexpr (IsMap<std::remove_cvref_t<decltype(value)>>::value) MarkMap(field);
     });
   }
@@ -354,7 +356,7 @@ class Reader {
   template <class T>
   bool ReadField(const std::string& name, const YAML::Node& node, T& out) {
     bool found = false;
-    ForEachField(out, [&](const char* field, auto& value, const char* doc, Check) {
+    ForEachField(out, [&](const char* field, auto& value, const char* doc, Bound) {
       if (found || name != field) return;
       found = true;
       ReadExplained(node, name, doc, &ReadIntoA<std::remove_cvref_t<decltype(value)>>, &value);

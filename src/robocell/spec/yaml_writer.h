@@ -78,7 +78,7 @@ class Writer {
   void Write(const T& value) {
     BeginMap();
     [[maybe_unused]] static const T kDefault{};
-    T::Fields([&](const char* name, auto member, const char*, Check = Check::kNone) {
+    T::Fields([&](const char* name, auto member, const char*, Bound = Bound::kNone) {
       const auto& field = value.*member;
       // What is empty is left out, unless that would bring back a default that is not.
       if (IsAbsent(field) && IsAbsent(kDefault.*member)) return;

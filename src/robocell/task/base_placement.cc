@@ -66,8 +66,8 @@ std::optional<Pose> ProposeBasePose(const Robot& robot, const Support& support, 
   return clear[rng.UniformInt(clear.size())];
 }
 
-std::optional<Refusal> CheckBaseDistance(const Robot& robot, const Pose& target,
-                                         const BaseRange& range) {
+std::optional<Refusal> ValidateBaseDistance(const Robot& robot, const Pose& target,
+                                            const BaseRange& range) {
   const Eigen::Vector3d way = target.translation() - robot.base().pose().translation();
   const double distance = way.head<2>().norm();
   const auto& [smallest, largest] = range.distance;
@@ -79,15 +79,15 @@ std::optional<Refusal> CheckBaseDistance(const Robot& robot, const Pose& target,
                              distance, smallest, largest)};
 }
 
-std::optional<Refusal> CheckBaseReach(const Robot& robot, const Pose& target) {
+std::optional<Refusal> ValidateBaseReach(const Robot& robot, const Pose& target) {
   const double distance = (target.translation() - robot.base_in_world().translation()).norm();
   if (distance <= kReachShare * robot.reach()) return std::nullopt;
   return Refusal{Refusal::kNoReachableBasePose,
                  fmt::format("{:.2f} m away, reach is {:.2f} m", distance, robot.reach())};
 }
 
-std::optional<Refusal> CheckBaseClearance(const Scene& scene, const Robot& robot,
-                                          double clearance) {
+std::optional<Refusal> ValidateBaseClearance(const Scene& scene, const Robot& robot,
+                                             double clearance) {
   const Clearance nearest = RobotClearance(scene, robot, clearance);
   if (nearest.distance >= clearance) return std::nullopt;
   return Refusal{Refusal::kBaseInCollision,
@@ -95,8 +95,8 @@ std::optional<Refusal> CheckBaseClearance(const Scene& scene, const Robot& robot
                              nearest.other_geom)};
 }
 
-std::optional<Refusal> CheckVisibility(const Scene& scene, const std::string& target_body,
-                                       const RunConfig& run) {
+std::optional<Refusal> ValidateVisibility(const Scene& scene, const std::string& target_body,
+                                          const RunConfig& run) {
   const auto& [width, height] = run.cameras.resolution;
   for (const std::string& camera : run.start.visible_from) {
     const CameraView view = ViewOfStream(scene, {.name = "start.visible_from", .camera = camera});

@@ -6,7 +6,7 @@
 //   if (const auto base = ProposeBasePose(robot, support, target, placement, {}, rng)) {
 //     robot.base().SetPose(*base);
 //     scene.Forward();
-//     if (auto refusal = CheckBaseReach(robot, target)) ...
+//     if (auto refusal = ValidateBaseReach(robot, target)) ...
 //   }
 //
 // StartSampler (start_sampler.h) calls all of it; samplers of one's own may take what they need.
@@ -60,15 +60,16 @@ std::optional<Pose> ProposeBasePose(const Robot& robot, const Support& support,
 
 // The conditions for the base where it stands. Poses of the scene are up to date.
 // The target is as far from the base as the range says.
-std::optional<Refusal> CheckBaseDistance(const Robot& robot, const Pose& target_in_world,
-                                         const BaseRange& range);
+std::optional<Refusal> ValidateBaseDistance(const Robot& robot, const Pose& target_in_world,
+                                            const BaseRange& range);
 // It is within kReachShare of the robot's reach.
-std::optional<Refusal> CheckBaseReach(const Robot& robot, const Pose& target_in_world);
+std::optional<Refusal> ValidateBaseReach(const Robot& robot, const Pose& target_in_world);
 // The robot stands at least `clearance` from everything else.
-std::optional<Refusal> CheckBaseClearance(const Scene& scene, const Robot& robot, double clearance);
+std::optional<Refusal> ValidateBaseClearance(const Scene& scene, const Robot& robot,
+                                             double clearance);
 // The cameras of `run.start.visible_from` see enough of the target. NotFoundError for a camera that
 // is not there.
-std::optional<Refusal> CheckVisibility(const Scene& scene, const std::string& target_body,
-                                       const RunConfig& run);
+std::optional<Refusal> ValidateVisibility(const Scene& scene, const std::string& target_body,
+                                          const RunConfig& run);
 
 }  // namespace robocell

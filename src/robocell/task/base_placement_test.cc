@@ -40,20 +40,20 @@ TEST(BasePlacement, EachConditionRefusesForItsReason) {
   PickScene made = MakePickScene(ObjectOnTheTable("box"));
   const Pose target = made.scene.body_pose(made.target_body);
   made.scene.Forward();
-  EXPECT_FALSE(CheckBaseDistance(made.robot, target, {.distance = {0.4, 0.44}}));
-  EXPECT_EQ(CheckBaseDistance(made.robot, target, {.distance = {0.5, 0.6}})->reason,
+  EXPECT_FALSE(ValidateBaseDistance(made.robot, target, {.distance = {0.4, 0.44}}));
+  EXPECT_EQ(ValidateBaseDistance(made.robot, target, {.distance = {0.5, 0.6}})->reason,
             Refusal::kNoReachableBasePose);
-  EXPECT_FALSE(CheckBaseReach(made.robot, target));
-  EXPECT_EQ(CheckBaseReach(made.robot, Pose({0, 0, 9}))->reason, Refusal::kNoReachableBasePose);
-  EXPECT_FALSE(CheckBaseClearance(made.scene, made.robot, 0.01));
-  const auto near = CheckBaseClearance(made.scene, made.robot, 1);
+  EXPECT_FALSE(ValidateBaseReach(made.robot, target));
+  EXPECT_EQ(ValidateBaseReach(made.robot, Pose({0, 0, 9}))->reason, Refusal::kNoReachableBasePose);
+  EXPECT_FALSE(ValidateBaseClearance(made.scene, made.robot, 0.01));
+  const auto near = ValidateBaseClearance(made.scene, made.robot, 1);
   ASSERT_TRUE(near);
   EXPECT_EQ(near->reason, Refusal::kBaseInCollision);
   made.run.start.visible_from = {"exo_camera"};
   made.run.start.visible_share = 0.01;
-  EXPECT_FALSE(CheckVisibility(made.scene, made.target_body, made.run));
+  EXPECT_FALSE(ValidateVisibility(made.scene, made.target_body, made.run));
   made.run.start.visible_from = {"exo_camra"};
-  EXPECT_THROW(CheckVisibility(made.scene, made.target_body, made.run), NotFoundError);
+  EXPECT_THROW(ValidateVisibility(made.scene, made.target_body, made.run), NotFoundError);
 }
 
 TEST(BasePlacement, AProposedBaseFacesTheTargetAtItsDistance) {

@@ -75,18 +75,18 @@ StartContents PickTaskSampler::AddContents(const SampleRequest& request, SceneSp
   return contents;
 }
 
-std::optional<Refusal> PickTaskSampler::CheckBasePose(Scene& scene, Robot& robot,
-                                                      const std::string& target_body) {
-  if (auto refusal = StartSampler::CheckBasePose(scene, robot, target_body)) return refusal;
-  if (auto refusal = CheckGrasps(scene, robot, target_body))
+std::optional<Refusal> PickTaskSampler::ValidateBasePose(Scene& scene, Robot& robot,
+                                                         const std::string& target_body) {
+  if (auto refusal = StartSampler::ValidateBasePose(scene, robot, target_body)) return refusal;
+  if (auto refusal = ValidateGrasps(scene, robot, target_body))
     return std::move(*refusal).MadeBy(Refusal::kTaskStage);
   return std::nullopt;
 }
 
 // The PickPlanner's question, but for the path. A robot with a gripper of the user's own kind comes
 // with an expert of its own, which knows better.
-std::optional<Refusal> PickTaskSampler::CheckGrasps(const Scene& scene, const Robot& robot,
-                                                    const std::string& target_body) {
+std::optional<Refusal> PickTaskSampler::ValidateGrasps(const Scene& scene, const Robot& robot,
+                                                       const std::string& target_body) {
   if (!robot.has_gripper() || !GripperShape::Supports(robot.gripper())) return std::nullopt;
   if (!shape()) shape() = GripperShape::Of(robot.config(), run().options, scene.timestep());
   PlanningScene planning(scene, robot, target_body, shape());
@@ -105,7 +105,7 @@ std::optional<Refusal> PickTaskSampler::CheckGrasps(const Scene& scene, const Ro
   for (int i = 0; i < kMostGrasps; ++i) {
     const std::optional<GraspMotion> motion = motions.Next();
     if (!motion) break;
-    of_no_use = CheckGrasp(scene, planning, *motion);
+    of_no_use = ValidateGrasp(scene, planning, *motion);
     if (!of_no_use) return std::nullopt;
     planning.Update();
   }
@@ -130,8 +130,8 @@ class KindOfPick : public TaskKindOf<Config, T> {
     return std::make_shared<Sampler>(run);
   }
   std::string expert() const override { return Config::kKind; }
-  void CheckFields(const RunConfig& run, Problems& problems) const override {
-    CheckKinds("task.objects", PickRunOf(run.task)->objects, ObjectKinds(), problems);
+  void ValidateRun(const RunConfig& run, Problems& problems) const override {
+    ValidateKinds("task.objects", PickRunOf(run.task)->objects, ObjectKinds(), problems);
   }
   // One of each kind that may be drawn, called as its kind.
   std::vector<SceneObject> Contents(const RunConfig& run) const override {
@@ -147,8 +147,8 @@ class KindOfPick : public TaskKindOf<Config, T> {
   }
 
  protected:
-  static void CheckKinds(const char* field, const NameList& chosen,
-                         const std::vector<std::string>& known, Problems& problems) {
+  static void ValidateKinds(const char* field, const NameList& chosen,
+                            const std::vector<std::string>& known, Problems& problems) {
     Problems::Scope scope(problems, field);
     for (size_t i = 0; i < chosen.size(); ++i) {
       if (std::ranges::find(known, chosen[i]) != known.end()) continue;
@@ -163,9 +163,10 @@ using PickKind = KindOfPick<PickTaskConfig, PickTask, PickTaskSampler>;
 class PickAndPlaceKind final
     : public KindOfPick<PickAndPlaceTaskConfig, PickAndPlaceTask, PickAndPlaceSampler> {
  public:
-  void CheckFields(const RunConfig& run, Problems& problems) const override {
-    KindOfPick::CheckFields(run, problems);
-    CheckKinds("task.goals", run.task.As<PickAndPlaceTaskConfig>().goals, AllGoalKinds(), problems);
+  void ValidateRun(const RunConfig& run, Problems& problems) const override {
+    KindOfPick::ValidateRun(run, problems);
+    ValidateKinds("task.goals", run.task.As<PickAndPlaceTaskConfig>().goals, AllGoalKinds(),
+                  problems);
   }
   std::vector<SceneObject> Contents(const RunConfig& run) const override {
     std::vector<SceneObject> contents = KindOfPick::Contents(run);

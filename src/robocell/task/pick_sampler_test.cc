@@ -268,7 +268,7 @@ TEST(PickTaskSampler, ABaseInsideTheTableIsRefusedWithBothGeoms) {
   const Pose before = robot.base().pose();
   robot.base().SetPose(Pose({0, 0, 0.3}));
   const std::string target = scene.compiled()->object("target").root_body;
-  const auto refusal = sampler.CheckBasePose(scene, robot, target);
+  const auto refusal = sampler.ValidateBasePose(scene, robot, target);
   ASSERT_TRUE(refusal.has_value());
   EXPECT_EQ(refusal->reason, Refusal::kBaseInCollision);
   EXPECT_THAT(refusal->detail, testing::HasSubstr("geom 'robot_0/"));

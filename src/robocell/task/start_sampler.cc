@@ -95,14 +95,14 @@ std::optional<Pose> StartSampler::ProposeBasePose(const Robot& robot, const Supp
   return robocell::ProposeBasePose(robot, support, target, placement, run_.start, rng);
 }
 
-std::optional<Refusal> StartSampler::CheckBasePose(Scene& scene, Robot& robot,
-                                                   const std::string& target_body) {
-  if (auto refusal = CheckBaseReach(robot, scene.body_pose(target_body))) return refusal;
-  return CheckBaseClearance(scene, robot, run_.start.base_clearance);
+std::optional<Refusal> StartSampler::ValidateBasePose(Scene& scene, Robot& robot,
+                                                      const std::string& target_body) {
+  if (auto refusal = ValidateBaseReach(robot, scene.body_pose(target_body))) return refusal;
+  return ValidateBaseClearance(scene, robot, run_.start.base_clearance);
 }
 
-std::optional<Refusal> StartSampler::CheckCameras(Scene& scene, const std::string& target_body) {
-  return CheckVisibility(scene, target_body, run_);
+std::optional<Refusal> StartSampler::ValidateCameras(Scene& scene, const std::string& target_body) {
+  return ValidateVisibility(scene, target_body, run_);
 }
 
 struct StartSampler::Setup {
@@ -110,7 +110,7 @@ struct StartSampler::Setup {
   Scene scene;
   Robot robot;
   std::string target_body;
-  StopCheck stop;
+  StopRequest stop;
   RefusalCounts redrawn = {};
 };
 
@@ -146,24 +146,24 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& su
   setup.scene.Forward();
   if (auto refusal = ArrangeTask(setup.scene, rng))
     return std::move(*refusal).MadeBy(Refusal::kTaskStage);
-  if (auto refusal = CheckDistance(setup, target))
+  if (auto refusal = ValidateDistance(setup, target))
     return std::move(*refusal).MadeBy(Refusal::kBaseStage);
-  return CheckPlaced(setup);
+  return ValidatePlaced(setup);
 }
 
 // A task that moves its target once more may take it out of the range that it asked for.
-std::optional<Refusal> StartSampler::CheckDistance(const Setup& setup,
-                                                   const Pose& proposed_for) const {
+std::optional<Refusal> StartSampler::ValidateDistance(const Setup& setup,
+                                                      const Pose& proposed_for) const {
   const Pose target = setup.scene.body_pose(setup.target_body);
   if ((target.translation() - proposed_for.translation()).norm() < kSamePlace) return std::nullopt;
-  return CheckBaseDistance(setup.robot, target, base_range());
+  return ValidateBaseDistance(setup.robot, target, base_range());
 }
 
 // What holds before and after settling.
-std::optional<Refusal> StartSampler::CheckPlaced(Setup& setup) {
-  if (auto refusal = CheckBasePose(setup.scene, setup.robot, setup.target_body))
+std::optional<Refusal> StartSampler::ValidatePlaced(Setup& setup) {
+  if (auto refusal = ValidateBasePose(setup.scene, setup.robot, setup.target_body))
     return std::move(*refusal).MadeBy(Refusal::kBaseStage);
-  if (auto refusal = CheckCameras(setup.scene, setup.target_body))
+  if (auto refusal = ValidateCameras(setup.scene, setup.target_body))
     return std::move(*refusal).MadeBy(Refusal::kCamerasStage);
   return std::nullopt;
 }
@@ -188,7 +188,7 @@ std::optional<Refusal> StartSampler::PrepareStart(Setup& setup, const Support& s
   if (auto why_not = Settle(setup.scene, {&setup.robot, 1}, setup.target_body,
                             {.sim_steps = run_.rates.sim_steps(), .stop = setup.stop}))
     return Refusal{Refusal::kUnsettled, *why_not}.MadeBy(Refusal::kSettlingStage);
-  if (auto refusal = CheckPlaced(setup)) return refusal;
+  if (auto refusal = ValidatePlaced(setup)) return refusal;
   setup.scene.data()->time = 0;
   setup.scene.Forward();
   return std::nullopt;

@@ -59,10 +59,10 @@ class StartSampler : public TaskSampler {
                                               const Pose& target_in_world,
                                               const BasePlacement& placement, Rng& rng);
   // Whether the robot stands free there, with the target in reach; the refusal says why not.
-  virtual std::optional<Refusal> CheckBasePose(Scene& scene, Robot& robot,
-                                               const std::string& target_body);
+  virtual std::optional<Refusal> ValidateBasePose(Scene& scene, Robot& robot,
+                                                  const std::string& target_body);
   // Whether the cameras of `start.visible_from` see the target; the refusal says why not.
-  virtual std::optional<Refusal> CheckCameras(Scene& scene, const std::string& target_body);
+  virtual std::optional<Refusal> ValidateCameras(Scene& scene, const std::string& target_body);
   // What the episode is about: `target` among `objects`, names in the scene.
   virtual std::shared_ptr<Task> MakeTask(const std::string& target, const std::string& kind,
                                          const std::vector<std::string>& objects) = 0;
@@ -86,8 +86,8 @@ class StartSampler : public TaskSampler {
   std::optional<Refusal> Arrange(Setup& setup, const Support& support,
                                  const BasePlacement& placement, Rng& rng);
   BaseRange base_range() const { return BaseRangeOf(run_.start, own_base_range()); }
-  std::optional<Refusal> CheckDistance(const Setup& setup, const Pose& proposed_for) const;
-  std::optional<Refusal> CheckPlaced(Setup& setup);
+  std::optional<Refusal> ValidateDistance(const Setup& setup, const Pose& proposed_for) const;
+  std::optional<Refusal> ValidatePlaced(Setup& setup);
   std::optional<Refusal> ArrangeOnce(Setup& setup, const Support& support,
                                      const BasePlacement& placement, Rng& rng);
   std::optional<Refusal> PrepareStart(Setup& setup, const Support& support,

@@ -24,7 +24,7 @@ struct BlocksConfig {
   static constexpr const char* kTypeName = "BlocksConfig";
   template <class V>
   static void Fields(V&& v) {
-    v("blocks", &BlocksConfig::blocks, "How many.", Check::kNonNegative);
+    v("blocks", &BlocksConfig::blocks, "How many.", Bound::kNonNegative);
     v("refuses", &BlocksConfig::refuses, "Whether every start is refused.");
     v("moves", &BlocksConfig::moves, "Whether the first is put at a place of its own.");
     v("moves_late", &BlocksConfig::moves_late, "The same, once the robot stands.");

@@ -136,10 +136,10 @@ struct SampleResult {
 
 // Which start is asked for. Samplers may use the numbers to spread their choices evenly over a run.
 struct SampleRequest {
-  int scene = 0;        // which scene of the source
-  int episode = 0;      // which episode in that scene
-  int attempt = 0;      // which try at that episode
-  StopCheck stop = {};  // when it says true, the sampler may refuse with any reason
+  int scene = 0;          // which scene of the source
+  int episode = 0;        // which episode in that scene
+  int attempt = 0;        // which try at that episode
+  StopRequest stop = {};  // when it says true, the sampler may refuse with any reason
 };
 
 class TaskSampler {

@@ -32,9 +32,10 @@ class TaskKind {
 
   // What can be known of a run before its first episode. `scene` holds the run's robot and one of
   // each of Contents(run).
-  virtual void CheckFields(const RunConfig& /*run*/, Problems& /*problems*/) const {}
-  virtual void CheckScene(const RunConfig& /*run*/, const Scene& /*scene*/, Robot& /*robot*/,
-                          Problems& /*problems*/, std::vector<std::string>& /*warnings*/) const {}
+  virtual void ValidateRun(const RunConfig& /*run*/, Problems& /*problems*/) const {}
+  virtual void ValidateScene(const RunConfig& /*run*/, const Scene& /*scene*/, Robot& /*robot*/,
+                             Problems& /*problems*/, std::vector<std::string>& /*warnings*/) const {
+  }
   // One of each kind of object that the run's scenes may hold, for their models.
   virtual std::vector<SceneObject> Contents(const RunConfig& run) const;
   // Source files that define it, for kinds that users write: a dataset remembers what they held.

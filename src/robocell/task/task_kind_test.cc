@@ -41,7 +41,7 @@ TEST(TaskKind, UnknownKindsOfObjectsAreProblemsOfTheirPlace) {
   RunConfig run = ExampleRun("demo.yaml");
   run.task.As<PickTaskConfig>().objects = {"box", "mgu"};
   Problems problems;
-  FindTaskKind("pick")->CheckFields(run, problems);
+  FindTaskKind("pick")->ValidateRun(run, problems);
   ASSERT_EQ(problems.list().size(), 1u);
   EXPECT_EQ(problems.list()[0].path, "task.objects[1]");
   EXPECT_THAT(problems.list()[0].message, ::testing::HasSubstr("Did you mean 'mug'?"));

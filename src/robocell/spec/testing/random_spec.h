@@ -54,7 +54,7 @@ class RandomSpec {
       value.clear();
       for (uint64_t n = rng_.UniformInt(3); n > 0; --n) Fill(value[Text()]);
     } else if constexpr (HasFields<T>) {
-      ForEachField(value, [&](const char*, auto& field, const char*, Check) { Fill(field); });
+      ForEachField(value, [&](const char*, auto& field, const char*, Bound) { Fill(field); });
     } else {
       FillOther(value);
     }
