@@ -12,6 +12,7 @@ import robocell as rc
 from robocell.data import EnvRecorder, replay_actions
 from robocell.envs import from_dataset
 from robocell.gym import FlatGymEnv, GymEnv, VectorGymEnv, pick_cube_config
+from robocell.lerobot import LeRobotEnv
 
 STAY = {"robot": {"tquat": [0, 0.01, -0.02, 0, 0, 0, 1], "gripper": 1}}
 
@@ -32,7 +33,7 @@ def config(tmp_path: Path) -> rc.EnvConfig:
     chosen = pick_cube_config(
         relative_to="last_step", features=["env_test_tool", "sensors/*", "robots/*/arm/qvel"]
     )
-    chosen.root_frame_objects["pad"] = rc.EnvObject(
+    chosen.root_frame_objects["pad"] = rc.envs.EnvObject(
         mjcf_path=str(tmp_path / "pad.xml"),
         offset=rc.Pose(translation=[0.3, 0.4, 0.01]),
         fixed=True,
@@ -86,6 +87,20 @@ def test_in_gymnasium_and_in_vectors_they_are_the_same(config: rc.EnvConfig):
     vector.close()
 
 
+def test_in_lerobot_their_role_says_where_they_are(config: rc.EnvConfig):
+    plain, chosen = LeRobotEnv(pick_cube_config()), LeRobotEnv(config)
+    config.features = [*config.features, "objects/cube/pose"]
+    privileged = LeRobotEnv(config)
+    sizes = []
+    for env in (plain, chosen, privileged):
+        observation, _ = env.reset(seed=1)
+        assert env.observation_space.contains(observation)
+        sizes.append([len(observation[key]) for key in ("agent_pos", "environment_state")])
+        env.close()
+    (agent, world), *others = sizes
+    assert others == [[agent + 10, world], [agent + 10, world + 7]]
+
+
 def test_without_them_observations_are_as_they_were():
     env = GymEnv(pick_cube_config())
     observation, _ = env.reset(seed=1)
@@ -110,7 +125,7 @@ def test_they_are_recorded_and_the_dataset_gives_its_environment_back(env: rc.En
         episode["features/env_test_tool"], episode["observation/features/env_test_tool"]
     )
     assert replay_actions(env, episode).ok
-    assert rc.check_replay(episode, 0).ok
+    assert rc.data.check_replay(episode, 0).ok
 
     back = from_dataset(dataset, privileged=True)
     assert back.actions == ["action/robot/tquat", "action/robot/gripper"]
