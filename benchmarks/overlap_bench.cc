@@ -108,8 +108,8 @@ class Making {
     made_ = 0;
     const std::vector<PlanItem> plan = MakePlan(runner.run());
     for (int i = 0; i < kEpisodes; ++i) {
-      const EpisodeReport report = runner.Run(plan.at(i));
-      made_ += report.committed && !report.resumed;
+      const ItemResult result = runner.Run(plan.at(i));
+      made_ += result.committed && !result.resumed;
     }
   }
   void WatchOnce(const RunConfig& blind) {

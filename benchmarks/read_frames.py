@@ -114,7 +114,7 @@ def made_episode(folder: Path, size: tuple[int, int]) -> rc.data.Episode:
     shutil.rmtree(folder, ignore_errors=True)
     run = rc.RunConfig(run="read_frames", output=str(folder))
     run.robot = rc.RobotConfig.load(rc.models.robot_file("rc7"))
-    run.task = rc.PickTaskConfig(base_distance=[0.35, 0.5], base_height_offset=-0.25)
+    run.start = rc.tasks.StartConfig(base_distance=[0.35, 0.5], base_height_offset=-0.25)
     run.cameras.resolution = list(size)
     run.cameras.streams.append(rc.render.CameraConfig(name="exo", camera="exo_camera", depth=True))
     rc.generate.prepare_dataset(run)

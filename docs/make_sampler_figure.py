@@ -46,8 +46,8 @@ def main() -> None:
     """Draws it."""
     run = rc.RunConfig.load(RUN)
     places, headings, refused = starts(run)
-    near, far = run.task.base_distance
-    low, high = run.task.base_height_offset + np.array(run.task.base_height_noise)
+    near, far = run.start.base_distance
+    low, high = run.start.base_height_offset + np.array(run.start.base_height_noise)
     mpl.rcParams.update({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False})
     figure, (above, spread) = pyplot.subplots(1, 2, figsize=(9.6, 4.4), layout="constrained")
     above.add_patch(Circle((0, 0), far, color="0.9"))

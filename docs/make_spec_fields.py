@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 import robocell as rc
+from robocell.scenes import FilesScenes
 
 PAGE = Path(__file__).parent / "spec_fields.md"
 SCENES = (rc.SceneSpec, rc.RobotSpec, rc.SceneObject, rc.scene.SimOptions)
@@ -19,7 +20,9 @@ RUNS = (
     rc.RunConfig,
     rc.PickTaskConfig,
     rc.tasks.PickAndPlaceTaskConfig,
-    rc.SceneSource,
+    rc.tasks.StartConfig,
+    rc.SceneSourceSpec,
+    FilesScenes,
     rc.render.CameraSystemConfig,
     rc.render.CameraConfig,
     rc.render.RenderQuality,

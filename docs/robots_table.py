@@ -111,7 +111,7 @@ def measure(run_file: Path) -> Row | None:
         print(f"{run_file.stem}: left out: {done.stderr.strip()}")
         return None
     events = [json.loads(line) for line in done.stdout.splitlines()]
-    rows = [event["report"]["rows"] for event in events if event["event"] == "episode"]
+    rows = [event["result"]["rows"] for event in events if event["event"] == "episode"]
     run = rc.RunConfig.load(run_file)
     robot_file = (run_file.parent / yaml.safe_load(run_file.read_text())["robot"]).resolve()
     return Row(

@@ -38,8 +38,8 @@ int main(int argc, char** argv) try {
   const fs::path folder = argc > 1 ? argv[1] : fs::temp_directory_path() / "robocell_example_02";
   rc::RunConfig run{.run = "example"};
   run.robot.config = rc::RobotConfig::Load(rc::assets::BuiltinRobotFile("rc7"));
-  run.task = rc::PickTaskConfig{
-      .objects = {"box", "mug"}, .base_distance = {0.35, 0.5}, .base_height_offset = -0.25};
+  run.task = rc::PickTaskConfig{.objects = {"box", "mug"}};
+  run.start = {.base_distance = {{0.35, 0.5}}, .base_height_offset = -0.25};
   run.cameras.resolution = {160, 120};
   run.cameras.streams = {{.name = "wrist", .camera = "wrist_camera"}};
   run.episodes_per_scene = 2;
@@ -49,9 +49,9 @@ int main(int argc, char** argv) try {
   rc::PrepareDataset(run);
   rc::Runner runner(run);
   for (const rc::PlanItem& item : rc::MakePlan(run)) {
-    const rc::EpisodeReport report = runner.Run(item);
+    const rc::ItemResult result = runner.Run(item);
     std::printf("%s: %s, attempts: %d, rows: %d\n", item.id.c_str(),
-                report.success ? "success" : "no success", report.attempts, report.rows);
+                result.success ? "success" : "no success", result.attempts, result.rows);
   }
 
   for (const rc::Episode& episode : rc::Dataset(run.output)) {
@@ -61,7 +61,7 @@ int main(int argc, char** argv) try {
     if (wrist.frames != episode.rows()) throw rc::Error("frame i belongs to row i");
   }
   rc::WritePng(folder / "picture.png", Strip(*rc::Dataset(run.output).begin(), "wrist"));
-  const rc::VerifyReport found = rc::Verify(run.output);
+  const rc::VerifyResult found = rc::Verify(run.output);
   std::printf("%zu episodes, every byte as it was written: %s\n", found.good.size(),
               found.ok() ? "True" : "False");
   return found.ok() && found.good.size() == 2 ? 0 : 1;

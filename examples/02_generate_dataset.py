@@ -27,18 +27,17 @@ def main(folder: Path) -> None:
     shutil.rmtree(folder / "dataset", ignore_errors=True)
     run = rc.RunConfig(run="example", episodes_per_scene=2, output=str(folder / "dataset"))
     run.robot = rc.RobotConfig.load(rc.models.robot_file("rc7"))
-    run.task = rc.PickTaskConfig(
-        base_distance=[0.35, 0.5], base_height_offset=-0.25, objects=["box", "mug"]
-    )
+    run.task = rc.PickTaskConfig(objects=["box", "mug"])
+    run.start = rc.tasks.StartConfig(base_distance=[0.35, 0.5], base_height_offset=-0.25)
     run.cameras.resolution = [160, 120]
     run.cameras.streams.append(rc.render.CameraConfig(name="wrist", camera="wrist_camera"))
 
     rc.generate.prepare_dataset(run)
     runner = rc.generate.Runner(run)
     for item in rc.generate.make_plan(run):
-        report = runner.run(item)
-        outcome = "success" if report.success else "no success"
-        print(f"{item.id}: {outcome}, attempts: {report.attempts}, rows: {report.rows}")
+        result = runner.run(item)
+        outcome = "success" if result.success else "no success"
+        print(f"{item.id}: {outcome}, attempts: {result.attempts}, rows: {result.rows}")
 
     for episode in rc.Dataset(run.output):
         frames = episode.frames("wrist")

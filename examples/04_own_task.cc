@@ -149,10 +149,10 @@ int main(int argc, char** argv) try {
                   return std::make_shared<Pusher>(config.robot.config.name);
                 }});
   for (const rc::PlanItem& item : rc::MakePlan(run)) {
-    const rc::EpisodeReport report = runner.Run(item);
+    const rc::ItemResult result = runner.Run(item);
     int refused = 0;
-    for (const auto& [reason, count] : report.refusals) refused += count;
-    std::printf("%s: %d rows, starts refused: %d\n", item.id.c_str(), report.rows, refused);
+    for (const auto& [reason, count] : result.refusals) refused += count;
+    std::printf("%s: %d rows, starts refused: %d\n", item.id.c_str(), result.rows, refused);
   }
 
   for (const rc::Episode& episode : rc::Dataset(run.output)) {

@@ -127,8 +127,8 @@ def main(folder: Path) -> None:
     rc.generate.prepare_dataset(run)
     runner = rc.generate.Runner(run, sampler=CubeOnTheFloor, expert=Pusher)
     for item in rc.generate.make_plan(run):
-        report = runner.run(item)
-        print(f"{item.id}: {report.rows} rows, starts refused: {sum(report.refusals.values())}")
+        result = runner.run(item)
+        print(f"{item.id}: {result.rows} rows, starts refused: {sum(result.refusals.values())}")
 
     for episode in rc.Dataset(run.output):
         cube = episode["objects/cube/pose"]

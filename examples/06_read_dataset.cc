@@ -34,7 +34,7 @@ fs::path MakeDataset(const fs::path& folder) {
   rc::RunConfig run{.run = "example"};
   run.output = folder;
   run.robot.config = rc::RobotConfig::Load(rc::assets::BuiltinRobotFile("rc7"));
-  run.task = rc::PickTaskConfig{.base_distance = {.35, .5}, .base_height_offset = -.25};
+  run.start = {.base_distance = {{0.35, 0.5}}, .base_height_offset = -0.25};
   run.cameras.resolution = {320, 240};
   run.cameras.streams = {{.name = "exo", .camera = "exo_camera"}};
   rc::PrepareDataset(run);
@@ -111,9 +111,9 @@ int main(int argc, char** argv) try {
 
     // Played again by hand, and by the check that compares every row and tick.
     Require(Play(episode) < 1e-9, "it was not the same when played again");
-    const rc::ReplayReport report = rc::CheckReplay(episode);
-    std::printf("  replayed: %s\n", report.ok() ? "the same" : report.Text().c_str());
-    Require(report.ok(), report.Text());
+    const rc::ReplayResult result = rc::VerifyReplay(episode);
+    std::printf("  replayed: %s\n", result.ok() ? "the same" : result.Text().c_str());
+    Require(result.ok(), result.Text());
   }
   rc::WritePng(folder / "picture.png", DrawPath(*episodes.begin(), "exo"));
   return 0;

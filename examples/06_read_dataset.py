@@ -30,7 +30,7 @@ def make_dataset(folder: Path) -> Path:
     shutil.rmtree(folder, ignore_errors=True)
     run = rc.RunConfig(run="example", output=str(folder))
     run.robot = rc.RobotConfig.load(rc.models.robot_file("rc7"))
-    run.task = rc.PickTaskConfig(base_distance=[0.35, 0.5], base_height_offset=-0.25)
+    run.start = rc.tasks.StartConfig(base_distance=[0.35, 0.5], base_height_offset=-0.25)
     run.cameras.resolution = [320, 240]
     run.cameras.streams.append(rc.render.CameraConfig(name="exo", camera="exo_camera"))
     rc.generate.prepare_dataset(run)
@@ -80,9 +80,9 @@ def main(folder: Path, dataset: Path | None) -> None:
 
         # Played again by hand, and by the check that compares every row and tick.
         assert play(episode) < 1e-9
-        report = rc.data.check_replay(episode)
-        print(f"  replayed: {'the same' if report.ok else report}")
-        assert report.ok
+        result = rc.data.verify_replay(episode)
+        print(f"  replayed: {'the same' if result.ok else result}")
+        assert result.ok
     rc.render.write_png(folder / "picture.png", draw_path(episodes[0], "exo"))
 
 

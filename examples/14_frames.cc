@@ -69,7 +69,7 @@ struct Steps {
 };
 
 // The product of the three transforms, and what goes along with the root frame.
-void CheckRig(const rc::Scene& scene, const rc::EnvConfig& config) {
+void RequireRig(const rc::Scene& scene, const rc::EnvConfig& config) {
   const rc::Pose& root = config.root_frame_to_world;
   const rc::Pose shared = root * config.shared_base_frame_to_root_frame;
   for (const std::string& robot : config.robots.keys())
@@ -114,7 +114,7 @@ void Describe(Steps& steps) {
   config.robot_to_shared_base_frame["right"] = rc::Pose::FromRpy({0, -.05, 0}, {.8, .2, 0});
   config.shared_base_frame_to_root_frame = At(0, 0, .342);
   config.root_frame_to_world = rc::Pose::FromRpy({-.1, .1, .1}, {0, 0, .4});
-  CheckRig(steps.Next("the offsets: two arms on a mount, and the rig put elsewhere"), config);
+  RequireRig(steps.Next("the offsets: two arms on a mount, and the rig put elsewhere"), config);
 }
 
 // Both arms along one axis of the frame that they share.

@@ -89,7 +89,7 @@ void Run(const fs::path& folder) {
     std::printf("%s: %d steps, %s\n", name.c_str(), static_cast<int>(episode.rows()),
                 episode.end_reason().c_str());
     std::printf("  the tool went %.2f m across and %.2f m up\n", Extent(tool, 1), Extent(tool, 2));
-    Require(rc::CheckReplay(episode, {.tolerance = 0}).ok(), "other controls, other states");
+    Require(rc::VerifyReplay(episode, {.tolerance = 0}).ok(), "other controls, other states");
     Require(rc::ReplayActions(*rc::EnvOfEpisode(episode), episode).ok(), "other observations");
   }
   Require(rc::Verify(dataset).problems.empty(), "the dataset is damaged");

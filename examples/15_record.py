@@ -63,7 +63,7 @@ def main() -> None:
         size = np.ptp(tool, axis=0)
         print(f"{name}: {len(episode)} steps, {episode.end_reason}")
         print(f"  the tool went {size[1]:.2f} m across and {size[2]:.2f} m up")
-        assert rc.data.check_replay(episode, 0).ok, "the controls give the same states"
+        assert rc.data.verify_replay(episode, 0).ok, "the controls give the same states"
         assert replay_actions(env_of_episode(episode), episode).ok, "and the actions the same"
     assert rc.data.verify(dataset).ok
     print("replayed: the same to the bit")

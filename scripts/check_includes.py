@@ -25,7 +25,7 @@ TABLE: dict[str, str] = {
     "spec": "base math",
     "assets": "base spec",
     "scene": "base math mujoco spec assets",
-    "kinematics": "base math mujoco spec",
+    "kinematics": "base math mujoco",
     "robot": "+scene +kinematics",
     "control": "+robot",
     "render": "+scene media",
@@ -48,6 +48,7 @@ HEAVY = re.compile(
 )
 # Headers that only .cc files include: they may be heavy, and other headers may not include them.
 INTERNAL = (
+    "robocell/data/episode_commit.h",
     "robocell/kinematics/kdl_bridge.h",
     "robocell/scene/scene_records.h",
     "robocell/spec/yaml_reader.h",
@@ -56,7 +57,7 @@ INTERNAL = (
 # Of tasks and experts, what knows no concrete one: `rollout` and what stands above it know them by
 # their registries only.
 BY_REGISTRY = {
-    "task": {"task", "task_kind", "task_features", "refusal", "base_placement"},
+    "task": {"task", "task_kind", "task_features", "sampler_kind", "refusal", "base_placement"},
     "expert": {"expert_kind"},
 }
 KNOW_NO_TASK = ("rollout", "diagnose", "viewer")

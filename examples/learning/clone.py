@@ -32,7 +32,7 @@ def demonstrate(folder: str, episodes: int) -> rc.Dataset:
     """Picks of cylinders, without images."""
     run = rc.RunConfig.load(DEMO)
     run.task.objects = ["cylinder"]
-    run.task.base_distance, run.task.base_height_noise = [0.38, 0.45], [-0.02, 0.02]
+    run.start.base_distance, run.start.base_height_noise = [0.38, 0.45], [-0.02, 0.02]
     run.cameras.streams.clear()
     run.output, run.episodes = folder, episodes
     rc.generate.prepare_dataset(run)

@@ -1,5 +1,5 @@
-// What happens around every call: the scenes that it uses are claimed for it and a handle that was
-// closed refuses it (handles.h), and arguments that do not fit are told.
+// Wraps every call: claims the scenes that it uses, rejects calls of closed handles (handles.h),
+// and explains arguments that do not fit.
 //
 // nanobind has no hook for either. Its functions are called through a pointer in each function
 // object (CPython's vectorcall protocol), which is replaced by one that calls the original and,
@@ -24,8 +24,8 @@ namespace {
 
 constexpr std::string_view kMismatch = "(): incompatible function arguments.";
 
-// Whether nanobind raised it for this very call: an error of what was called within has passed
-// through Python, or is of a function of another name (pybind11 uses the same words).
+// Returns true if nanobind raised the error for this very call. An error from inside the call has
+// passed through Python, or belongs to a function of another name (pybind11 uses the same words).
 bool IsOfThisCall(nb::handle function, const nb::python_error& error) {
   if (error.traceback().is_valid()) return false;
   const auto text = nb::cast<std::string>(nb::str(error.value()));
@@ -40,7 +40,7 @@ struct Named {
   bool takes_handles = false;
 };
 
-// What functions are called; they live as long as the module.
+// Names of functions; they live as long as the module.
 auto& Names() {
   static auto* names = new std::unordered_map<PyObject*, Named>;
   return *names;
@@ -154,8 +154,8 @@ void Wrap(nb::handle function, Named named) {
   call = InPlaceOf(call, calls);
 }
 
-// A name that the class does not have: with the names that it has. Reading is left alone, where
-// Python itself tells the nearest name and each call would cost more.
+// Rejects setting an unknown attribute, with the known names. Reading is not wrapped, because
+// Python itself suggests the nearest name and each call would cost more.
 int SetAttribute(PyObject* self, PyObject* name, PyObject* value) {
   const int result = PyObject_GenericSetAttr(self, name, value);
   if (result == 0 || !PyErr_ExceptionMatches(PyExc_AttributeError)) return result;

@@ -1,6 +1,6 @@
-// Calls whose arguments fit no signature: nanobind lists signatures in C++'s terms; users are told
-// class and method, which argument is wrong, what is expected and what came. robocell/_arguments.py
-// makes the text.
+// Explains calls whose arguments fit no signature. nanobind lists signatures in C++'s terms; users
+// get class and method, which argument is wrong, what is expected and what was given.
+// robocell/_arguments.py makes the text.
 #pragma once
 
 #include "bindings.h"

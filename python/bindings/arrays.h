@@ -26,8 +26,8 @@ std::optional<std::span<double>> WritableRowOf(nb::handle value);
 // The numbers of a numpy array of that shape, row by row, if they are contiguous float64.
 std::optional<std::span<const double>> MatrixOf(nb::handle value, size_t rows, size_t columns);
 
-// Whether a numpy array holds floating-point numbers or integers, be they objects: no truth values,
-// no text, no None, nothing complex.
+// Returns true if a numpy array holds floating-point numbers or integers, also as objects, but no
+// booleans, text, None or complex numbers.
 bool HasRealNumbers(nb::handle array);
 
 // Float64 numbers of anything array-like of real numbers, flat; read where they are when they are
@@ -38,7 +38,7 @@ class Doubles {
   Doubles(nb::handle value, const char* what);
 
   std::span<const double> span() const { return {array_.data(), array_.size()}; }
-  // As numpy sees it.
+  // The shape in numpy's terms.
   std::vector<size_t> shape() const;
 
  private:

@@ -10,6 +10,7 @@
 #include "python_owner.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/base/plugin.h"
 #include "robocell/base/version.h"
 
 namespace nb = nanobind;
@@ -99,6 +100,12 @@ void BindBase(nb::module_& m) {
       nb::arg("path"), nb::arg("content"),
       "Replaces a file in one step: the old content or the new, never half, and on the disk. "
       "IoError names path and reason.");
+  m.def(
+      "load_plugin", [](const std::filesystem::path& path) { return LoadPlugin(path.string()); },
+      nb::arg("path"),
+      "Loads a shared library that registers kinds of tasks, experts, scene sources or samplers "
+      "(ROBOCELL_PLUGIN in C++), once in a process. Returns its full path. IoError for one that "
+      "cannot be loaded; ArgumentError for one that is no plugin or is of another version.");
   m.def(
       "temporary_path",
       [](const std::filesystem::path& parent, const std::string& name) {

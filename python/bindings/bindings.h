@@ -20,29 +20,31 @@ namespace robocell::python {
 
 namespace nb = nanobind;
 
-void BindBase(nb::module_& m);         // errors, version
-void BindLog(nb::module_& m);          // the log
-void BindMujoco(nb::module_& m);       // known defects of the engine
-void BindMath(nb::module_& m);         // Pose
-void BindSpec(nb::module_& m);         // SceneSpec, RobotConfig, ...
-void BindAssets(nb::module_& m);       // where models are found
-void BindScene(nb::module_& m);        // scenes, compiled and alive
-void BindKinematics(nb::module_& m);   // inverse kinematics
-void BindRobot(nb::module_& m);        // robots and groups, with the stepper
-void BindRender(nb::module_& m);       // images and videos
-void BindTask(nb::module_& m);         // tasks and experts
-void BindSampler(nb::module_& m);      // where episodes start
-void BindPick(nb::module_& m);         // the pick task: judge, sampler, expert
-void BindFeatures(nb::module_& m);     // what cells observe and command
-void BindRunEnv(nb::module_& m);       // cells of runs, step by step
-void BindTaskKinds(nb::module_& m);    // what environments are about
-void BindEnv(nb::module_& m);          // environments
-void BindEnvBatch(nb::module_& m);     // copies of one, in step
-void BindColumn(nb::module_& m);       // columns of episodes
-void BindEpisode(nb::module_& m);      // episodes
-void BindDataset(nb::module_& m);      // datasets
-void BindData(nb::module_& m);         // their locks, their verification
-void BindRollout(nb::module_& m);      // plans and the runner
-void BindEnvRecorder(nb::module_& m);  // episodes from environments and back
+void BindBase(nb::module_& m);          // errors, version
+void BindLog(nb::module_& m);           // the log
+void BindMujoco(nb::module_& m);        // known defects of the engine
+void BindMath(nb::module_& m);          // Pose
+void BindSpec(nb::module_& m);          // SceneSpec, RobotConfig, ...
+void BindAssets(nb::module_& m);        // where models are found
+void BindScene(nb::module_& m);         // scenes, compiled and alive
+void BindKinematics(nb::module_& m);    // inverse kinematics
+void BindRobot(nb::module_& m);         // robots and groups, with the stepper
+void BindRender(nb::module_& m);        // images and videos
+void BindTask(nb::module_& m);          // tasks and experts
+void BindSampler(nb::module_& m);       // where episodes start
+void BindSceneSources(nb::module_& m);  // where runs take place
+void BindPick(nb::module_& m);          // the pick task: judge, sampler, expert
+void BindFeatures(nb::module_& m);      // what cells observe and command
+void BindRunEnv(nb::module_& m);        // cells of runs, step by step
+void BindTaskKinds(nb::module_& m);     // what environments are about
+void BindEnv(nb::module_& m);           // environments
+void BindEnvBatch(nb::module_& m);      // copies of one, in step
+void BindColumn(nb::module_& m);        // columns of episodes
+void BindEpisode(nb::module_& m);       // episodes
+void BindDataset(nb::module_& m);       // datasets
+void BindData(nb::module_& m);          // their locks, their verification
+void BindRollout(nb::module_& m);       // plans and the runner
+void BindEnvRecorder(nb::module_& m);   // episodes from environments and back
+void BindDiagnose(nb::module_& m);      // checks of robots and runs
 
 }  // namespace robocell::python

@@ -6,7 +6,8 @@ namespace {
 
 constexpr const char* kExpected = "a dict of names of bodies to poses";
 
-// What a mapping holds, as pairs; lists have no items(), but count as mappings for Python's C API.
+// Returns the items of a mapping as pairs. Lists have no items(), but count as mappings in Python's
+// C API.
 nb::list ItemsOf(nb::handle value, const FieldPath& path) {
   if (!PyMapping_Check(value.ptr()) || !nb::hasattr(value, "items"))
     ThrowType(path, kExpected, value);

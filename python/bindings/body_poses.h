@@ -7,7 +7,7 @@
 
 namespace robocell::python {
 
-// Of any mapping. TypeError "<path>.cube must be a Pose, got ..."; a PyKDL.Frame is one too.
+// Converts any mapping. TypeError "<path>.cube must be a Pose, got ..."; a PyKDL.Frame is accepted.
 BodyPoses ToBodyPoses(nb::handle value, const FieldPath& path);
 nb::dict ToDict(const BodyPoses& poses);
 

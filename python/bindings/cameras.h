@@ -8,9 +8,9 @@
 
 namespace robocell::python {
 
-// Of a camera's name ("" is the view of the whole model), an OrbitCamera, FreeCamera or
-// TrackingCamera. `place` is for messages: NotFoundError for names that the model does not have,
-// TypeError for anything else.
+// Makes the view of a camera's name ("" is the view of the whole model), an OrbitCamera, FreeCamera
+// or TrackingCamera. `place` is for messages: NotFoundError for unknown names, TypeError for
+// anything else.
 CameraView ViewOf(const mjModel* model, nb::handle camera, std::string_view place);
 
 // Three numbers. ArgumentError "lookat must be 3 numbers, got 2".

@@ -184,12 +184,12 @@ class BatchCall {
                                    ShapeText(SizesOf(array))));
     const std::span<const double> numbers(array.data(), array.size());
     for (const RowsArgument& argument : arguments_)
-      CheckApart(path, numbers, argument.path().text(), argument.values());
-    for (const auto& [name, written] : written_) CheckApart(path, numbers, name, written);
+      RequireApart(path, numbers, argument.path().text(), argument.values());
+    for (const auto& [name, written] : written_) RequireApart(path, numbers, name, written);
     return array.data();
   }
-  static void CheckApart(const FieldPath& path, std::span<const double> out,
-                         const std::string& name, std::span<const double> other) {
+  static void RequireApart(const FieldPath& path, std::span<const double> out,
+                           const std::string& name, std::span<const double> other) {
     const bool apart = std::less_equal<>()(other.data() + other.size(), out.data()) ||
                        std::less_equal<>()(out.data() + out.size(), other.data());
     if (!apart) ThrowValue(path, "shares memory with " + name + "; give it its own");

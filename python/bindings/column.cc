@@ -160,16 +160,15 @@ void BindColumn(nb::module_& m) {
   const auto field = [](auto get) { return [get](const Column& c) { return get(*c.info); }; };
   nb::class_<Column>(
       m, "Column",
-      "A column of an episode: what is known of it, and its rows.\n\n"
-      "Nothing is read until rows are asked for, and then no others: `column[10:20]` reads ten "
-      "rows from the disk, `column[:]` all of them. Rows are chosen as in numpy: by an integer, a "
-      "slice, an array of integers or of truth values, and further indices for what is in a row "
-      "(`column[10:20, 2]`). A constant has no rows and is indexed as the array that it is.")
+      "A column of an episode: its attributes and its rows.\n\nRows are read only when indexed: "
+      "`column[10:20]` reads ten rows from the disk, `column[:]` all of them. Indices are as in "
+      "numpy: an integer, a slice, an array of integers or of booleans, and further indices within "
+      "a row (`column[10:20, 2]`). A constant has no rows and is indexed as an array.")
       .def_prop_ro("name", field([](const ColumnInfo& i) { return i.spec.name; }),
                    "The name that `episode[name]` takes.")
       .def_prop_ro("dtype",
                    field([](const ColumnInfo& i) { return std::string(NameOf(i.spec.type)); }),
-                   "The type of the numbers, as numpy names it: 'float64', 'bool'.")
+                   "The type of the numbers in numpy's terms: 'float64', 'bool'.")
       .def_prop_ro("row_shape",
                    field([](const ColumnInfo& i) { return nb::tuple(nb::cast(i.spec.shape)); }),
                    nb::sig("def row_shape(self) -> tuple[int, ...]"),
@@ -184,17 +183,17 @@ void BindColumn(nb::module_& m) {
           nb::sig("def shape(self) -> tuple[int, ...]"),
           "The shape of the whole array: (rows, ...), or of the constant.")
       .def_prop_ro("units", field([](const ColumnInfo& i) { return i.spec.units; }),
-                   "The unit, 'rad'; one for each component where they differ, 'm, 1'.")
+                   "The unit, 'rad', or one for each component, 'm, 1'.")
       .def_prop_ro("frame", field([](const ColumnInfo& i) { return i.spec.frame; }),
                    "The frame that the numbers are expressed in: 'world'.")
       .def_prop_ro("names", field([](const ColumnInfo& i) { return i.spec.names; }),
                    "The names of the components along the last axis.")
       .def_prop_ro("values", field([](const ColumnInfo& i) { return i.spec.values; }),
-                   "The names of 0, 1, ... for integers that stand for something.")
+                   "The names of 0, 1, ... for integers with a meaning.")
       .def_prop_ro("description", field([](const ColumnInfo& i) { return i.spec.description; }),
-                   "A sentence, where the name does not say it.")
+                   "A sentence, if the name is not enough.")
       .def_prop_ro("table", field([](const ColumnInfo& i) { return i.table; }),
-                   "The table whose rows it has, 'steps'; '' for a constant.")
+                   "The table of the column, 'steps'; '' for a constant.")
       .def_prop_ro("rows", field([](const ColumnInfo& i) { return i.rows; }),
                    "The number of rows; 0 for a constant.")
       .def("__len__",

@@ -12,7 +12,7 @@ NB_MODULE(_core, m) {
   m.doc() = "robocell's C++ core. Use it through the package `robocell`.";
   BindBase(m);
   BindLog(m);
-  robocell::CheckEngineVersion();
+  robocell::RequireEngineVersion();
   m.attr("__mujoco_version__") = robocell::CompiledEngineVersion();
   m.def("mujoco_version", &robocell::LoadedEngineVersion,
         "Version of the MuJoCo that is loaded; __mujoco_version__ is the one robocell was built "
@@ -30,6 +30,7 @@ NB_MODULE(_core, m) {
   BindTask(m);
   BindSampler(m);
   BindPick(m);
+  BindSceneSources(m);
   BindTaskKinds(m);
   BindFeatures(m);
   BindRunEnv(m);
@@ -40,6 +41,7 @@ NB_MODULE(_core, m) {
   BindDataset(m);
   BindData(m);
   BindRollout(m);
+  BindDiagnose(m);
   BindEnvRecorder(m);
   ExplainArgumentErrors(m);
 }

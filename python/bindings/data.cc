@@ -7,12 +7,11 @@
 
 #include "bindings.h"
 #include "robocell/base/error.h"
+#include "robocell/data/dataset_folder.h"
 #include "robocell/data/dataset_lock.h"
+#include "robocell/data/dataset_reports.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/leftovers.h"
-#include "robocell/data/quarantine.h"
-#include "robocell/data/report_origin.h"
-#include "robocell/data/require_dataset.h"
 #include "robocell/data/self_hashed_json.h"
 #include "robocell/data/verify.h"
 
@@ -98,24 +97,24 @@ void BindVerify(nb::module_& m) {
       .def_ro("file", &VerifyProblem::file)
       .def_ro("reason", &VerifyProblem::reason)
       .def("__str__", &VerifyProblem::Text);
-  nb::class_<VerifyReport>(m, "VerifyReport", "The state of a dataset on disk.")
-      .def_ro("good", &VerifyReport::good)
-      .def_ro("bad", &VerifyReport::bad)
-      .def_ro("unjudged", &VerifyReport::unjudged,
+  nb::class_<VerifyResult>(m, "VerifyResult", "The state of a dataset on disk.")
+      .def_ro("good", &VerifyResult::good)
+      .def_ro("bad", &VerifyResult::bad)
+      .def_ro("unjudged", &VerifyResult::unjudged,
               "Ids of episodes that cannot be judged here: no access, another format version, no "
               "decoder. Repair leaves them alone.")
-      .def_ro("foreign", &VerifyReport::foreign,
+      .def_ro("foreign", &VerifyResult::foreign,
               "Things that do not belong there, in intact episodes or the dataset.")
-      .def_prop_ro("only_unreadable", &VerifyReport::only_unreadable,
+      .def_prop_ro("only_unreadable", &VerifyResult::only_unreadable,
                    "Whether there are problems, and all of them are this machine's or version's.")
-      .def_ro("problems", &VerifyReport::problems)
-      .def_ro("leftovers", &VerifyReport::leftovers, "What a crash left behind.")
-      .def_ro("being_written", &VerifyReport::being_written, "Episodes whose writer lives.")
-      .def_ro("others", &VerifyReport::others)
-      .def_prop_ro("ok", &VerifyReport::ok)
-      .def("__str__", &VerifyReport::Text)
-      .def("__repr__", [](const VerifyReport& r) {
-        return fmt::format("<VerifyReport: {} good, {} bad, {} unfinished>", r.good.size(),
+      .def_ro("problems", &VerifyResult::problems)
+      .def_ro("leftovers", &VerifyResult::leftovers, "What a crash left behind.")
+      .def_ro("being_written", &VerifyResult::being_written, "Episodes whose writer lives.")
+      .def_ro("others", &VerifyResult::others)
+      .def_prop_ro("ok", &VerifyResult::ok)
+      .def("__str__", &VerifyResult::Text)
+      .def("__repr__", [](const VerifyResult& r) {
+        return fmt::format("<VerifyResult: {} good, {} bad, {} unfinished>", r.good.size(),
                            r.bad.size(), r.leftovers.size() + r.being_written.size());
       });
   nb::class_<RepairResult>(m, "RepairResult", "What repair found and moved aside.")

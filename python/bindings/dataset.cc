@@ -39,10 +39,9 @@ Dataset EpisodesOf(const Dataset& dataset, const nb::slice& episodes) {
 
 void BindDataset(nb::module_& m) {
   nb::class_<Dataset>(m, "Dataset",
-                      "The committed episodes of a folder, in the order of their ids.\n\n"
-                      "Episodes are opened when they are asked for, and what is in them when that "
-                      "is asked for. Datasets and episodes can be pickled: other processes, forked "
-                      "or spawned, open the files again.")
+                      "The committed episodes of a folder, in the order of their ids.\n\nEpisodes "
+                      "and their contents are read on demand. Datasets and episodes can be "
+                      "pickled: other processes, forked or spawned, open the files again.")
       .def(
           "__init__",
           [](Dataset* self, const std::filesystem::path& folder) { new (self) Dataset(folder); },
@@ -58,11 +57,11 @@ void BindDataset(nb::module_& m) {
           "__getitem__", [](const Dataset& d, const std::string& id) { return d.Open(id); }, "id"_a)
       .def("__getitem__", &EpisodeAt, "index"_a)
       .def("__getitem__", &EpisodesOf, "episodes"_a,
-           "`dataset[3]` and `dataset[-1]` are episodes by their place, `dataset['s0000_e0017']` "
-           "by their id, `dataset[0:20]` is a Dataset of those only.")
+           "Returns an episode by its place, `dataset[3]` or `dataset[-1]`, or by its id, "
+           "`dataset['s0000_e0017']`; `dataset[0:20]` returns a Dataset of those only.")
       .def("select", &Dataset::Select, "ids"_a,
-           "A Dataset of the episodes with these ids, in this order; to divide one by chance, for "
-           "example. NotFoundError for an id that it has not.")
+           "Returns a Dataset of the episodes with these ids, in this order, for example for a "
+           "random split. Raises NotFoundError for an unknown id.")
       .def("__getstate__",
            [](const Dataset& d) {
              return nb::make_tuple(std::filesystem::absolute(d.folder()).string(), d.ids(),
@@ -75,13 +74,13 @@ void BindDataset(nb::module_& m) {
                                                nb::cast<bool>(state[2])));
            })
       .def_prop_ro("broken", &Dataset::broken,
-                   "Names of folders that are or were episodes and have no episode.json: they do "
+                   "Names of folders that are or were episodes but have no episode.json; they do "
                    "not count. `robocell verify --repair` moves them aside.")
       .def_prop_ro("misnamed", &Dataset::misnamed,
-                   "Folders that were copied or renamed, with the id of the episode that they "
-                   "hold: they do not count.")
+                   "Folders that were copied or renamed, with the id of the episode in them; they "
+                   "do not count.")
       .def("refresh", &Dataset::Refresh, nb::call_guard<nb::gil_scoped_release>(),
-           "Looks at the folder again.")
+           "Reads the folder again.")
       .def("__repr__", [](const Dataset& d) {
         return fmt::format("<Dataset {}: {} episodes{}>", d.folder().string(), d.size(),
                            d.is_selection() ? ", selected" : "");

@@ -16,7 +16,7 @@
 #include "scene_sharing.h"
 #include "signals.h"
 #include "values.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/env/env_scene.h"
 
 namespace robocell::python {
@@ -34,8 +34,8 @@ std::vector<std::string> RobotNamesOf(const Env& env) {
 }
 
 // Says what is wrong with the keys of a dictionary.
-void CheckKeys(const Env& env, const FieldPath& path, const nb::dict& values, const char* kind,
-               const std::vector<std::string>& keys, const std::string& why = "") {
+void RequireKeys(const Env& env, const FieldPath& path, const nb::dict& values, const char* kind,
+                 const std::vector<std::string>& keys, const std::string& why = "") {
   for (const auto& [key, value] : values) {
     const std::string name = ToText(key, path);
     if (std::find(keys.begin(), keys.end(), name) != keys.end()) continue;
@@ -85,7 +85,7 @@ std::vector<nb::object> RobotsOf(const Env& env, const FieldPath& path, const nb
   for (const RobotLayout& robot : robots) found.push_back(Find(action, robot.robot));
   const bool all = std::all_of(found.begin(), found.end(), [](auto& f) { return f.is_valid(); });
   if (!all || action.size() != robots.size())
-    CheckKeys(env, path, action, "robot", RobotNamesOf(env));
+    RequireKeys(env, path, action, "robot", RobotNamesOf(env));
   return found;
 }
 
@@ -97,8 +97,8 @@ void PutCommands(const Env& env, const RobotLayout& robot, const FieldPath& path
   if (!command.is_valid() || gripper.is_valid() != robot.has_gripper || own.size() != count) {
     std::vector<std::string> keys = {robot.command};
     if (robot.has_gripper) keys.emplace_back("gripper");
-    CheckKeys(env, path, own, "command", keys,
-              fmt::format(" (control_mode {})", ToString(env.config().control_mode)));
+    RequireKeys(env, path, own, "command", keys,
+                fmt::format(" (control_mode {})", ToString(env.config().control_mode)));
   }
   PutNumbers(command, FieldPath(path, robot.command), robot.action, out);
   if (robot.has_gripper) out[robot.gripper_action] = ToGripper(gripper, FieldPath(path, "gripper"));

@@ -47,7 +47,7 @@ nb::object Stacked(EnvBatch& batch, size_t stream, std::vector<T> EnvFrame::*ima
   return NewArray<T>(all, std::move(shape));
 }
 
-// Of a stream of all copies: as a frame of one, with the copies in front.
+// The frame of a stream of all copies: as that of one, with the copies in front.
 nb::dict BatchFrame(EnvBatch& batch, size_t stream) {
   std::vector<double> intrinsics, extrinsics, time;
   for (int i = 0; i < batch.size(); ++i) {
@@ -140,7 +140,7 @@ nb::dict BatchMotions(EnvBatch& batch) {
   return robots;
 }
 
-// As of one environment.
+// The same as for one environment.
 int TraverseBatch(PyObject* self, visitproc visit, void* arg) {
   Py_VISIT(Py_TYPE(self));
   if (!nb::inst_ready(self)) return 0;
@@ -201,43 +201,43 @@ void BindEnvBatch(nb::module_& m) {
           [](const EnvBatch& batch) { return ObservationParts(batch.layout()); },
           nb::sig("def observation_parts(self, /) -> tuple[tuple[tuple[str, ...], int, "
                   "int], ...]"),
-          "The same of observations.")
+          "The same for observations.")
       .def_prop_ro(
           "action_range", [](const EnvBatch& batch) { return FlatRange(batch.layout().action); },
           nb::sig("def action_range(self, /) -> tuple[numpy.typing.NDArray[numpy.float64], "
                   "numpy.typing.NDArray[numpy.float64]]"),
-          "What the actions of a copy lie between: (lower, upper), flat.")
+          "The range of a copy's actions: (lower, upper), flat.")
       .def_prop_ro(
           "observation_range",
           [](const EnvBatch& batch) { return FlatRange(batch.layout().observation); },
           nb::sig("def observation_range(self, /) -> tuple[numpy.typing.NDArray[numpy.float64], "
                   "numpy.typing.NDArray[numpy.float64]]"),
-          "The same of observations.")
+          "The same for observations.")
       .def_prop_ro("instructions", &EnvBatch::instructions,
-                   "What the task of each copy is, in words; '' without one.")
+                   "The instruction of each copy's task, in words; '' without a task.")
       .def(
           "close",
           [](EnvBatch& batch) {
             const InUse use(batch, &Place, "closed");
             batch.Close();
           },
-          "Ends the use of all copies and their threads; may be repeated.")
+          "Closes all copies and their threads; may be repeated.")
       .def_prop_ro(
           "scene", [](EnvBatch& batch) { return batch.env(0).scene(); },
-          "The simulation of the first copy, to look things up in.")
+          "The simulation of the first copy, for looking up elements.")
       .def("render", &Pictures, "camera"_a.none(), "width"_a = 320, "height"_a = 240,
            nb::sig("def render(self, camera: str | OrbitCamera | FreeCamera | TrackingCamera, "
                    "width: int = 320, height: int = 240) -> numpy.typing.NDArray[numpy.uint8]"),
-           "A picture of each copy's present state (count, H, W, 3), for people; `camera` as of "
+           "Renders a picture of each copy's present state (count, H, W, 3); `camera` as in "
            "Renderer.render.")
       .def_prop_ro("frames", &BatchFrames, nb::sig("def frames(self, /) -> dict[str, typing.Any]"),
-                   "The last frames of all copies by stream, as of Env with the copies in front.")
-      .def_prop_ro("motions", &BatchMotions,
-                   nb::sig("def motions(self, /) -> dict[str, dict[str, "
-                           "numpy.typing.NDArray[typing.Any]]]"),
-                   "What was left of each robot's motion when the last step ended, as "
-                   "info['robots'] of Env.step with an array (count,) for each number; zeros after "
-                   "a reset.")
+                   "The last frames of all copies by stream, as in Env with the copies in front.")
+      .def_prop_ro(
+          "motions", &BatchMotions,
+          nb::sig("def motions(self, /) -> dict[str, dict[str, "
+                  "numpy.typing.NDArray[typing.Any]]]"),
+          "The remaining motion of each robot at the end of the last step, as info['robots'] of "
+          "Env.step with an array (count,) for each number; zeros after a reset.")
       .def(
           "reset",
           [](EnvBatch& batch, const Seeds& seeds, const std::vector<bool>& which) {
@@ -251,7 +251,7 @@ void BindEnvBatch(nb::module_& m) {
           "seeds"_a = Seeds{}, "which"_a = std::vector<bool>{},
           nb::sig("def reset(self, seeds: collections.abc.Sequence[int | None] = (), which: "
                   "collections.abc.Sequence[bool] = ()) -> numpy.typing.NDArray[numpy.float64]"),
-          "To starts, all copies or those that `which` is true for; all observations (count, m).")
+          "Resets all copies, or those where `which` is true. Returns all observations (count, m).")
       .def(
           "step", &StepBatch, "actions"_a, "reset_instead"_a = std::vector<bool>{},
           nb::sig("def step(self, actions: numpy.typing.ArrayLike, reset_instead: "
@@ -259,10 +259,10 @@ void BindEnvBatch(nb::module_& m) {
                   "tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], "
                   "numpy.typing.NDArray[numpy.uint8], numpy.typing.NDArray[numpy.uint8], "
                   "numpy.typing.NDArray[numpy.float64], list[str]]"),
-          "Steps all copies but those that `reset_instead` is true for, which begin their next "
-          "episode: (observations (count, m), rewards, terminated, truncated, time since the "
-          "reset, reasons). Ctrl-C ends it halfway. After an error on the way, as after Ctrl-C, "
-          "all copies want a reset.");
+          "Steps all copies, except those where `reset_instead` is true, which begin their next "
+          "episode. Returns (observations (count, m), rewards, terminated, truncated, time since "
+          "the reset, reasons). Ctrl-C ends it halfway. After an error during the step, or Ctrl-C, "
+          "reset all copies.");
 }
 
 }  // namespace robocell::python

@@ -121,9 +121,7 @@ nb::list FeatureList(const FeatureSchema& schema) {
 
 void BindFeatures(nb::module_& m) {
   m.attr(kFeatures) = nb::dict();
-  nb::class_<Feature>(m, "Feature",
-                      "One named quantity of a cell: what it is, in which unit and frame, and who "
-                      "makes it.")
+  nb::class_<Feature>(m, "Feature", "One named quantity of a cell, with unit, frame and source.")
       .def_prop_ro("name", [](const Feature& f) { return f.column.name; })
       .def_prop_ro(
           "role", [](const Feature& f) { return std::string(NameOf(f.role)); },
@@ -136,22 +134,23 @@ void BindFeatures(nb::module_& m) {
             for (const int64_t axis : f.column.shape) shape.append(axis);
             return nb::tuple(shape);
           },
-          nb::sig("def shape(self) -> tuple[int, ...]"), "Of one row; () is a single number.")
+          nb::sig("def shape(self) -> tuple[int, ...]"),
+          "Shape of one row; () for a single number.")
       .def_prop_ro("unit", [](const Feature& f) { return f.column.units; })
       .def_prop_ro("frame", [](const Feature& f) { return f.column.frame; })
       .def_prop_ro(
           "names", [](const Feature& f) { return f.column.names; },
-          "Of the numbers along the last axis.")
+          "Names of the numbers along the last axis.")
       .def_prop_ro(
           "values", [](const Feature& f) { return f.column.values; },
-          "Of an integer: what 0, 1, ... mean.")
+          "Meaning of 0, 1, ... for an integer.")
       .def_prop_ro("description", [](const Feature& f) { return f.column.description; })
       .def_prop_ro(
           "lower", [](const Feature& f) { return f.lower; },
-          "Smallest of each number; empty without a range.")
+          "Smallest value of each number; empty without a range.")
       .def_prop_ro(
           "upper", [](const Feature& f) { return f.upper; },
-          "Largest of each number; empty without a range.")
+          "Largest value of each number; empty without a range.")
       .def_prop_ro(
           "source", [](const Feature& f) { return f.source; }, "Who makes it.")
       .def(
@@ -162,15 +161,17 @@ void BindFeatures(nb::module_& m) {
             b.Add(other);
             return a.DifferenceFrom(b, "in one", "in the other");
           },
-          "other"_a, "'' for the same feature, whatever its range; else what differs, in words.")
+          "other"_a,
+          "Compares two features without their ranges. Returns '' if they are the same, else the "
+          "difference in words.")
       .def("__repr__", [](const Feature& f) {
         const std::string unit = f.column.units.empty() ? "" : " in " + f.column.units;
         return fmt::format("<Feature '{}': {} {}{}>", f.column.name, NameOf(f.role),
                            robocell::ShapeText(f.column.shape), unit);
       });
   nb::class_<CellFeatures>(m, "CellFeatures",
-                           "What is observed of a scene and its robots, and what they can be "
-                           "commanded, by name: as episodes record it and policies see it.")
+                           "The named observations and commands of a scene and its robots, as "
+                           "episodes record them and policies see them.")
       .def(
           "__init__",
           [](CellFeatures* self, const Scene& scene, std::shared_ptr<Task> task,
@@ -197,7 +198,7 @@ void BindFeatures(nb::module_& m) {
             return ToArrays(f.observed(), numbers);
           },
           nb::sig("def read(self) -> dict[str, numpy.typing.NDArray[numpy.float64]]"),
-          "What is observed now: {name: numbers}.")
+          "Returns the present observation: {name: numbers}.")
       .def(
           "to_action",
           [](const CellFeatures& f, const nb::dict& values) {
@@ -206,8 +207,9 @@ void BindFeatures(nb::module_& m) {
           "values"_a,
           nb::sig("def to_action(self, values: dict[str, numpy.typing.ArrayLike]) -> dict[str, "
                   "dict[str, GroupCommand]]"),
-          "What actions by their names ask of the robots. NotFoundError with the nearest names; "
-          "ArgumentError for two actions of one group, and for numbers that do not fit.");
+          "Converts actions by name to commands of the robots. NotFoundError has the nearest "
+          "names; ArgumentError is raised for two actions of one group, and for a wrong number of "
+          "values.");
   m.def(
       "_register_feature",
       [](const std::string& name, nb::object function, std::vector<int64_t> shape,
@@ -227,7 +229,7 @@ void BindFeatures(nb::module_& m) {
       },
       "name"_a, "function"_a, "shape"_a, "unit"_a, "frame"_a, "names"_a, "description"_a, "role"_a,
       "lower"_a, "upper"_a, "code"_a);
-  m.def("feature_names", &OwnFeatures, "Names of the registered features.");
+  m.def("feature_names", &OwnFeatures, "Returns the names of the registered features.");
 }
 
 }  // namespace robocell::python

@@ -1,12 +1,12 @@
-// Handles to a scene and to what belongs to one (groups, controllers, renderers ...), whatever is
-// asked of them:
+// Checks of handles to a scene and to what belongs to one (groups, controllers, renderers ...), for
+// every call:
 // - another thread that uses the scene meanwhile is an Error (scene_use.h). Long calls let go of
 //   Python's lock, so that a second thread could change what the first one works on. Calls claim
 //   the scenes of their object and of all handles among their arguments, to their end.
 // - After the scene was closed it is a ClosedError.
 //
-// All functions of their classes begin with these questions. They are asked in one place
-// (argument_errors.cc wraps all functions), so none can forget.
+// All functions of their classes begin with these checks. argument_errors.cc wraps all functions in
+// one place, so none can forget them.
 //
 //   GuardHandle<MoveGroup>(
 //       cls, [](const MoveGroup& g, SceneClaims& claims) { claims.Add(g.scene()); },
@@ -56,8 +56,8 @@ class SceneClaims {
 // Claims the scene of an object, then requires that it is open, if it has to be.
 using HandleGuard = std::function<void(nb::handle self, SceneClaims&, bool must_be_open)>;
 
-// Functions that are asked less: `always` nothing, as they tell what never changes; `closed` not
-// that it is open.
+// Functions with fewer checks: `always` none, because their result never changes; `closed` not that
+// the handle is open.
 struct Excepted {
   std::set<std::string, std::less<>> always = {}, closed = {};
 };
@@ -66,15 +66,15 @@ struct Excepted {
 // `__repr__` is excepted always.
 void AddGuard(nb::handle type, HandleGuard guard, Excepted excepted);
 
-// What is asked of the object of a function of a class: nothing when there is no guard; with
-// `never` nothing of its arguments either.
+// The checks of the object of a class's function: none without a guard; with `never` none of its
+// arguments either.
 struct Asked {
   bool never = false;
   const HandleGuard* guard = nullptr;
   bool must_be_open = true;
 };
 Asked AskedOf(nb::handle type, std::string_view function);
-// Whether a signature in Python's words has a parameter of such a class.
+// Returns true if a Python signature has a parameter of such a class.
 bool TakesHandles(std::string_view signature);
 // Claims the scenes of an argument that is a handle, or a list, tuple or dict of handles.
 void UseArgument(nb::handle argument, SceneClaims& claims);

@@ -49,7 +49,7 @@ nb::handle Namespace() {
   return type;
 }
 
-// Whether the value is one pose: a Pose, a Frame, or something with four rows.
+// Returns true if the value is one pose: a Pose, a Frame, or something with four rows.
 bool IsOnePose(nb::handle value) {
   if (nb::isinstance<Pose>(value) || nb::hasattr(value, "M")) return true;
   if (!MayBePose(value) || nb::len(value) != 4) return false;

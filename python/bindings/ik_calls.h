@@ -22,7 +22,7 @@ nb::object AllSolutionsOf(const Chain& chain, const Pose& target, const IkOption
 // IkOptions::max_restarts for so many starts.
 int RestartsOf(int starts);
 
-// Where a twist's axes are those of the world, and which joints do not move.
+// The base's rotation for twists in world axes, and the locked joints.
 struct TwistPlace {
   Eigen::Matrix3d base_in_world = Eigen::Matrix3d::Identity();
   LockedJoints locked{};

@@ -54,7 +54,7 @@ IkSolver::IkSolver(Chain chain, IkOptions options, nb::object filter)
   }
   options_.seed = JointVector(chain_.n_joints());  // of every call
   result_.q = options_.seed;
-  CheckIkOptions(chain_, options_);
+  RequireIkOptions(chain_, options_);
   is_short_ = options_.prefer == IkPrefer::kFirst && !options_.filter &&
               options_.max_restarts <= IkOptions{}.max_restarts &&
               options_.max_iterations <= IkOptions{}.max_iterations;

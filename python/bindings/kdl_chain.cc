@@ -1,5 +1,5 @@
-// What goes to and comes from PyKDL, made and read through PyKDL's own functions: two extensions
-// that each know KDL::Chain cannot hand one over.
+// Converts to and from PyKDL through PyKDL's own functions, because two extensions that each know
+// KDL::Chain cannot exchange one.
 #include <cmath>
 
 #include "kinematics.h"
@@ -116,8 +116,8 @@ class Reader {
     SetOffset(Frame(joint.attr("pose")(0.0)), speed, out);
   }
 
-  // PyKDL does not tell a joint's inertia. It is what the segment resists more than its own mass
-  // and its own inertia about the axis, as KDL's dynamics of the segment alone say.
+  // PyKDL does not return a joint's inertia. KDL's dynamics of the segment alone give it: the
+  // inertia beyond the segment's own mass and its own inertia about the axis.
   double Armature(nb::handle segment) const {
     const auto resistance = [this](nb::handle one) {
       nb::object chain = kdl_.attr("Chain")();

@@ -23,7 +23,7 @@ struct PoseOrFrame {
   Pose get() const { return other.is_valid() ? nb::cast<Pose>(nb::type<Pose>()(other)) : pose; }
 };
 
-// Whether it may be meant as one: a Pose, a Frame, or rows of numbers.
+// Returns true if the value may be meant as a pose: a Pose, a Frame, or rows of numbers.
 bool MayBePose(nb::handle value) noexcept;
 
 // "base", "tip" or "world".

@@ -55,7 +55,7 @@ int Given(nb::handle a, nb::handle b, nb::handle c, nb::handle d) {
 }
 
 // Three numbers in the place of the matrix.
-void CheckIsNoPosition(nb::handle matrix) {
+void RequireIsNoPosition(nb::handle matrix) {
   if (!nb::hasattr(matrix, "__len__") || nb::len(matrix) != 3 || IsText(matrix)) return;
   if (nb::hasattr(nb::object(matrix[0]), "__len__")) return;
   throw ArgumentError(
@@ -72,7 +72,7 @@ Pose MakePose(nb::handle matrix, nb::handle translation, nb::handle quaternion, 
     }
     if (const Pose* pose = nullptr; nb::try_cast(matrix, pose) && pose) return *pose;
     if (IsFrame(matrix)) return FromFrame(matrix);
-    CheckIsNoPosition(matrix);
+    RequireIsNoPosition(matrix);
     return Pose(ToSquare<4>(matrix, "matrix"));
   }
   if (Given(quaternion, rpy, rotvec, rotation) > 1) {

@@ -8,7 +8,7 @@
 #include "python_owner.h"
 #include "returned.h"
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell::python {
 namespace {
@@ -17,7 +17,7 @@ nb::object Array(std::span<const double> values) {
   return NewArray<double>(values, {values.size()});
 }
 
-// Whether a method is the one that MoveGroup has for all groups, which would ask the group again.
+// Returns true for the method of MoveGroup itself, which would call the group again.
 bool IsInherited(nb::handle method, const char* name) {
   const nb::handle base = nb::type<MoveGroup>();
   if (!nb::hasattr(base, name) || !nb::hasattr(method, "__self__")) return false;

@@ -19,7 +19,7 @@
 
 namespace robocell::python {
 
-// How a group tells that a Python object is behind it.
+// Marks a group with a Python object behind it.
 class WrittenInPython {
  public:
   virtual ~WrittenInPython() = default;
@@ -38,12 +38,12 @@ void Set(const WrittenInPython& group, const char* method, std::span<const doubl
 int Count(const WrittenInPython& group, const char* method);
 // ArgumentError unless it is finite.
 double Number(const WrittenInPython& group, const char* method);
-// What a method returns in `count` rows of two.
+// Converts the result of a method with `count` rows of two.
 std::vector<Interval> Intervals(const WrittenInPython& group, const char* method, int count);
 Pose Frame(const WrittenInPython& group, const char* method);
 std::string Text(const WrittenInPython& group, const char* method);
 std::vector<std::string> Texts(const WrittenInPython& group, const char* method);
-// What get_kind says, else `otherwise`.
+// Returns the result of get_kind, else `otherwise`.
 MoveGroupKind Kind(const WrittenInPython& group, MoveGroupKind otherwise);
 void CtrlForJointPos(const WrittenInPython& group, std::span<const double> q,
                      std::span<double> ctrl);
@@ -101,7 +101,7 @@ class GroupCalls : public Base, public WrittenInPython {
   Pose Frame(const char* method) const { return group_call::Frame(*this, method); }
 
  private:
-  // What the C++ side wants by reference is kept here.
+  // Keeps values that the C++ side returns by reference.
   mutable std::string name_;
   mutable std::vector<std::string> joint_names_, actuator_names_;
 };

@@ -98,12 +98,18 @@ class PyPickTaskSampler : public PySamplerOf<PickTaskSampler> {
         },
         rng, robot, support, target, placement);
   }
-  std::optional<Refusal> CheckBasePose(Scene& scene, Robot& robot,
-                                       const std::string& target_body) override {
+  std::optional<Refusal> ValidateBasePose(Scene& scene, Robot& robot,
+                                          const std::string& target_body) override {
     return CallMethod<std::optional<Refusal>>(
-        nb_trampoline, "check_base_pose", own(),
-        [&](auto* s) { return s->PickTaskSampler::CheckBasePose(scene, robot, target_body); },
+        nb_trampoline, "validate_base_pose", own(),
+        [&](auto* s) { return s->PickTaskSampler::ValidateBasePose(scene, robot, target_body); },
         scene, robot, target_body);
+  }
+  std::optional<Refusal> ValidateCameras(Scene& scene, const std::string& target_body) override {
+    return CallMethod<std::optional<Refusal>>(
+        nb_trampoline, "validate_cameras", own(),
+        [&](auto* s) { return s->PickTaskSampler::ValidateCameras(scene, target_body); }, scene,
+        target_body);
   }
   std::shared_ptr<Task> MakeTask(const std::string& target, const std::string& kind,
                                  const std::vector<std::string>& objects) override {
@@ -242,7 +248,7 @@ void BindPickSampler(nb::module_& m) {
       "Objects settled on a support, one of them the target, and a robot placed beside it.\n\n"
       "A subclass may replace sample() or any of the stages, which sample() calls in this order: "
       "make_base_scene,\nchoose_kinds, choose_base_placement, place_objects, propose_base_pose, "
-      "check_base_pose, make_task.")
+      "validate_base_pose, validate_cameras, make_task.")
       .def(nb::init<RunConfig>(), "run"_a)
       .def_prop_ro(
           "run", [](const PickTaskSampler& s) { return s.run(); }, "A copy.")
@@ -301,13 +307,21 @@ void BindPickSampler(nb::module_& m) {
           "A pose for the robot's base, its bottom, in the world; None when the robot as it stands "
           "would overlap the support all around the target: then the objects are placed anew.")
       .def(
-          "check_base_pose",
+          "validate_base_pose",
           [](PickTaskSampler& s, Scene scene, Robot robot, const std::string& target_body) {
             const nb::gil_scoped_release release;
-            return s.PickTaskSampler::CheckBasePose(scene, robot, target_body);
+            return s.PickTaskSampler::ValidateBasePose(scene, robot, target_body);
           },
           "scene"_a, "robot"_a, "target_body"_a,
           "None when the robot stands free where it is and reaches a grasp of the target.")
+      .def(
+          "validate_cameras",
+          [](PickTaskSampler& s, Scene scene, const std::string& target_body) {
+            const nb::gil_scoped_release release;
+            return s.PickTaskSampler::ValidateCameras(scene, target_body);
+          },
+          "scene"_a, "target_body"_a,
+          "None when the cameras of start.visible_from see enough of the target.")
       .def(
           "make_task",
           [](PickTaskSampler& s, const std::string& target, const std::string& kind,

@@ -14,7 +14,7 @@ int ReleaseAbandonedPending(void*) {
   return 0;
 }
 
-// Whether this thread may touch Python's objects; also true while the interpreter ends and its
+// Returns true if this thread may use Python's objects; also while the interpreter ends and its
 // modules go, when Py_IsInitialized() is false already.
 bool HoldsGil() {
 #if PY_VERSION_HEX >= 0x030D0000

@@ -48,7 +48,7 @@ class Held {
  public:
   explicit Held(nb::object object);  // with the GIL; copies need none
 
-  // What is referred to; null when it was let go of.
+  // The referenced object; null after it was released.
   PyObject* target() const { return slot_->object ? slot_->object.get() : nullptr; }
   // The same, kept.
   std::shared_ptr<PyObject> share() const { return slot_->object; }

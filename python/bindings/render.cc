@@ -14,8 +14,8 @@
 #include "robocell/render/gl_context.h"
 #include "robocell/render/graphics_advice.h"
 #include "robocell/render/markers.h"
-#include "robocell/render/render_quality.h"
 #include "robocell/render/scene_renderer.h"
+#include "robocell/spec/render_quality.h"
 
 namespace nb = nanobind;
 
@@ -50,7 +50,7 @@ nb::dict Render(SceneRenderer& self, nb::handle camera, int width, int height, b
       .width = width,
       .height = height,
       .markers = markers};
-  CheckImageSize(width, height);
+  RequireImageSize(width, height);
   const size_t h = static_cast<size_t>(height), w = static_cast<size_t>(width);
   const size_t shape[] = {h, w, 3};
   const auto image = [&]<class T>(bool wanted, size_t dimensions, std::span<T>& numbers) {

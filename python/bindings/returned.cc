@@ -14,7 +14,7 @@ std::string TypeOf(nb::handle value) {
   return value.is_none() ? "None" : std::string("a ") + Py_TYPE(value.ptr())->tp_name;
 }
 
-// What is wrong in {robot: {group: GroupCommand}}; "" when nothing is.
+// Returns the problem of {robot: {group: GroupCommand}}; "" for none.
 std::string WrongInAction(nb::handle action) {
   if (!nb::isinstance<nb::dict>(action)) return "got " + ShortRepr(action);
   for (const auto& [robot, groups] : nb::borrow<nb::dict>(action)) {

@@ -1,5 +1,5 @@
-// What methods and functions written in Python gave to C++: converted, or a TypeError that names
-// class and method, what is expected and what came. With the GIL.
+// Converts the results of methods and functions written in Python, or raises a TypeError with class
+// and method, what is expected and what was returned. With the GIL.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -32,7 +32,7 @@ void RequireInitialised(nb::handle object);
 // TypeError unless it is None or can be called; `expected` as in "a function (run) -> TaskSampler".
 void RequireCallable(nb::handle value, const char* argument, const char* expected);
 
-// What a method must return, for messages.
+// Describes the expected result of a method, for messages.
 template <class R>
 struct Expected {
   static std::string Text() {

@@ -33,7 +33,7 @@ class RngLoan {
   RngLoan(const RngLoan&) = delete;
   RngLoan& operator=(const RngLoan&) = delete;
 
-  // What draws from the stream itself, for Python.
+  // The object that draws from the stream itself, for Python.
   PythonRng rng() const { return PythonRng(lent_); }
 
  private:

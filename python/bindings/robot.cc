@@ -12,11 +12,7 @@
 #include "signals.h"
 #include "values.h"
 #include "robocell/env/stepper.h"
-#include "robocell/expert/pick_expert.h"
-#include "robocell/robot/check_config.h"
 #include "robocell/robot/robot.h"
-#include "robocell/robot/robot_trial.h"
-#include "robocell/rollout/check_robot.h"
 
 namespace nb = nanobind;
 
@@ -465,32 +461,6 @@ void BindRobotClass(nb::module_& m) {
            "Whether the group has a controller, which `update` runs.")
       .def("__repr__", [](const Robot& r) { return "<Robot '" + r.name() + "'>"; });
   DefControl(robot);
-  m.def(
-      "check_config",
-      [](const Robot& robot) {
-        Problems problems(robot.config().locations);
-        CheckRobot(robot, problems);
-        problems.Throw("robot '" + robot.name() + "'");
-      },
-      "robot"_a, Unlocked(),
-      "SpecError when the robot's file says what its model does not do: a gripper's `distance` "
-      "that measuring contradicts, a base wider than the robot reaches; or when no controller can "
-      "drive its arm or gripper, or a name cannot stand in a record. `generate` asks the same.");
-  m.def(
-      "why_no_picks", &WhyNoPicks, "robot"_a, Unlocked(),
-      "What the scripted expert of pick tasks misses of a robot: a base that can be put anywhere, "
-      "an arm and a gripper with controllers. Empty when pick tasks can use it. `generate` refuses "
-      "a robot for each of these reasons.");
-  m.def(
-      "try_robot",
-      [](const Robot& robot, bool beside_warnings) {
-        return beside_warnings ? TryRobotBesideWarnings(robot) : TryRobot(robot);
-      },
-      "robot"_a, nb::kw_only(), "beside_warnings"_a = false, Unlocked(),
-      "Tries a robot out in its scene, which is reset and stepped: what touches at home, and "
-      "whether its arms stay there and follow a small step of each joint. Returns a text for "
-      "whatever does not work as it should, with the reason and the next step; with "
-      "`beside_warnings` not what the scene's warnings say already.");
   m.def("robots_of", &RobotsOf, "scene"_a, Unlocked(), "All configured robots of a scene.");
 }
 

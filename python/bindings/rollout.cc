@@ -15,7 +15,6 @@
 #include "sampler.h"
 #include "signals.h"
 #include "robocell/base/error.h"
-#include "robocell/rollout/check_run.h"
 #include "robocell/rollout/on_disk.h"
 #include "robocell/rollout/plan.h"
 #include "robocell/rollout/prepare.h"
@@ -35,44 +34,44 @@ struct StopFlag {
   std::atomic<bool> value{false};
 };
 
-void BindReport(nb::module_& m) {
-  nb::class_<EpisodeReport>(m, "EpisodeReport", "What became of one item of a plan.")
-      .def_ro("item", &EpisodeReport::item)
-      .def_ro("committed", &EpisodeReport::committed, "An episode is on the disk.")
-      .def_ro("complete", &EpisodeReport::complete, "Nothing is left to be made of it.")
-      .def_ro("success", &EpisodeReport::success)
-      .def_ro("stopped", &EpisodeReport::stopped, "Ended by the stop flag; nothing was kept.")
-      .def_ro("resumed", &EpisodeReport::resumed, "It was complete before.")
-      .def_ro("kept", &EpisodeReport::kept, "Episodes written now.")
-      .def_ro("attempts", &EpisodeReport::attempts, "That came to an end.")
-      .def_ro("undecided", &EpisodeReport::undecided,
+void BindItemResult(nb::module_& m) {
+  nb::class_<ItemResult>(m, "ItemResult", "What became of one item of a plan.")
+      .def_ro("item", &ItemResult::item)
+      .def_ro("committed", &ItemResult::committed, "An episode is on the disk.")
+      .def_ro("complete", &ItemResult::complete, "Nothing is left to be made of it.")
+      .def_ro("success", &ItemResult::success)
+      .def_ro("stopped", &ItemResult::stopped, "Ended by the stop flag; nothing was kept.")
+      .def_ro("resumed", &ItemResult::resumed, "It was complete before.")
+      .def_ro("kept", &ItemResult::kept, "Episodes written now.")
+      .def_ro("attempts", &ItemResult::attempts, "That came to an end.")
+      .def_ro("undecided", &ItemResult::undecided,
               "Attempts that the stop flag ended; they count nowhere else.")
-      .def_ro("accepted", &EpisodeReport::accepted, "Attempts whose start the sampler accepted.")
-      .def_ro("refusals", &EpisodeReport::refusals, "Reason -> count, of refused starts.")
-      .def_ro("advice", &EpisodeReport::advice,
+      .def_ro("accepted", &ItemResult::accepted, "Attempts whose start the sampler accepted.")
+      .def_ro("refusals", &ItemResult::refusals, "'stage: reason' -> count, of refused starts.")
+      .def_ro("advice", &ItemResult::advice,
               "What most starts were refused for, and from where the robot would reach its "
               "object; '' when a start was accepted.")
-      .def_ro("redrawn", &EpisodeReport::redrawn,
+      .def_ro("redrawn", &ItemResult::redrawn,
               "Reason -> count, of places for objects and robot that were tried and given up "
               "within the attempts; the sampler tried attempts + these.")
-      .def_ro("failures", &EpisodeReport::failures, "Reason -> count, of failed rollouts.")
-      .def_ro("robot", &EpisodeReport::robot, "Its name.")
-      .def_ro("object_kind", &EpisodeReport::object_kind,
+      .def_ro("failures", &ItemResult::failures, "Reason -> count, of failed rollouts.")
+      .def_ro("robot", &ItemResult::robot, "Its name.")
+      .def_ro("object_kind", &ItemResult::object_kind,
               "Of the last attempt's target; '' when the sampler does not say.")
-      .def_ro("kinds", &EpisodeReport::kinds, "Object kind -> attempts.")
-      .def_ro("rollouts", &EpisodeReport::rollouts, "Object kind -> rollouts.")
-      .def_ro("rows", &EpisodeReport::rows)
-      .def_ro("seconds_sampling", &EpisodeReport::seconds_sampling)
-      .def_ro("seconds_acting", &EpisodeReport::seconds_acting)
-      .def_ro("seconds_rendering", &EpisodeReport::seconds_rendering)
-      .def_ro("seconds_writing", &EpisodeReport::seconds_writing)
-      .def("__repr__", [](const EpisodeReport& r) {
+      .def_ro("kinds", &ItemResult::kinds, "Object kind -> attempts.")
+      .def_ro("rollouts", &ItemResult::rollouts, "Object kind -> rollouts.")
+      .def_ro("rows", &ItemResult::rows)
+      .def_ro("seconds_sampling", &ItemResult::seconds_sampling)
+      .def_ro("seconds_acting", &ItemResult::seconds_acting)
+      .def_ro("seconds_rendering", &ItemResult::seconds_rendering)
+      .def_ro("seconds_writing", &ItemResult::seconds_writing)
+      .def("__repr__", [](const ItemResult& r) {
         const char* end = r.stopped     ? "stopped"
                           : r.success   ? "success"
                           : r.committed ? "failures kept"
                                         : "nothing made";
-        return fmt::format("<EpisodeReport {}: {}, {} attempts, {} rows>", r.item.id, end,
-                           r.attempts, r.rows);
+        return fmt::format("<ItemResult {}: {}, {} attempts, {} rows>", r.item.id, end, r.attempts,
+                           r.rows);
       });
 }
 
@@ -88,22 +87,22 @@ void BindReplay(nb::module_& m) {
       .def_ro("replayed", &ReplayDifference::replayed)
       .def_ro("units", &ReplayDifference::units)
       .def_ro("others", &ReplayDifference::others, "Further values of the row that differ.");
-  nb::class_<ReplayReport>(m, "ReplayReport", "What a replay of an episode came to.")
-      .def_ro("episode", &ReplayReport::episode)
-      .def_ro("rows", &ReplayReport::rows, "Compared without a difference.")
-      .def_ro("ticks", &ReplayReport::ticks, "The same, of the control table.")
-      .def_ro("first", &ReplayReport::first, "The first difference, or None.")
-      .def_ro("versions", &ReplayReport::versions, "Versions that changed since, or ''.")
-      .def_prop_ro("ok", &ReplayReport::ok)
-      .def("__str__", &ReplayReport::Text)
-      .def("__repr__", [](const ReplayReport& r) { return "<ReplayReport " + r.Text() + ">"; });
+  nb::class_<ReplayResult>(m, "ReplayResult", "What a replay of an episode came to.")
+      .def_ro("episode", &ReplayResult::episode)
+      .def_ro("rows", &ReplayResult::rows, "Compared without a difference.")
+      .def_ro("ticks", &ReplayResult::ticks, "The same, of the control table.")
+      .def_ro("first", &ReplayResult::first, "The first difference, or None.")
+      .def_ro("versions", &ReplayResult::versions, "Versions that changed since, or ''.")
+      .def_prop_ro("ok", &ReplayResult::ok)
+      .def("__str__", &ReplayResult::Text)
+      .def("__repr__", [](const ReplayResult& r) { return "<ReplayResult " + r.Text() + ">"; });
   m.def("recorded_scene", &RecordedScene, "episode"_a, nb::call_guard<nb::gil_scoped_release>(),
         "The SceneSpec that an episode was generated in, with the models that its dataset keeps. "
         "ArgumentError when the episode does not say.");
   m.def(
-      "check_replay",
+      "verify_replay",
       [](const Episode& episode, double tolerance) {
-        return CheckReplay(episode, {.tolerance = tolerance});
+        return VerifyReplay(episode, {.tolerance = tolerance});
       },
       "episode"_a, "tolerance"_a = ReplayOptions{}.tolerance,
       nb::call_guard<nb::gil_scoped_release>(),
@@ -202,31 +201,18 @@ void BindRollout(nb::module_& m) {
         "What identifies a run, as YAML: its fields without workers and output.");
   m.def(
       "prepare_dataset",
-      [](const RunConfig& run, bool check_run) { PrepareDataset(run, {.check_run = check_run}); },
-      "run"_a, nb::kw_only(), "check_run"_a = true, nb::call_guard<nb::gil_scoped_release>(),
+      [](const RunConfig& run, bool validate) { PrepareDataset(run, {.validate = validate}); },
+      "run"_a, nb::kw_only(), "validate"_a = true, nb::call_guard<nb::gil_scoped_release>(),
       "Creates the run's output folder, or checks that the one there belongs to the same run "
-      "(SpecError names what differs). A dataset without episodes is begun anew. Calls check_run "
-      "first unless told not to.");
-  m.def("check_dataset", &CheckDataset, "run"_a, nb::call_guard<nb::gil_scoped_release>(),
+      "(SpecError names what differs). A dataset without episodes is begun anew. Validates "
+      "the run first unless told not to.");
+  m.def("validate_dataset", &ValidateDataset, "run"_a, nb::call_guard<nb::gil_scoped_release>(),
         "What prepare_dataset would say of the run's output folder; writes nothing.");
   m.def(
       "require_same_run", [](const RunConfig& run) { RequireSameRun(run); }, "run"_a,
       nb::call_guard<nb::gil_scoped_release>(),
       "SpecError, naming each difference, unless the run's dataset was prepared for it: same "
       "fields, model files and versions.");
-  m.def(
-      "check_run",
-      [](const RunConfig& run, bool scripted_expert, bool on_this_machine) {
-        return CheckRun(run,
-                        {.scripted_expert = scripted_expert, .on_this_machine = on_this_machine});
-      },
-      "run"_a, "scripted_expert"_a = true, "on_this_machine"_a = true,
-      nb::call_guard<nb::gil_scoped_release>(),
-      "SpecError with everything that can be known to be wrong before the first episode: fields, "
-      "models, cameras, object kinds, names of columns, what the robot file says although its "
-      "model does otherwise, and what the scripted expert needs of the robot. With "
-      "`on_this_machine`, streams are drawn once: IoError without ffmpeg, Error without OpenGL. "
-      "Writes nothing. Returns warnings: what works and may yet not be meant.");
   m.def(
       "items_on_disk",
       [](const RunConfig& run, const std::vector<PlanItem>& items) {
@@ -242,7 +228,7 @@ void BindRollout(nb::module_& m) {
       .def(nb::init<>())
       .def("set", [](StopFlag& flag) { flag.value = true; })
       .def_prop_ro("is_set", [](const StopFlag& flag) { return flag.value.load(); });
-  BindReport(m);
+  BindItemResult(m);
   BindReplay(m);
   nb::class_<PythonRunner>(m, "Runner",
                            "Makes the episodes of a plan in this process, one after the other.",
@@ -271,7 +257,7 @@ void BindRollout(nb::module_& m) {
             });
           },
           "item"_a, "stop"_a = nb::none(),
-          "Tries attempts until an episode is kept; returns an EpisodeReport. Ctrl-C ends it "
+          "Tries attempts until an episode is kept; returns an ItemResult. Ctrl-C ends it "
           "within "
           "an action;\nepisodes that were kept before stay.");
 }

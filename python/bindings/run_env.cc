@@ -42,8 +42,8 @@ nb::tuple Step(RunEnv& env, const nb::dict& values) {
 
 void BindRunEnv(nb::module_& m) {
   nb::class_<RunEnv>(m, "RunEnv",
-                     "The cell of a run, acted in step by step: it shows what an episode of the "
-                     "run records, and takes the actions that it records. One thread at a time.")
+                     "The cell of a run as an environment: it returns what an episode of the run "
+                     "records, and takes the actions that it records. One thread at a time.")
       .def(nb::init<RunConfig>(), "run"_a)
       .def_prop_ro(
           "run", [](const RunEnv& env) { return env.run(); }, "A copy.")
@@ -59,8 +59,8 @@ void BindRunEnv(nb::module_& m) {
             });
           },
           "index"_a,
-          "To start `index`, the same as that of the run's plan. Error with the reasons when no "
-          "attempt at it is accepted.")
+          "Resets to start `index` of the run's plan. Raises Error with the reasons if no attempt "
+          "is accepted.")
       .def(
           "row",
           [](RunEnv& env) {
@@ -73,11 +73,12 @@ void BindRunEnv(nb::module_& m) {
             return RowArrays(*row);
           },
           nb::sig("def row(self) -> dict[str, numpy.typing.NDArray[typing.Any]]"),
-          "What is recorded of the present state: {name: numbers or image}.")
+          "Returns what is recorded of the present state: {name: numbers or image}.")
       .def("act", &Step, "actions"_a,
            nb::sig("def act(self, actions: dict[str, numpy.typing.ArrayLike]) -> tuple[float, "
                    "bool, bool, dict[str, typing.Any]]"),
-           "(reward, terminated, truncated, info) of actions by their names in the dataset.")
+           "Makes one step with actions by their names in the dataset. Returns (reward, "
+           "terminated, truncated, info).")
       .def_prop_ro(
           "observed", [](const RunEnv& env) { return FeatureList(env.observed()); },
           nb::sig("def observed(self) -> list[Feature]"))
@@ -86,10 +87,10 @@ void BindRunEnv(nb::module_& m) {
           nb::sig("def commanded(self) -> list[Feature]"))
       .def_prop_ro(
           "instruction", [](const RunEnv& env) { return env.start().task->instruction(); },
-          "What is to be done in this episode, in words.")
+          "The instruction of this episode, in words.")
       .def_prop_ro(
           "object_kinds", [](const RunEnv& env) { return env.start().object_kinds; },
-          "What kinds the objects of this episode are, the target's first.")
+          "Kinds of the objects of this episode, the target's first.")
       .def_prop_ro(
           "scene", [](const RunEnv& env) { return Scene(env.start().scene); },
           "The scene of this episode.");

@@ -96,6 +96,9 @@ void BindRefusal(nb::module_& m) {
           "counted; `detail`: for reading.")
       .def_ro("reason", &Refusal::reason)
       .def_ro("detail", &Refusal::detail, "For reading.")
+      .def_ro("stage", &Refusal::stage,
+              "Who refused: objects, task, base, cameras or settling; '' for a sampler without "
+              "stages. Refusals are counted as 'stage: reason'.")
       .def_rw("redrawn", &Refusal::redrawn,
               "Reason -> count, of places that were tried and given up before.")
       .def("__repr__", [](const Refusal& r) {

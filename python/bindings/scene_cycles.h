@@ -24,7 +24,7 @@
 
 namespace robocell::python {
 
-// What a Python hook gets; copies, so that keeping it is harmless.
+// The argument of a Python hook; copies, so that keeping it is harmless.
 struct HookContext {
   Scene scene;
   ResetOptions options;
@@ -47,7 +47,7 @@ int VisitScene(const Scene& scene, visitproc visit, void* arg);
 // too is passed over.
 int VisitGroups(const std::vector<std::shared_ptr<MoveGroup>>& groups, visitproc visit, void* arg);
 
-// What a handle with one Scene visits.
+// Visits the scene of a handle with one Scene.
 template <class T>
 int VisitHandle(const T& handle, visitproc visit, void* arg) {
   return VisitScene(handle.scene(), visit, arg);

@@ -50,7 +50,6 @@ void BindEnums(nb::module_& m) {
   BindEnum<MoveGroupKind>(m, "Kinds of move groups.");
   BindEnum<ControlKind>(m, "Default controllers of move groups.");
   BindEnum<CtrlMode>(m, "What an arm's joints are driven by.");
-  BindEnum<SceneSourceKind>(m, "Where a run's scenes come from.");
   BindEnum<Keep>(m, "Which episodes a run keeps.");
   BindEnum<ControlMode>(m, "What an environment's actions are.");
   BindEnum<RelativeTo>(m, "What an environment's actions are added to.");
@@ -162,6 +161,7 @@ void BindSpec(nb::module_& m) {
   BindRobotSpecs(m);
   BindSceneSpecs(m);
   BindTaskSpecs(m);
+  BindSceneSourceSpecs(m);
   BindRunSpecs(m);
   BindEnvSpecs(m);
   m.def("missing_spec_file", &MissingSpecFile, nb::arg("path"), nb::arg("type"),

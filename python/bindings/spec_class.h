@@ -48,7 +48,7 @@ void VisitBoxes(T& value, F&& f) {
 
 template <HasFields T, class F>
 void ForEachBox(T& spec, F&& f) {
-  ForEachField(spec, [&](const char*, auto& value, const char*, Check) { VisitBoxes(value, f); });
+  ForEachField(spec, [&](const char*, auto& value, const char*, Bound) { VisitBoxes(value, f); });
 }
 
 template <HasFields T>
@@ -144,7 +144,7 @@ void ForEachSourceDir(T& value, F&& f) {
     ForEachSourceDir(value.config, f);
   } else if constexpr (HasFields<T>) {
     ForEachField(value,
-                 [&](const char*, auto& field, const char*, Check) { ForEachSourceDir(field, f); });
+                 [&](const char*, auto& field, const char*, Bound) { ForEachSourceDir(field, f); });
   }
 }
 
@@ -206,7 +206,8 @@ void DefYaml(nb::class_<T>& c) {
         RequireValid(self, what.empty() ? T::kTypeName : what);
       },
       nb::arg("what") = "",
-      "Check all fields. SpecError lists everything that is wrong; `what` names the spec there.");
+      "Validates all fields. SpecError lists everything that is wrong; `what` names the spec "
+      "there.");
 }
 
 // For specs that are files of their own.

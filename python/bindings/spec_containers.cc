@@ -6,7 +6,7 @@
 #include <nanobind/typing.h>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell::python {
 namespace {
@@ -302,12 +302,13 @@ void BindList(nb::module_& m) {
         nb::sig("def __eq__(self, other: object, /) -> bool"));
   c.def("__repr__", [](const List& self) { return nb::repr(Objects(self)); });
   c.def("insert", &Insert, nb::arg("index"), nb::arg("value").none(),
-        nb::sig("def insert(self, index: int, value: SpecT, /) -> None"), "Insert before `index`.");
+        nb::sig("def insert(self, index: int, value: SpecT, /) -> None"),
+        "Inserts before `index`.");
   c.def("append", &Append, nb::arg("value").none(),
-        nb::sig("def append(self, value: SpecT, /) -> None"), "Add at the end.");
+        nb::sig("def append(self, value: SpecT, /) -> None"), "Appends an element.");
   c.def("extend", &Extend, nb::arg("values").none(),
         nb::sig("def extend(self, values: collections.abc.Iterable[SpecT], /) -> None"),
-        "Add all at the end, or none of them when one is refused.");
+        "Appends all elements, or none if one is rejected.");
   c.def(
       "__iadd__",
       [](nb::handle_t<List> self, nb::handle values) {
@@ -317,28 +318,28 @@ void BindList(nb::module_& m) {
       nb::sig("def __iadd__(self, values: collections.abc.Iterable[SpecT], /) -> "
               "SpecList[SpecT]"));
   c.def("pop", nb::overload_cast<List&, Py_ssize_t>(&Pop), nb::arg("index") = -1,
-        nb::sig("def pop(self, index: int = -1) -> SpecT"), "Remove and return an element.");
+        nb::sig("def pop(self, index: int = -1) -> SpecT"), "Removes and returns an element.");
   c.def(
       "remove",
       [](List& self, nb::handle value) {
         self.ops->splice(ListOf(self), FindOrThrow(self, value), 1, {});
       },
       nb::arg("value").none(), nb::sig("def remove(self, value: SpecT, /) -> None"),
-      "Remove the first equal element.");
+      "Removes the first equal element.");
   c.def("index", nb::overload_cast<const List&, nb::handle>(&FindOrThrow), nb::arg("value").none(),
         nb::sig("def index(self, value: typing.Any, start: int = 0, stop: int = ...) -> int"),
-        "Where the first equal element stands.");
+        "Returns the index of the first equal element.");
   c.def(
       "count", [](const List& self, nb::handle v) { return Objects(self).attr("count")(v); },
       nb::arg("value").none(), nb::sig("def count(self, value: typing.Any, /) -> int"),
-      "How many elements are equal.");
+      "Returns the number of equal elements.");
   c.def(
       "clear", [](List& self) { self.ops->splice(ListOf(self), 0, Size(self), {}); },
-      nb::sig("def clear(self) -> None"), "Remove all elements.");
+      nb::sig("def clear(self) -> None"), "Removes all elements.");
   c.def(
       "reverse",
       [](List& self) { Rewrite(self, [](nb::object& objects) { objects.attr("reverse")(); }); },
-      nb::sig("def reverse(self) -> None"), "Turn the order round.");
+      nb::sig("def reverse(self) -> None"), "Reverses the order.");
   c.attr("__hash__") = nb::none();
   nb::module_::import_("collections.abc").attr("MutableSequence").attr("register")(c);
 }
@@ -373,14 +374,15 @@ void BindMap(nb::module_& m) {
   });
   c.def(
       "keys", [](const Map& self) { return Objects(self).attr("keys")(); },
-      nb::sig("def keys(self) -> collections.abc.KeysView[str]"), "The names, in order.");
+      nb::sig("def keys(self) -> collections.abc.KeysView[str]"), "Returns the names, in order.");
   c.def(
       "values", [](const Map& self) { return Objects(self).attr("values")(); },
-      nb::sig("def values(self) -> collections.abc.ValuesView[SpecT]"), "The values, in order.");
+      nb::sig("def values(self) -> collections.abc.ValuesView[SpecT]"),
+      "Returns the values, in order.");
   c.def(
       "items", [](const Map& self) { return Objects(self).attr("items")(); },
       nb::sig("def items(self) -> collections.abc.ItemsView[str, SpecT]"),
-      "The names with their values, in order.");
+      "Returns the names with their values, in order.");
   c.def(
       "get",
       [](const Map& self, nb::handle key, nb::handle otherwise) {
@@ -388,13 +390,13 @@ void BindMap(nb::module_& m) {
       },
       nb::arg("key"), nb::arg("default") = nb::none(),
       nb::sig("def get(self, key: str, default: typing.Any = None) -> typing.Any"),
-      "The value, or `default` when the name is not there.");
+      "Returns the value, or `default` for an unknown name.");
   c.def("pop", nb::overload_cast<Map&, nb::handle, nb::args>(&Pop),
         nb::sig("def pop(self, key: str, *default: typing.Any) -> typing.Any"),
-        "Remove and return a value.");
+        "Removes and returns a value.");
   c.def("update", &Update, nb::arg("other").none(),
         nb::sig("def update(self, other: collections.abc.Mapping[str, typing.Any], /) -> None"),
-        "Set all values of another mapping.");
+        "Sets all values of another mapping.");
   c.def("clear", &Clear, nb::sig("def clear(self) -> None"), "Remove all.");
   c.attr("__hash__") = nb::none();
   nb::module_::import_("collections.abc").attr("MutableMapping").attr("register")(c);

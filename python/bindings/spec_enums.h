@@ -37,8 +37,6 @@ inline constexpr const char* kEnumName<ControlKind> = "ControlKind";
 template <>
 inline constexpr const char* kEnumName<CtrlMode> = "CtrlMode";
 template <>
-inline constexpr const char* kEnumName<SceneSourceKind> = "SceneSourceKind";
-template <>
 inline constexpr const char* kEnumName<Keep> = "Keep";
 template <>
 inline constexpr const char* kEnumName<ControlMode> = "ControlMode";

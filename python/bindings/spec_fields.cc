@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "robocell/base/error.h"
+#include "robocell/spec/start_config.h"
 
 namespace robocell::python {
 namespace {
@@ -19,7 +20,7 @@ const Field& FindField(const std::vector<Field>& fields, const std::string& name
     if (name == field.name) return field;
   }
   const std::string place = (path ? path->text() + ": " : "") + WithArticle(type);
-  throw nb::type_error(NoSuchName(place, "field", name, Names(fields)).c_str());
+  throw nb::type_error((NoSuchName(place, "field", name, Names(fields)) + StartHint(name)).c_str());
 }
 
 // The only entry of {kind: value}.

@@ -16,7 +16,7 @@
 #include "spec_containers.h"
 #include "spec_enums.h"
 #include "values.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/task_spec.h"
 #include "robocell/spec/validate.h"
@@ -552,6 +552,21 @@ struct Convert<RobotSource> {
   }
 };
 
+// The scenes of a run: the fields of their source's kind by reference (spec_scenes.cc).
+SceneSourceSpec ScenesFromPython(nb::handle value, const FieldPath& path);
+
+template <>
+struct Convert<SceneSourceSpec> {
+  static std::string Type() { return "SceneSourceSpec"; }
+  static std::string SetType() { return "SceneSourceSpec | dict[str, typing.Any]"; }
+  static nb::object Get(SceneSourceSpec& value, const char*, nb::handle owner) {
+    return nb::cast(&value, nb::rv_policy::reference_internal, owner);
+  }
+  static void Set(SceneSourceSpec& out, nb::handle value, const FieldPath& path) {
+    out = ScenesFromPython(value, path);
+  }
+};
+
 // The task of a run or environment: its fields, as their kind's class (spec_task.cc).
 nb::object TaskSpecToPython(TaskSpec& value);
 TaskSpec TaskSpecFromPython(nb::handle value, const FieldPath& path);
@@ -591,7 +606,7 @@ const std::vector<Field>& FieldsOf() {
   static const std::vector<Field> kFields = [] {
     std::vector<Field> fields;
     const T plain{};
-    ForEachField(plain, [&](const char* name, const auto& value, const char* doc, Check) {
+    ForEachField(plain, [&](const char* name, const auto& value, const char* doc, Bound) {
       using Value = std::remove_cvref_t<decltype(value)>;
       AddField(&fields, name, doc, &plain, &value, kFieldOps<Value>);
     });

@@ -8,6 +8,7 @@ namespace robocell::python {
 void BindRobotSpecs(nb::module_& m);
 void BindSceneSpecs(nb::module_& m);
 void BindTaskSpecs(nb::module_& m);
+void BindSceneSourceSpecs(nb::module_& m);
 void BindRunSpecs(nb::module_& m);
 void BindEnvSpecs(nb::module_& m);
 

@@ -6,7 +6,7 @@
 namespace robocell::python {
 
 void BindRobotSpecs(nb::module_& m) {
-  BindSpecClass<BaseConfig>(m, "What a robot stands on.");
+  BindSpecClass<BaseConfig>(m, "The base of a robot.");
   BindSpecClass<GripperCtrl>(m, "Raw control values of a gripper's actuator, open and closed.");
   BindSpecClass<GripperJointRange>(
       m, "Values of a gripper's first joint when it is open and closed, metres or radians.");
@@ -20,13 +20,13 @@ void BindRobotSpecs(nb::module_& m) {
   DefYamlFile(attachment);
   BindSpecClass<ForceTorqueSensorSpec>(
       m, "A force-torque sensor: the model's pair of a force and a torque sensor as one.");
-  BindSpecClass<ToolFrameSpec>(m, "What is in a robot's hand.");
+  BindSpecClass<ToolFrameSpec>(m, "The tool frame of a robot.");
   auto camera = BindSpecClass<CameraSpec>(
       m,
       "A camera added to a scene or robot. MuJoCo's camera axes: x right, y up, looking along -z.");
   DefYamlFile(camera);
   auto config = BindSpecClass<RobotConfig>(
-      m, "What a robot is: model, move groups, home, base. Usually a YAML file.");
+      m, "The configuration of a robot: model, move groups, home, base. Usually a YAML file.");
   config.def_prop_ro(
       "source_dir", [](const RobotConfig& c) { return c.source_dir; },
       "Folder of the robot file, which its relative paths start at; '' without one.");
@@ -39,10 +39,9 @@ void BindRobotSpecs(nb::module_& m) {
         return modes;
       },
       nb::sig("def used_modes(self) -> list[CtrlMode]"),
-      "The modes that its `control` needs, position included: what a scene has to declare "
-      "(RobotSpec.control_modes) where nobody switches.");
-  auto robot =
-      BindSpecClass<RobotSpec>(m, "A robot in a scene: which, called what, standing where.");
+      "Returns the modes that its `control` needs, including position: what a scene must declare "
+      "(RobotSpec.control_modes) without switching.");
+  auto robot = BindSpecClass<RobotSpec>(m, "A robot in a scene, with its name and place.");
   DefYamlFile(robot);
 }
 

@@ -7,10 +7,14 @@ namespace robocell::python {
 void BindRunSpecs(nb::module_& m) {
   BindSpecClass<CameraConfig>(m, "One stream of images from a camera.");
   BindSpecClass<RenderQuality>(m, "How images are drawn; everything costly is off by default.");
+  BindSpecClass<RendererConfig>(m, "Who draws images, and how.");
   auto cameras =
       BindSpecClass<CameraSystemConfig>(m, "The image streams of a run and the size they share.");
   DefYamlFile(cameras);
-  BindSpecClass<SceneSource>(m, "Where a run's scenes come from.");
+  BindSpecClass<StartConfig>(
+      m,
+      "Where the base of a run's robot stands around what the task is about, "
+      "and what has to hold before an episode begins.");
   BindSpecClass<Rates>(m,
                        "How often the engine steps, controllers run and actions are taken, in ms "
                        "or in Hz.")

@@ -12,8 +12,8 @@ void BindSceneSpecs(nb::module_& m) {
       m, "An object of a scene: a model file, or a primitive with size, rgba, mass and friction.");
   DefYamlFile(object);
   auto scene = BindSpecClass<SceneSpec>(m,
-                                        "What is in a scene and where. Plain data: Scene.build "
-                                        "turns it into a simulation.");
+                                        "The contents of a scene and their places. Plain data: "
+                                        "Scene.build turns it into a simulation.");
   DefYamlFile(scene);
   scene.def_prop_rw(
       "gravity_z", [](const SceneSpec& s) { return s.gravity[2]; },

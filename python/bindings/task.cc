@@ -86,7 +86,7 @@ nb::object MemoryArray(std::span<const double> memory) { return NumberCopy(memor
 namespace {
 
 void BindTaskParts(nb::module_& m) {
-  nb::class_<TaskVerdict>(m, "TaskVerdict", "What a state is worth to a task.")
+  nb::class_<TaskVerdict>(m, "TaskVerdict", "A task's judgement of a state.")
       .def(
           "__init__",
           [](TaskVerdict* self, double reward, nb::handle success, double progress, int subtask) {
@@ -100,15 +100,15 @@ void BindTaskParts(nb::module_& m) {
               "0.0, subtask: int = 0) -> None"))
       .def_rw("reward", &TaskVerdict::reward)
       .def_rw("success", &TaskVerdict::success)
-      .def_rw("progress", &TaskVerdict::progress, "From 0 at the start to 1 at success.")
+      .def_rw("progress", &TaskVerdict::progress, "Progress from 0 at the start to 1 at success.")
       .def_rw("subtask", &TaskVerdict::subtask, "Index into the task's subtasks().")
       .def("__repr__", [](const TaskVerdict& v) {
         return fmt::format("TaskVerdict(reward={:g}, success={}, progress={:g}, subtask={})",
                            v.reward, v.success ? "True" : "False", v.progress, v.subtask);
       });
   nb::class_<TaskSetting>(m, "TaskSetting",
-                          "What a task is bound to beside its scene: how messages call the place, "
-                          "which robots act, and where objects stand.")
+                          "The setting of a task beside its scene: the place's name for messages, "
+                          "the robots that act, and the places of objects.")
       .def_ro("place", &TaskSetting::place, "For messages: \"environment 'duo'\".")
       .def_ro("robots", &TaskSetting::robots, "Names of the robots that act.")
       .def_prop_ro(
@@ -120,8 +120,7 @@ void BindTaskParts(nb::module_& m) {
           },
           nb::sig("def objects(self) -> dict[str, Pose]"),
           "Places of objects in the root frame, by name.");
-  nb::class_<BaseRange>(m, "BaseRange",
-                        "Where the base of a run's robot may stand around an object.")
+  nb::class_<BaseRange>(m, "BaseRange", "Range of places of a robot's base around an object.")
       .def(
           "__init__",
           [](BaseRange* self, std::array<double, 2> distance, double height_offset,
@@ -141,81 +140,81 @@ void BindTaskParts(nb::module_& m) {
 void BindTaskClass(nb::module_& m) {
   nb::class_<Task, PyTaskOf<Task>>(
       m, "Task",
-      "What robots are to do. Subclass it with instruction() and judge(scene) -> TaskVerdict, or\n"
-      "reward(scene) and success(scene); all other methods are there for those who need them.\n\n"
-      "A scene has to hold what the task is about: prepare adds it, bind follows once the scene\n"
-      "is compiled. An episode begins with starts, a reset, arrange and begin. After each step\n"
-      "come judge and observe. `@register_task('stack')` makes a subclass known by a name.")
+      "A goal for robots. Subclasses define instruction() and judge(scene) -> TaskVerdict, "
+      "or\nreward(scene) and success(scene); all other methods are optional.\n\nprepare adds what "
+      "the task needs to the scene, bind follows once the scene\nis compiled. An episode begins "
+      "with starts, a reset, arrange and begin. After each step\ncome judge and observe. "
+      "`@register_task('stack')` registers a subclass by name.")
       .def(nb::init<>())
       .def(
           "prepare", [](Task&, SceneSpec&, PythonRng&) {}, "spec"_a, "rng"_a,
-          "Adds objects, sites or cameras to the SceneSpec. It may be called on another task of "
-          "the same fields than the one that is bound.")
+          "Adds objects, sites or cameras to the SceneSpec. It may be called on another task with "
+          "the same fields than the bound one.")
       .def(
           "bind",
           [](Task& t, const Scene& scene, const TaskSetting& setting) {
             (void)t, (void)scene, (void)setting;
           },
-          "scene"_a, "setting"_a, "The scene is compiled and not reset yet.")
+          "scene"_a, "setting"_a, "Called once the scene is compiled, before the first reset.")
       .def(
           "starts", [](Task&, PythonRng&) { return nb::dict(); }, "rng"_a,
           nb::sig("def starts(self, rng: Rng) -> collections.abc.Mapping[str, Pose]"),
-          "Where free and mocap bodies start: {name in the scene: pose in the world}. The reset "
-          "puts them there with all else, which is several times as fast as moving them in "
-          "arrange.\n\nThe scene is still where the last episode ended: do not look at it; what "
-          "depends on it belongs into arrange.")
+          "Returns starts of free and mocap bodies: {name in the scene: pose in the world}. The "
+          "reset puts them there with everything else, which is several times as fast as moving "
+          "them in arrange.\n\nThe scene is still in the state of the last episode: do not read it "
+          "here; use arrange for what depends on it.")
       .def(
           "arrange", [](Task&, const Scene&, PythonRng&) { return nb::none(); }, "scene"_a, "rng"_a,
           nb::sig("def arrange(self, scene: Scene, rng: Rng) -> Refusal | None"),
-          "Does what else an episode starts with; `rng` goes on from starts. A Refusal ends this "
+          "Makes the other changes of a start; `rng` continues from starts. A Refusal rejects this "
           "start, and another one is drawn.")
       .def(
           "begin", [](Task&, const Scene&) {}, "scene"_a,
-          "Remembers what success is measured from. The scene is at its start state.")
+          "Stores the reference of success. The scene is at its start state.")
       .def(
           "judge", [](Task& t, const Scene& scene) { return t.Judge(scene); }, "scene"_a,
-          "The TaskVerdict of the present state.")
+          "Returns the TaskVerdict of the present state.")
       .def(
           "reward", [](Task& t, const Scene& scene) { return t.Judge(scene).reward; }, "scene"_a)
       .def(
           "success", [](Task& t, const Scene& scene) { return t.Judge(scene).success; }, "scene"_a)
-      .def("instruction", &Task::instruction, "What is to be done, in words.")
+      .def("instruction", &Task::instruction, "Returns the instruction in words.")
       .def(
           "objects", [](const Task&) { return std::vector<std::string>(); },
           nb::sig("def objects(self) -> collections.abc.Sequence[str]"),
-          "Names of the objects whose poses are observed and recorded, what the task is about "
+          "Returns the names of the objects whose poses are observed and recorded, the target "
           "first.")
       .def(
           "resting_objects", [](const Task&) { return std::vector<std::string>(); },
           nb::sig("def resting_objects(self) -> collections.abc.Sequence[str]"),
-          "Objects that have to lie still when an episode begins: touching no robot, inside of "
+          "Returns objects that must lie still when an episode begins: touching no robot, inside "
           "nothing and with something under them. starts and arrange are called again, with the "
-          "numbers that follow, until they do. When an environment is made one start is tried, "
-          "and simulated until they rest.")
+          "following numbers, until they do. When an environment is made, one start is simulated "
+          "until they rest.")
       .def(
           "subtasks", [](const Task&) { return std::vector<std::string>(); },
           nb::sig("def subtasks(self) -> collections.abc.Sequence[str]"),
-          "What TaskVerdict.subtask counts through.")
+          "Returns the names that TaskVerdict.subtask indexes.")
       .def(
           "base_range", [](const Task&) { return BaseRange(); },
-          "In runs: where the robot's base may stand around the first of objects().")
+          "Returns, for runs, where the robot's base may stand around the first of objects().")
       .def(
           "signals", [](const Task&) { return nb::dict(); },
           nb::sig("def signals(self) -> dict[str, tuple[numpy.typing.ArrayLike, "
                   "numpy.typing.ArrayLike]]"),
-          "What is added to the observation: {name: (lower, upper)}.")
+          "Returns what the task adds to the observation: {name: (lower, upper)}.")
       .def(
           "observe", [](const Task&, const Scene&) { return nb::dict(); }, "scene"_a,
           nb::sig("def observe(self, scene: Scene) -> dict[str, numpy.typing.ArrayLike]"),
-          "The signals: {name: numbers}.")
+          "Returns the signals: {name: numbers}.")
       .def(
           "memory", [](const Task&) { return std::vector<double>(); },
           nb::sig("def memory(self) -> numpy.typing.ArrayLike"),
-          "What it remembers of the episode, for saved states.")
+          "Returns the task's memory of the episode, for saved states.")
       .def(
           "recall", [](Task&, nb::handle) {}, "memory"_a,
           nb::sig("def recall(self, memory: numpy.typing.NDArray[numpy.float64]) -> None"),
-          "Takes what memory() gave.");
+          "Restores the result of memory().");
 }
 
 }  // namespace
@@ -223,8 +222,8 @@ void BindTaskClass(nb::module_& m) {
 void BindTask(nb::module_& m) {
   nb::class_<PythonRng>(
       m, "Rng",
-      "A keyed random stream: the same keys give the same numbers, on every machine.\n\nOne that "
-      "is handed to a function of yours is lent for that call; to keep one, fork it.")
+      "A keyed random stream: the same keys give the same numbers on every machine.\n\nA stream "
+      "passed to your function is valid for that call only; fork it to keep one.")
       .def_static(
           "stream",
           [](uint64_t seed, const std::string& purpose) {
@@ -237,42 +236,41 @@ void BindTask(nb::module_& m) {
           "lower"_a = 0.0, "upper"_a = 1.0)
       .def(
           "integer", [](PythonRng& r, uint64_t count) { return r.get().UniformInt(count); },
-          "count"_a, "One of 0 ... count - 1.")
+          "count"_a, "Draws one of 0 ... count - 1.")
       .def("normal", [](PythonRng& r) { return r.get().Normal(); })
       .def(
           "fork",
           [](PythonRng& r, const std::string& purpose) { return PythonRng(r.get().Fork(purpose)); },
-          "purpose"_a, "A stream of its own, which may be kept.");
+          "purpose"_a, "Returns an independent stream, which may be kept.");
   BindTaskParts(m);
   BindTaskClass(m);
   nb::class_<Expert, PyExpertOf<Expert>>(
       m, "Expert",
-      "Acts from the simulation's state. Subclass it with begin(scene, "
-      "rng), act(scene, rng) -> {robot: {group: GroupCommand}},\n"
-      "done(), failure(), phase(), phase_names().")
+      "Acts from the simulation's state. Subclasses define begin(scene, rng), act(scene, rng) -> "
+      "{robot: {group: GroupCommand}},\ndone(), failure(), phase(), phase_names().")
       .def(nb::init<>())
       .def(
           "begin", [](Expert& e, const Scene& s, PythonRng& rng) { e.Begin(s, rng.get()); },
           "scene"_a, "rng"_a)
       .def(
           "act", [](Expert& e, const Scene& s, PythonRng& rng) { return e.Act(s, rng.get()); },
-          "scene"_a, "rng"_a, "{robot: {group: GroupCommand}} until the next policy tick.")
+          "scene"_a, "rng"_a, "Returns {robot: {group: GroupCommand}} until the next policy tick.")
       .def(
           "see", [](Expert&, nb::handle) {}, "row"_a,
           nb::sig("def see(self, row: dict[str, numpy.typing.NDArray[typing.Any]]) -> None"),
-          "Called before each act() with what is recorded of the state, for those who act from "
+          "Called before each act() with the recorded row of the state, for experts that act from "
           "that alone: columns and images by their names in a dataset.")
       .def("done", &Expert::done)
       .def("failure", &Expert::failure,
-           "Why it gave up, \"\" otherwise. A rollout that ends with one is no success, whatever "
-           "its "
-           "task says.")
+           "Returns why the expert gave up, \"\" otherwise. A rollout that ends with a failure is "
+           "not a success, whatever its task judges.")
       .def(
           "ends_at_success", [](const Expert&) { return false; },
-          "Whether a rollout ends as soon as the task is done: for policies, which do not know it.")
+          "Returns True if a rollout ends as soon as the task succeeds, for policies, which do not "
+          "know it.")
       .def("phase", &Expert::phase)
       .def("phase_names", &Expert::phase_names);
-  m.def("object_kinds", &ObjectKinds, "Kinds of objects that tasks can use.");
+  m.def("object_kinds", &ObjectKinds, "Returns the kinds of objects that tasks can use.");
 }
 
 }  // namespace robocell::python

@@ -16,8 +16,10 @@
 #include "values.h"
 #include "robocell/base/error.h"
 #include "robocell/expert/expert_kind.h"
+#include "robocell/scenes/scene_source.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/value_fields.h"
+#include "robocell/task/sampler_kind.h"
 
 namespace robocell::python {
 
@@ -25,10 +27,15 @@ using namespace nb::literals;
 
 namespace {
 
-constexpr const char* kTasks = "_tasks";             // kind -> function (fields: dict) -> Task
-constexpr const char* kExperts = "_experts";         // kind -> function (run, start) -> Expert
-constexpr const char* kTaskCode = "_task_code";      // kind -> function () -> list of files
+constexpr const char* kTasks = "_tasks";      // kind -> function (fields: dict) -> Task
+constexpr const char* kExperts = "_experts";  // kind -> function (run, start) -> Expert
+constexpr const char* kSources =
+    "_scene_sources";                            // kind -> function (fields: dict) -> SceneSource
+constexpr const char* kSamplers = "_samplers";   // kind -> function (run) -> TaskSampler
+constexpr const char* kTaskCode = "_task_code";  // kind -> function () -> list of files
 constexpr const char* kExpertCode = "_expert_code";  // the same
+constexpr const char* kSourceCode = "_scene_source_code";
+constexpr const char* kSamplerCode = "_sampler_code";
 
 nb::dict Makers(const char* name) {
   return nb::cast<nb::dict>(nb::module_::import_("robocell._core").attr(name));
@@ -46,6 +53,16 @@ std::vector<std::string> FilesOf(const char* registry, const std::string& kind) 
   return nb::cast<std::vector<std::string>>(files[kind.c_str()]());
 }
 
+// The values of the fields of a kind that has no struct.
+nb::dict ValuesOf(const KindSpec& spec) {
+  nb::dict fields;
+  if (const auto* values = spec.If<ValueFields>()) {
+    for (const ValueField& field : values->list())
+      fields[field.name.c_str()] = ToPython(field.value);
+  }
+  return fields;
+}
+
 class PythonTaskKind final : public TaskKind {
  public:
   explicit PythonTaskKind(std::string kind) : kind_(std::move(kind)) {}
@@ -53,12 +70,7 @@ class PythonTaskKind final : public TaskKind {
   std::shared_ptr<Task> Make(const TaskSpec& spec) const override {
     const nb::gil_scoped_acquire acquire;
     const nb::object maker = Makers(kTasks)[kind_.c_str()];
-    nb::dict fields;
-    if (const auto* values = spec.If<ValueFields>()) {
-      for (const ValueField& field : values->list())
-        fields[field.name.c_str()] = ToPython(field.value);
-    }
-    const nb::object made = maker(fields);
+    const nb::object made = maker(ValuesOf(spec));
     if (!nb::isinstance<Task>(made))
       ThrowReturned("the function of task '" + kind_ + "'", "a Task", made);
     return Shared<Task>(made);
@@ -96,9 +108,44 @@ class PythonExpertKind final : public ExpertKind {
   std::string kind_;
 };
 
+class PythonSceneSourceKind final : public SceneSourceKind {
+ public:
+  explicit PythonSceneSourceKind(std::string kind) : kind_(std::move(kind)) {}
+
+  std::shared_ptr<SceneSource> Make(const SceneSourceSpec& spec,
+                                    const std::string& /*directory*/) const override {
+    const nb::gil_scoped_acquire acquire;
+    const nb::object made = Makers(kSources)[kind_.c_str()](ValuesOf(spec));
+    if (!nb::isinstance<SceneSource>(made))
+      ThrowReturned("the function of scene source '" + kind_ + "'", "a SceneSource", made);
+    return Shared<SceneSource>(made);
+  }
+  std::vector<std::string> CodeFiles() const override { return FilesOf(kSourceCode, kind_); }
+
+ private:
+  std::string kind_;
+};
+
+class PythonSamplerKind final : public SamplerKind {
+ public:
+  explicit PythonSamplerKind(std::string kind) : kind_(std::move(kind)) {}
+
+  std::shared_ptr<TaskSampler> Make(const RunConfig& run) const override {
+    const nb::gil_scoped_acquire acquire;
+    const nb::object made = Makers(kSamplers)[kind_.c_str()](nb::cast(run));
+    if (!nb::isinstance<TaskSampler>(made))
+      ThrowReturned("the function of sampler '" + kind_ + "'", "a TaskSampler", made);
+    return Shared<TaskSampler>(made);
+  }
+  std::vector<std::string> CodeFiles() const override { return FilesOf(kSamplerCode, kind_); }
+
+ private:
+  std::string kind_;
+};
+
 // A field by its default.
 ValueField ToField(const std::string& name, nb::handle value, const std::string& doc) {
-  const FieldPath parent("fields of a task");
+  const FieldPath parent("fields of a kind");
   const FieldPath path(parent, name);
   ValueField field{.name = name, .value = false, .doc = doc};
   if (nb::isinstance<nb::bool_>(value)) {
@@ -125,20 +172,24 @@ ValueField ToField(const std::string& name, nb::handle value, const std::string&
   return field;
 }
 
-void RegisterPythonTask(const std::string& kind, nb::object maker, const nb::list& fields,
-                        nb::object code) {
-  if (!PyCallable_Check(maker.ptr()))
-    ThrowType(FieldPath("maker"), "a function (fields) -> Task, or its class", maker);
+std::shared_ptr<const KindFields> ToFields(const nb::list& fields, const char* type_name) {
   std::vector<ValueField> values;
   for (const nb::handle item : fields) {
     const auto [name, value, doc] =
         nb::cast<std::tuple<std::string, nb::object, std::string>>(item);
     values.push_back(ToField(name, value, doc));
   }
+  return std::make_shared<ValueFields>(std::move(values), type_name);
+}
+
+void RegisterPythonTask(const std::string& kind, nb::object maker, const nb::list& fields,
+                        nb::object code) {
+  if (!PyCallable_Check(maker.ptr()))
+    ThrowType(FieldPath("maker"), "a function (fields) -> Task, or its class", maker);
   nb::dict tasks = Makers(kTasks);
   // Python's own may be replaced, as when a notebook's cell is run again.
-  RegisterTask(kind, std::make_shared<ValueFields>(std::move(values)),
-               std::make_shared<PythonTaskKind>(kind), tasks.contains(kind.c_str()));
+  RegisterTask(kind, ToFields(fields, "task"), std::make_shared<PythonTaskKind>(kind),
+               tasks.contains(kind.c_str()));
   tasks[kind.c_str()] = maker;
   Makers(kTaskCode)[kind.c_str()] = code;
 }
@@ -152,6 +203,23 @@ void RegisterPythonExpert(const std::string& kind, nb::object maker, nb::object 
   Makers(kExpertCode)[kind.c_str()] = code;
 }
 
+void RegisterPythonSceneSource(const std::string& kind, nb::object maker, const nb::list& fields,
+                               nb::object code) {
+  nb::dict sources = Makers(kSources);
+  RegisterSceneSource(kind, ToFields(fields, "scene source"),
+                      std::make_shared<PythonSceneSourceKind>(kind),
+                      sources.contains(kind.c_str()));
+  sources[kind.c_str()] = maker;
+  Makers(kSourceCode)[kind.c_str()] = code;
+}
+
+void RegisterPythonSampler(const std::string& kind, nb::object maker, nb::object code) {
+  nb::dict samplers = Makers(kSamplers);
+  RegisterSampler(kind, std::make_shared<PythonSamplerKind>(kind), samplers.contains(kind.c_str()));
+  samplers[kind.c_str()] = maker;
+  Makers(kSamplerCode)[kind.c_str()] = code;
+}
+
 }  // namespace
 
 PyObject* TargetOfTask(const Env& env) {
@@ -161,10 +229,21 @@ PyObject* TargetOfTask(const Env& env) {
 void BindTaskKinds(nb::module_& m) {
   m.attr(kTasks) = nb::dict();
   m.attr(kExperts) = nb::dict();
+  m.attr(kSources) = nb::dict();
+  m.attr(kSamplers) = nb::dict();
   m.attr(kTaskCode) = nb::dict();
   m.attr(kExpertCode) = nb::dict();
+  m.attr(kSourceCode) = nb::dict();
+  m.attr(kSamplerCode) = nb::dict();
   m.def("_register_task", &RegisterPythonTask, "kind"_a, "maker"_a, "fields"_a, "code"_a);
   m.def("_register_expert", &RegisterPythonExpert, "kind"_a, "maker"_a, "code"_a);
+  m.def("_register_scene_source", &RegisterPythonSceneSource, "kind"_a, "maker"_a, "fields"_a,
+        "code"_a);
+  m.def("_register_sampler", &RegisterPythonSampler, "kind"_a, "maker"_a, "code"_a);
+  m.def(
+      "scene_source_kinds", [] { return SceneSourceRegistry().kinds(); },
+      "Kinds that the `source` of a run's scenes may name.");
+  m.def("sampler_kinds", &SamplerKinds, "Kinds that the `sampler` of a run may name.");
   m.def("imports_of_run_file", &ImportsOfRunFile, "path"_a,
         "What `imports` of a run file names; nothing of a file that cannot be read.");
   m.def("task_kinds", &TaskKinds, "Kinds that the `task` of a configuration may name.");

@@ -244,7 +244,7 @@ nb::object SampleForPython(const SampleRequest& request, PythonRng& rng,
 class RequestLoan {
  public:
   explicit RequestLoan(const SampleRequest& request)
-      : lent_(std::make_shared<const StopCheck*>(&request.stop)),
+      : lent_(std::make_shared<const StopRequest*>(&request.stop)),
         request_{request.scene, request.episode, request.attempt,
                  [lent = lent_] { return *lent && ShouldStop(**lent); }} {}
   ~RequestLoan() { *lent_ = nullptr; }
@@ -254,7 +254,7 @@ class RequestLoan {
   const SampleRequest& request() const { return request_; }
 
  private:
-  std::shared_ptr<const StopCheck*> lent_;
+  std::shared_ptr<const StopRequest*> lent_;
   SampleRequest request_;
 };
 

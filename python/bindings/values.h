@@ -1,5 +1,5 @@
-// Values from and to Python: numbers, texts, arrays. What is wrong is said with the name of the
-// field or argument it was meant for.
+// Converts values from and to Python: numbers, texts, arrays. Errors contain the name of the field
+// or argument.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace robocell::python {
 
-// Where a value goes: "robots[0].pos". A chain on the stack; the text is made for messages only.
+// The path of a value: "robots[0].pos". A chain on the stack; the text is made for messages only.
 struct FieldPath {
   const FieldPath* parent = nullptr;
   std::string_view name = {};

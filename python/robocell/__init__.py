@@ -7,7 +7,8 @@ At the top are the everyday names. Everything is in a module of its topic:
     kinematics  poses, chains, inverse kinematics             features    columns of your own
     control     controllers, commands, smooth motions         generate    runs and their plans
     render      cameras, pictures, videos                     data        datasets
-    diagnose    checks, trials, advice                        log         messages
+    scenes      where runs take place, sources of your own    log         messages
+    diagnose    checks, trials, advice
     models      built-in robots, objects and scenes           menagerie   MuJoCo Menagerie's robots
 
 They are there after `import robocell`. Modules that need packages of an extra are imported by
@@ -35,6 +36,7 @@ from robocell import (
     render,
     robots,
     scene,
+    scenes,
     tasks,
 )
 from robocell._cmake import cmake_dir
@@ -65,7 +67,7 @@ from robocell._core import (
     RunConfig,
     Scene,
     SceneObject,
-    SceneSource,
+    SceneSourceSpec,
     SceneSpec,
     Shape,
     SpecError,
@@ -77,7 +79,12 @@ from robocell._core import (
 )
 from robocell._elsewhere import not_at_the_top
 from robocell.features import register_feature
-from robocell.tasks import register_expert, register_task
+from robocell.tasks import (
+    register_expert,
+    register_sampler,
+    register_scene_source,
+    register_task,
+)
 
 __all__ = [
     "ArgumentError",
@@ -106,7 +113,7 @@ __all__ = [
     "RunConfig",
     "Scene",
     "SceneObject",
-    "SceneSource",
+    "SceneSourceSpec",
     "SceneSpec",
     "Shape",
     "SpecError",
@@ -128,10 +135,13 @@ __all__ = [
     "models",
     "register_expert",
     "register_feature",
+    "register_sampler",
+    "register_scene_source",
     "register_task",
     "render",
     "robots",
     "scene",
+    "scenes",
     "tasks",
 ]
 

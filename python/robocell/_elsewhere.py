@@ -14,6 +14,7 @@ TOPICS = (
     "control",
     "render",
     "envs",
+    "scenes",
     "tasks",
     "features",
     "generate",

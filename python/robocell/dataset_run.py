@@ -44,7 +44,7 @@ def run_of_dataset(source: str | Path) -> RunConfig:
             "that the task may be another one. Bring the code back, or make the dataset anew"
         )
     # Scenes that are files: as the dataset keeps them, which need not be here any more.
-    files = list(run.scenes.files)
+    files = list(run.scenes.files) if run.scenes.source == "files" else []
     missing = set(range(len(files)))
     for index in range(len(dataset)):
         if not missing:

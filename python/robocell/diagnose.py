@@ -1,30 +1,38 @@
-"""What robocell says about robots, machines and engines: checks, trials and advice.
+"""What robocell says about robots, runs, machines and engines: checks, trials and advice.
 
-    robocell.diagnose.check_config(robot)  # raises what is wrong with its configuration
-    robocell.diagnose.try_robot(robot)  # what its arms do when they are moved a little
+    robocell.diagnose.validate_robot(robot)  # raises what is wrong with its configuration
+    for finding in robocell.diagnose.check_robot(robot):  # what its arms do when they are moved
+        print(finding)
+    robocell.diagnose.check_run(run)  # raises what is wrong with it, returns warnings
     robocell.diagnose.describe_gl()  # what draws pictures on this machine
 
-`robocell check` and `robocell doctor` print the same.
+`robocell check`, `robocell generate` and `robocell doctor` print the same.
 """
 
 from robocell._core import (
     EngineDefect,
-    check_config,
+    Finding,
+    Severity,
+    check_robot,
+    check_run,
     describe_gl,
     graphics_advice,
     known_engine_defects,
     mujoco_version,
-    try_robot,
+    validate_robot,
     why_no_picks,
 )
 
 __all__ = [
     "EngineDefect",
-    "check_config",
+    "Finding",
+    "Severity",
+    "check_robot",
+    "check_run",
     "describe_gl",
     "graphics_advice",
     "known_engine_defects",
     "mujoco_version",
-    "try_robot",
+    "validate_robot",
     "why_no_picks",
 ]

@@ -19,7 +19,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from robocell._core import ArgumentError, Dataset, Error, make_plan
-from robocell.generate.items import Report
+from robocell.generate.items import ItemResult
 from robocell.generate.job import Job
 from robocell.generate.observer import Observer
 from robocell.generate.protocol import Failure
@@ -87,11 +87,11 @@ class _Watching(Observer):
         self._told = told
         self._done = 0
 
-    def episode(self, report: Report, totals: Totals) -> None:
+    def episode(self, result: ItemResult, totals: Totals) -> None:
         """One more."""
         self._done += 1
         if self._told is not None:
-            self._told(totals.already + self._done, totals.planned, report.success)
+            self._told(totals.already + self._done, totals.planned, result.success)
 
     def warning(self, text: str) -> None:
         """On standard error, as other warnings are."""

@@ -1,4 +1,6 @@
-"""Registers tasks and experts of your own by name, for run files, environments and all workers.
+"""Tasks, experts, scene sources and samplers of your own, known by a name.
+
+They work in run files, environments and on all workers.
 
     @register_task("stack")
     class Stack(Task):
@@ -12,8 +14,16 @@
     class StackExpert(Expert):
         def __init__(self, run, start): ...
 
-`task: {kind: stack, size: 0.04}` then works like `task: {kind: pick}`, and `robocell generate
-run.yaml --import my_tasks` makes its dataset.
+    @register_scene_source("lab")
+    class Lab(SceneSource):
+        def __init__(self): ...
+
+    @register_sampler("on_the_floor")
+    class OnTheFloor(TaskSampler):
+        def __init__(self, run): ...
+
+`task: {kind: stack, size: 0.04}` then works like `task: {kind: pick}`, `scenes: {source: lab}` like
+`scenes: {source: tabletop}`, and `robocell generate run.yaml --import my_tasks` makes the dataset.
 """
 
 from __future__ import annotations
@@ -44,16 +54,20 @@ from robocell._core import (
     RefusalReason,
     Rng,
     SampleRequest,
-    Support,
+    SceneSource,
+    StartConfig,
     Task,
     TaskFields,
     TaskSampler,
     TaskSetting,
     TaskVerdict,
     _register_expert,
+    _register_sampler,
+    _register_scene_source,
     _register_task,
     expert_kinds,
     object_kinds,
+    sampler_kinds,
     task_kinds,
 )
 
@@ -72,7 +86,7 @@ __all__ = [
     "RefusalReason",
     "Rng",
     "SampleRequest",
-    "Support",
+    "StartConfig",
     "Task",
     "TaskFields",
     "TaskSampler",
@@ -81,12 +95,16 @@ __all__ = [
     "expert_kinds",
     "object_kinds",
     "register_expert",
+    "register_sampler",
     "register_task",
+    "sampler_kinds",
     "task_kinds",
 ]
 
 TaskClass = TypeVar("TaskClass", bound=Callable[..., Task])
 ExpertClass = TypeVar("ExpertClass", bound=Callable[..., Expert])
+SourceClass = TypeVar("SourceClass", bound=Callable[..., SceneSource])
+SamplerClass = TypeVar("SamplerClass", bound=Callable[..., TaskSampler])
 
 
 def register_task(
@@ -104,17 +122,13 @@ def register_task(
     it, for example when a notebook's cell is run again. Replacing one of robocell's own kinds
     raises ArgumentError. A function that returns a Task may stand in place of the class.
     """
-    if not isinstance(kind, str) or not kind:
-        raise ArgumentError("register_task: `kind` must be a name that is not empty")
+    call = f"register_task({kind!r})"
+    _require_name("register_task", kind)
 
     def register(maker: TaskClass) -> TaskClass:
-        if not callable(maker):
-            raise TypeError(
-                f"register_task({kind!r}): expected a class derived from Task or a function that "
-                f"makes one, got {maker!r}"
-            )
+        _require_maker(call, maker, "Task")
         described = fields if fields is not None else getattr(maker, "Fields", None)
-        _register_task(kind, _maker(maker, described), _defaults(kind, described), code_of(maker))
+        _register_task(kind, _maker(maker, described), _defaults(call, described), code_of(maker))
         return maker
 
     return register
@@ -130,41 +144,92 @@ def register_expert(
     ArgumentError. `files`: files that the expert uses beside its code, such as weights; a dataset
     records their content.
     """
-    if not isinstance(kind, str) or not kind:
-        raise ArgumentError("register_expert: `kind` must be a name that is not empty")
+    _require_name("register_expert", kind)
 
     def register(maker: ExpertClass) -> ExpertClass:
-        if not callable(maker):
-            raise TypeError(
-                f"register_expert({kind!r}): expected a class derived from Expert or a function "
-                f"that makes one, got {maker!r}"
-            )
+        _require_maker(f"register_expert({kind!r})", maker, "Expert")
         _register_expert(kind, maker, code_of(maker, files))
         return maker
 
     return register
 
 
-def _maker(
-    maker: Callable[..., Task], fields: type[Any] | None
-) -> Callable[[dict[str, Any]], Task]:
-    """Returns the function that C++ calls with the values of the fields."""
+def register_scene_source(
+    kind: str, *, fields: type[Any] | None = None, files: Sequence[str | Path] = ()
+) -> Callable[[SourceClass], SourceClass]:
+    """Makes a class known as a kind of scene source, for `scenes: {source: ...}` of runs.
+
+    It is made as `cls(fields)`, or `cls()` without fields, which are described as for
+    `register_task`; `source` and `houses` are taken. Registering a name again replaces it;
+    robocell's own cannot be replaced (ArgumentError). `files` are what scenes are made from beside
+    the code and the models, such as lists of places: a dataset remembers what they hold.
+    """
+    call = f"register_scene_source({kind!r})"
+    _require_name("register_scene_source", kind)
+
+    def register(maker: SourceClass) -> SourceClass:
+        _require_maker(call, maker, "SceneSource")
+        described = fields if fields is not None else getattr(maker, "Fields", None)
+        defaults = _defaults(call, described, ("source", "houses"))
+        _register_scene_source(kind, _maker(maker, described), defaults, code_of(maker, files))
+        return maker
+
+    return register
+
+
+def register_sampler(
+    kind: str, *, files: Sequence[str | Path] = ()
+) -> Callable[[SamplerClass], SamplerClass]:
+    """Makes a class known as a kind of sampler, for `sampler: ...` of runs.
+
+    It is made as `cls(run)` in each process, in the place of the sampler of the run's task.
+    Registering a name again replaces it (ArgumentError for one of C++). `files` are what it acts
+    from beside its code: a dataset remembers what they hold.
+    """
+    _require_name("register_sampler", kind)
+
+    def register(maker: SamplerClass) -> SamplerClass:
+        _require_maker(f"register_sampler({kind!r})", maker, "TaskSampler")
+        _register_sampler(kind, maker, code_of(maker, files))
+        return maker
+
+    return register
+
+
+def _require_name(function: str, kind: object) -> None:
+    if not isinstance(kind, str) or not kind:
+        raise ArgumentError(f"{function}: `kind` must be a name that is not empty")
+
+
+def _require_maker(call: str, maker: object, base: str) -> None:
+    if not callable(maker):
+        article = "an" if base[0] in "AEIOU" else "a"
+        raise TypeError(
+            f"{call}: expected a class derived from {base} or a function that makes {article} "
+            f"{base}, got {maker!r}"
+        )
+
+
+def _maker(maker: Callable[..., Any], fields: type[Any] | None) -> Callable[[dict[str, Any]], Any]:
+    """What C++ calls with the values of the fields."""
     if fields is None:
         return lambda _values: maker()
     return lambda values: maker(fields(**values))
 
 
-def _defaults(kind: str, fields: type[Any] | None) -> list[tuple[str, Any, str]]:
-    """Returns name, default and documentation of each field."""
+def _defaults(
+    call: str, fields: type[Any] | None, taken: Sequence[str] = ("kind",)
+) -> list[tuple[str, Any, str]]:
+    """Name, default and documentation of each field; `taken` are names that it cannot have."""
     if fields is None:
         return []
     if not dataclasses.is_dataclass(fields):
-        raise TypeError(f"register_task({kind!r}): `Fields` must be a dataclass, got {fields!r}")
+        raise TypeError(f"{call}: `Fields` must be a dataclass, got {fields!r}")
     found: list[tuple[str, Any, str]] = []
     for field in dataclasses.fields(fields):
-        if field.name == "kind":
+        if field.name in taken:
             raise ArgumentError(
-                f"register_task({kind!r}): a field cannot be called 'kind', which names the task"
+                f"{call}: a field cannot be called '{field.name}', which has a meaning already"
             )
         if field.default is not dataclasses.MISSING:
             default = field.default
@@ -172,8 +237,7 @@ def _defaults(kind: str, fields: type[Any] | None) -> list[tuple[str, Any, str]]
             default = field.default_factory()
         else:
             raise ArgumentError(
-                f"register_task({kind!r}): field '{field.name}' needs a default: a configuration "
-                "may leave it out"
+                f"{call}: field '{field.name}' needs a default: a configuration may leave it out"
             )
         found.append((field.name, default, str(field.metadata.get("doc", ""))))
     return found

@@ -27,8 +27,8 @@ RC7 = Path(robocell.models.robot_file("rc7"))
 RUN = {
     "run": "tiny",
     "robot": str(RC7),
-    "task": {
-        "kind": "pick",
+    "task": {"kind": "pick"},
+    "start": {
         "base_distance": [0.3, 0.55],
         "base_height_offset": -0.25,
         "base_height_noise": [-0.15, 0.1],

@@ -17,7 +17,7 @@ import time
 from pathlib import Path
 
 from robocell import IoError, SpecError
-from robocell.generate.items import Item, Report
+from robocell.generate.items import Item, ItemResult
 from robocell.generate.worker import serve
 
 
@@ -38,15 +38,15 @@ def tries_of(folder: Path) -> list[str]:
     return [line.split()[0] for line in path.read_text().splitlines()] if path.exists() else []
 
 
-def made(folder: Path, item: Item, **values: object) -> Report:
+def made(folder: Path, item: Item, **values: object) -> ItemResult:
     """Commits the episode; FileExistsError when there is one."""
     (folder / item.id).mkdir()
-    return report_of(item.id)
+    return result_of(item.id)
 
 
-def report_of(name: str) -> Report:
+def result_of(name: str) -> ItemResult:
     """Of an item that was made."""
-    return Report(name, success=True, attempts=2, accepted=1, refusals={"too far": 1}, rows=9)
+    return ItemResult(name, success=True, attempts=2, accepted=1, refusals={"too far": 1}, rows=9)
 
 
 class Maker:
@@ -55,7 +55,7 @@ class Maker:
     def __init__(self, folder: Path, script: dict[str, list[str]], stop: Stop) -> None:
         self.folder, self.script, self.stop = folder, script, stop
 
-    def __call__(self, item: Item) -> Report:
+    def __call__(self, item: Item) -> ItemResult:
         """One item."""
         before = tries_of(self.folder).count(item.id)
         with (self.folder / "tries").open("a") as file:
@@ -63,7 +63,7 @@ class Maker:
         acts = self.script.get(item.id, self.script.get("*", ["make"]))
         return self.act(acts[min(before, len(acts) - 1)], item)
 
-    def act(self, what: str, item: Item) -> Report:
+    def act(self, what: str, item: Item) -> ItemResult:
         """One behaviour."""
         match what:
             case "kill":
@@ -80,14 +80,14 @@ class Maker:
             case "patient":  # works until it is told to stop
                 self.stop.event.wait(1000)
                 failures = {"dropped": 3}
-                return Report(
+                return ItemResult(
                     item.id, stopped=True, undecided=1, attempts=3, accepted=3, failures=failures
                 )
             case "slow":
                 time.sleep(0.3)
             case "fail":
                 failures = {"dropped": 3, "not lifted": 2}
-                return Report(item.id, attempts=6, accepted=5, failures=failures)
+                return ItemResult(item.id, attempts=6, accepted=5, failures=failures)
             case "raise":
                 raise ValueError("a bug")
             case "spec":

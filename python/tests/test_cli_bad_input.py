@@ -13,7 +13,8 @@ from command_line import RC7, refused
 RUN = f"""run: tiny
 robot: {RC7}
 output: out
-task: {{kind: pick, base_distance: [0.3, 0.55], base_height_offset: -0.25}}
+task: {{kind: pick}}
+start: {{base_distance: [0.3, 0.55], base_height_offset: -0.25}}
 scenes: {{source: tabletop}}
 episodes_per_scene: 1
 cameras:

@@ -23,7 +23,7 @@ from robocell.generate.check import Found
 from robocell.generate.disk import disk_trouble, flush, require_writable
 from robocell.generate.job import Job
 from robocell.generate.observer import Observer
-from robocell.generate.resume import DamagedEpisodesError, made_items, report_of
+from robocell.generate.resume import DamagedEpisodesError, made_items, result_of
 
 
 def test_a_folder_is_generated_by_one_run_at_a_time(tmp_path: Path):
@@ -176,7 +176,7 @@ def test_what_is_broken_is_named_and_never_taken_for_made(tmp_path: Path):
     assert made_items(run, [first, second]) == set(), "an empty folder is no episode"
     (out / first.id / "steps.h5").write_bytes(b"half")
     (out / f".{second.id}.7.1.partial").mkdir()
-    assert report_of(run, first) is None
+    assert result_of(run, first) is None
     with pytest.raises(DamagedEpisodesError, match=f"{first.id}' is half an episode"):
         made_items(run, [first, second])
     assert made_items(run, [second]) == set()

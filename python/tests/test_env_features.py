@@ -125,7 +125,7 @@ def test_they_are_recorded_and_the_dataset_gives_its_environment_back(env: rc.En
         episode["features/env_test_tool"], episode["observation/features/env_test_tool"]
     )
     assert replay_actions(env, episode).ok
-    assert rc.data.check_replay(episode, 0).ok
+    assert rc.data.verify_replay(episode, 0).ok
 
     back = from_dataset(dataset, privileged=True)
     assert back.actions == ["action/robot/tquat", "action/robot/gripper"]

@@ -58,7 +58,7 @@ def test_an_episode_holds_what_was_seen_and_done(tmp_path: Path):
     assert features["action/robot/tquat"].role == "action"
     assert rc.data.verify(tmp_path).ok
     for each in dataset:
-        assert rc.data.check_replay(each, 0).ok
+        assert rc.data.verify_replay(each, 0).ok
         assert replay_actions(env, each).ok
         assert replay_actions(env_of_episode(each), each).ok
     env.close()
@@ -101,9 +101,9 @@ def test_a_replay_in_a_rig_that_stands_elsewhere(tmp_path: Path):
     moved = rc.Env(config(root_frame_to_world=elsewhere))
     (episode,) = rc.Dataset(tmp_path)
     assert replay_actions(moved, episode, frame="root", tolerance=1e-5).ok
-    report = replay_actions(moved, episode, tolerance=1e-5)
-    assert report.first is not None
-    assert report.first.what.startswith("objects.cube.tquat[")
+    result = replay_actions(moved, episode, tolerance=1e-5)
+    assert result.first is not None
+    assert result.first.what.startswith("objects.cube.tquat[")
     moved.close()
 
 
@@ -122,7 +122,7 @@ def test_copies_of_a_vector_that_begin_anew_by_themselves(tmp_path: Path):
     alone = rc.Env(config())
     for episode in rc.Dataset(tmp_path):
         assert len(episode["time"]) == 2
-        assert rc.data.check_replay(episode, 0).ok
+        assert rc.data.verify_replay(episode, 0).ok
         assert replay_actions(alone, episode).ok
     vector.close()
     alone.close()

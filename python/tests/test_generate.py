@@ -24,16 +24,16 @@ from command_line import RUN, refused, robocell_command, write_run
 from contents import contents, of_episodes
 from made_once import made_once
 from robocell.generate import report as reports
-from robocell.generate.items import Report
+from robocell.generate.items import ItemResult
 from robocell.generate.procfs import children
-from robocell.generate.resume import report_of
+from robocell.generate.resume import result_of
 
 IDS = ["s0000_e0000", "s0000_e0001"]
 # One for each of seven workers; so far away that not every first start is in reach.
 STREAM = {"name": "wrist", "camera": "wrist_camera", "depth": True}
 LONGER = {
     "episodes_per_scene": 7,
-    "task": {**RUN["task"], "base_distance": [0.4, 0.62]},
+    "start": {**RUN["start"], "base_distance": [0.4, 0.62]},
     "cameras": {"resolution": [64, 48], "streams": [STREAM]},
 }
 
@@ -94,10 +94,10 @@ def test_the_disk_says_of_an_item_what_its_worker_reported(longer: Path):
     told = reports.load(longer / "report.json").episodes
     for item in robocell.generate.make_plan(run):
         # Times and places are in no episode.
-        found = report_of(run, item)
+        found = result_of(run, item)
         assert found == replace(told[item.id], seconds={}, redrawn={})
-        assert Report.from_json(json.loads(json.dumps(found.to_json()))) == found
-    assert sum(report.attempts > report.accepted for report in told.values()) > 0
+        assert ItemResult.from_json(json.loads(json.dumps(found.to_json()))) == found
+    assert sum(result.attempts > result.accepted for result in told.values()) > 0
 
 
 def processes(dataset: Path) -> set[int]:
@@ -298,9 +298,9 @@ def test_an_interrupted_run_keeps_what_is_made_and_says_how_to_go_on(
     assert "Traceback" not in result.stderr
     assert re.search("of 50 episodes (is|are) on the disk", result.stderr)
     assert f"robocell generate {run}" in result.stderr
-    report = robocell.data.verify(tmp_path / "out")
-    assert report.ok
-    assert report.leftovers == [], "nothing half-made stays"
+    result = robocell.data.verify(tmp_path / "out")
+    assert result.ok
+    assert result.leftovers == [], "nothing half-made stays"
     made = contents(tmp_path / "out")
     steps = f"{IDS[0]}/steps.h5"
     assert made[steps] == contents(reference)[steps]
@@ -310,9 +310,9 @@ def test_a_killed_run_can_go_on(reference: Path, tmp_path: Path):
     run = write_run(tmp_path)
     assert interrupt(run, signal.SIGKILL).returncode == -signal.SIGKILL
     generate(run, tmp_path / "out")
-    report = robocell.data.verify(tmp_path / "out")
-    assert report.ok
-    assert report.leftovers == [], "what the killed workers were writing is gone"
+    result = robocell.data.verify(tmp_path / "out")
+    assert result.ok
+    assert result.leftovers == [], "what the killed workers were writing is gone"
     made = contents(tmp_path / "out")
     assert {name: made[name] for name in contents(reference)} == contents(reference)
 

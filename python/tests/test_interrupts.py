@@ -16,8 +16,8 @@ import pytest
 import robocell as rc
 from robocell.data import EnvRecorder, replay_actions
 from robocell.gym import VectorGymEnv, pick_cube_config
-from test_experts import Idle, load
 from test_robot import cell
+from test_task import Idle, load
 
 # Between the signal and the exception; generous for a busy machine, far below what the work takes.
 PROMPTLY_S = 1.0
@@ -237,12 +237,12 @@ def test_a_handler_that_only_sets_the_stop_flag_ends_the_run_without_an_exceptio
     timer = threading.Timer(1.5, os.kill, (os.getpid(), signal.SIGTERM))
     timer.start()
     try:
-        report = rc.generate.Runner(run, expert=endless).run(rc.generate.make_plan(run)[0], stop)
+        result = rc.generate.Runner(run, expert=endless).run(rc.generate.make_plan(run)[0], stop)
     finally:
         signal.signal(signal.SIGTERM, before)
         timer.join()
-    assert report.stopped
-    assert not report.committed
+    assert result.stopped
+    assert not result.committed
 
 
 @pytest.mark.parametrize("work", ["step_n", "ik_batch"])

@@ -8,12 +8,12 @@ from pathlib import Path
 
 from rich.console import Console
 
-from robocell.generate.items import Report, counts_text
+from robocell.generate.items import ItemResult, counts_text
 from robocell.generate.progress import Bar, JsonLines, PlainLines, beginning, status
 from robocell.generate.summary import Summary
 from robocell.generate.totals import Totals, Unmade, duration, percent
 
-REPORT = Report(
+RESULT = ItemResult(
     "s0000_e0001",
     success=True,
     attempts=4,
@@ -29,14 +29,14 @@ REPORT = Report(
 def totals_after_one() -> Totals:
     totals = Totals(planned=20, already=5, workers=2)
     totals.started, totals.ended = 100.0, 110.0
-    totals.add(REPORT)
+    totals.add(RESULT)
     return totals
 
 
 def test_what_an_interruption_ended_is_no_failure():
     totals = totals_after_one()
     before = (totals.attempts, totals.success_rate, totals.acceptance_rate)
-    totals.add(Report("s0000_e0002", stopped=True, undecided=1))
+    totals.add(ItemResult("s0000_e0002", stopped=True, undecided=1))
     assert (totals.attempts, totals.success_rate, totals.acceptance_rate) == before
     assert totals.to_json()["undecided"] == 1
     rows = Summary("demo", Path("out"), 6, totals).rows()
@@ -78,7 +78,7 @@ def test_plain_lines_come_seldom_and_say_what_happened():
     totals = totals_after_one()
     lines.started(totals)
     for _ in range(3):
-        lines.episode(REPORT, totals)
+        lines.episode(RESULT, totals)
     lines.retry("s0000_e0002", "worker 1 (pid 7) was killed by SIGSEGV", totals)
     lines.unmade(
         Unmade("s0000_e0003", "dropped 20", "robocell generate r.yaml --shard 3/20"), totals
@@ -101,9 +101,9 @@ def test_the_last_plain_line_comes_once():
     lines = PlainLines(file, interval_s=0)
     totals = totals_after_one()
     totals.planned = 7
-    lines.episode(REPORT, totals)
+    lines.episode(RESULT, totals)
     totals.unmade.append(Unmade("s0000_e0003", "dropped 20", ""))
-    lines.episode(REPORT, totals)
+    lines.episode(RESULT, totals)
     lines.finished(totals)
     assert [line[:12] for line in file.getvalue().splitlines()] == ["6/7 episodes"] * 2
 
@@ -127,7 +127,7 @@ def test_json_lines_are_one_object_per_event():
     lines = JsonLines(file)
     totals = totals_after_one()
     lines.started(totals)
-    lines.episode(REPORT, totals)
+    lines.episode(RESULT, totals)
     lines.retry("a", "killed", totals)
     lines.unmade(Unmade("b", "dropped 20", "robocell generate"), totals)
     lines.warning("look")
@@ -137,7 +137,7 @@ def test_json_lines_are_one_object_per_event():
     assert [event["event"] for event in events] == [
         *("started", "episode", "retry", "unmade", "warning", "stopping", "finished")
     ]
-    assert Report.from_json(events[1]["report"]) == REPORT
+    assert ItemResult.from_json(events[1]["result"]) == RESULT
     assert events[1]["totals"]["made"] == 1
     assert events[1]["totals"]["refusals"] == {"too far": 2}
     assert events[3] == {

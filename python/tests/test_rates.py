@@ -37,7 +37,7 @@ def test_rows_times_and_frames_have_exactly_the_rate(
         attributes = steps["cameras/exo"].attrs
         assert (attributes["fps_num"], attributes["fps_den"]) == fps
     assert len(episode.frames("exo")) == len(episode)
-    assert robocell.data.check_replay(episode).ok
+    assert robocell.data.verify_replay(episode).ok
 
 
 def test_a_rate_that_does_not_fit_names_the_nearest_and_the_timestep(tmp_path: Path):

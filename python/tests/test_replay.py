@@ -67,13 +67,13 @@ def test_the_first_difference_is_named_with_row_tick_and_joint(changed: Path):
 
 
 def test_the_difference_is_a_value_in_python(changed: Path):
-    report = robocell.data.check_replay(robocell.Dataset(changed)[IDS[1]])
-    assert not report.ok
-    assert (report.first.row, report.first.tick, report.first.column) == (9, 891, QPOS)
-    assert report.first.recorded - report.first.replayed == pytest.approx(1e-6, rel=1e-3)
-    assert report.first.units == "rad"
-    assert report.first.others == 0
-    assert report.rows == 9
+    result = robocell.data.verify_replay(robocell.Dataset(changed)[IDS[1]])
+    assert not result.ok
+    assert (result.first.row, result.first.tick, result.first.column) == (9, 891, QPOS)
+    assert result.first.recorded - result.first.replayed == pytest.approx(1e-6, rel=1e-3)
+    assert result.first.units == "rad"
+    assert result.first.others == 0
+    assert result.rows == 9
 
 
 def test_the_scene_of_an_episode_is_read_with_the_folders_of_its_models(dataset: Path):

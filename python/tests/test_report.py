@@ -16,7 +16,7 @@ import robocell
 from command_line import refused, robocell_command, write_run
 from robocell.generate import report as reports
 from robocell.generate.check import Found
-from robocell.generate.items import Report
+from robocell.generate.items import ItemResult
 from robocell.generate.job import Job
 from robocell.generate.observer import Observer
 from robocell.generate.report import Command, DamagedReportError, RunReport
@@ -34,8 +34,8 @@ from robocell.generate.totals import (
 IDS = ["s0000_e0000", "s0000_e0001"]
 
 
-def made(name: str) -> Report:
-    return Report(
+def made(name: str) -> ItemResult:
+    return ItemResult(
         name,
         success=True,
         attempts=3,
@@ -244,7 +244,7 @@ def test_without_a_report_the_disk_still_counts(dataset: Path, tmp_path: Path):
     (copy / "report.json").unlink()
     result = robocell_command("report", copy)
     assert result.returncode == 0
-    assert "no report.json, so only what is on the disk is told" in result.stderr
+    assert "no report.json, so only the contents of the disk are reported" in result.stderr
     assert "a Runner writes none" in result.stderr
     assert "2 episodes, " in result.stdout
     assert " of 2" not in result.stdout, "nobody knows how many were planned"
@@ -352,10 +352,14 @@ def test_when_time_runs_out_the_number_of_actions_is_named():
 
 def test_success_is_told_by_object_when_there_are_several():
     totals = Totals(planned=3)
-    totals.add(Report("a", success=True, object_kind="mug", kinds={"mug": 1}, rollouts={"mug": 1}))
+    totals.add(
+        ItemResult("a", success=True, object_kind="mug", kinds={"mug": 1}, rollouts={"mug": 1})
+    )
     assert "success by object" not in Summary("r", Path(), 1, totals).rows()
-    totals.add(Report("b", success=True, object_kind="box", kinds={"box": 3}, rollouts={"box": 2}))
-    totals.add(Report("c", object_kind="can", kinds={"can": 4}))
+    totals.add(
+        ItemResult("b", success=True, object_kind="box", kinds={"box": 3}, rollouts={"box": 2})
+    )
+    totals.add(ItemResult("c", object_kind="can", kinds={"can": 4}))
     totals.attempts, totals.accepted = 8, 3
     read = Totals.from_record(totals.record())
     for told in (totals, side_by_side([read])):

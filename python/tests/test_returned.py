@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import robocell as rc
-from test_experts import Idle, load
+from test_task import Idle, load
 
 Expert = Callable[[rc.RunConfig, rc.tasks.EpisodeStart], rc.tasks.Expert]
 
@@ -66,10 +66,10 @@ def test_what_an_expert_returns_is_told(run: rc.RunConfig, method: str, value: A
 
 
 def test_numpys_own_bool_is_one(run: rc.RunConfig):
-    report = rc.generate.Runner(run, expert=expert_returning("done", np.True_)).run(
+    result = rc.generate.Runner(run, expert=expert_returning("done", np.True_)).run(
         rc.generate.make_plan(run)[0]
     )
-    assert report.accepted == 1
+    assert result.accepted == 1
 
 
 def test_a_method_that_is_missing_is_named(run: rc.RunConfig):

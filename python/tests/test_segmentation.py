@@ -107,4 +107,4 @@ def test_the_same_run_gives_the_same_bytes(dataset: Path, tmp_path: Path):
 
 def test_an_episode_with_segmentation_is_replayed(dataset: Path):
     for episode in robocell.Dataset(dataset):
-        assert robocell.data.check_replay(episode).ok
+        assert robocell.data.verify_replay(episode).ok

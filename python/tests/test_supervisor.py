@@ -18,7 +18,7 @@ import pytest
 
 import fake_worker
 from robocell.generate.disk import with_trouble
-from robocell.generate.items import Item, Report
+from robocell.generate.items import Item, ItemResult
 from robocell.generate.observer import Observer
 from robocell.generate.supervisor import Limits, Supervisor
 from robocell.generate.totals import Totals, Unmade
@@ -34,8 +34,8 @@ class Recorder(Observer):
         self.on_episode: Callable[[], None] = lambda: None
         self.on_tick: Callable[[], None] = lambda: None
 
-    def episode(self, report: Report, totals: Totals) -> None:
-        self.events.append(("episode", report.id))
+    def episode(self, result: ItemResult, totals: Totals) -> None:
+        self.events.append(("episode", result.id))
         self.on_episode()
 
     def retry(self, item_id: str, reason: str, totals: Totals) -> None:
@@ -81,7 +81,7 @@ def supervise(
         command,
         workers=workers,
         logs=options.pop("logs", folder),
-        on_disk=lambda name: fake_worker.report_of(name) if (folder / name).exists() else None,
+        on_disk=lambda name: fake_worker.result_of(name) if (folder / name).exists() else None,
         observer=observer,
         reproduce=lambda item: f"robocell generate run.yaml --shard {item.index}/{count}",
         **options,
@@ -140,7 +140,7 @@ def test_a_killed_worker_is_named_with_its_signal_and_its_item_made_again(tmp_pa
     (death,) = outcome.totals.deaths
     assert (death.item, death.reason) == ("e1", "was killed by SIGKILL (out of memory?)")
     assert 0 < death.after_s <= outcome.totals.elapsed_s
-    assert sorted(report.id for report in outcome.reports) == ids(4)
+    assert sorted(result.id for result in outcome.results) == ids(4)
 
 
 def test_an_item_that_always_kills_is_listed_after_three_tries_and_stops_nobody(tmp_path: Path):

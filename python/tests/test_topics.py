@@ -21,8 +21,8 @@ ERRORS = [
 # What only the package itself uses.
 OWN = {
     "SpecT", "atomic_write", "changed_code", "ffmpeg_answer", "import_mujoco",
-    "imports_of_run_file", "json_damage", "make_task", "missing_spec_file", "other_run_of",
-    "override_file", "require_dataset", "set_aside", "sign_json", "temporary_path",
+    "imports_of_run_file", "json_damage", "load_plugin", "make_task", "missing_spec_file",
+    "other_run_of", "override_file", "require_dataset", "set_aside", "sign_json", "temporary_path",
 }  # fmt: skip
 SHORTER_ELSEWHERE = ("builtin_", "menagerie_", "models_root", "resolve_model")  # robocell.models
 

@@ -128,8 +128,8 @@ def test_a_policy_sees_the_rows_that_a_dataset_records(dataset: Path, tmp_path: 
     run.keep = rc.generate.Keep.FIRST
     run.episodes, run.max_attempts = 1, 20
     rc.generate.prepare_dataset(run)
-    report = rc.generate.Runner(run, expert=expert).run(rc.generate.make_plan(run)[0])
-    assert report.committed
+    result = rc.generate.Runner(run, expert=expert).run(rc.generate.make_plan(run)[0])
+    assert result.committed
     played = rc.Dataset(run.output)[0]
     spy = spies[-1]
     assert len(spy.seen) == len(played)

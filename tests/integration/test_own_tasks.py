@@ -50,7 +50,7 @@ def test_cubes_are_stacked_by_any_number_of_workers(run_file: Path, tmp_path: Pa
         assert episode.metadata["instruction"] == "put the red cube on the blue one"
         red, blue = episode["objects/red/pose"][-1], episode["objects/blue/pose"][-1]
         assert red[2] - blue[2] == pytest.approx(0.04, abs=0.003)
-        assert rc.data.check_replay(episode).ok
+        assert rc.data.verify_replay(episode).ok
     assert files_of(tmp_path / "two") == files_of(tmp_path / "one")
 
 
@@ -200,7 +200,7 @@ def test_overrides_of_a_configuration_keep_the_folders_of_its_files(tmp_path: Pa
     run = source.load(["robot.gravcomp=false", "seed=7"])
     assert run.seed == 7
     assert run.robot.gravcomp is False
-    rc.generate.check_run(run)
+    rc.diagnose.check_run(run)
 
 
 def test_a_dataset_is_acted_in_with_the_code_that_made_it_only(run_file: Path, tmp_path: Path):

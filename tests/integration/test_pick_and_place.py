@@ -17,7 +17,8 @@ RC7 = ROOT / "models" / "robots" / "rc7" / "rc7.yaml"
 
 def run_file(folder: Path, task: str) -> Path:
     text = EXAMPLE.read_text().replace("../models/robots/rc7/rc7.yaml", str(RC7))
-    lines = [f"task: {task}" if line.startswith("task:") else line for line in text.splitlines()]
+    lines = [line for line in text.splitlines() if not line.startswith("start:")]
+    lines = [f"task: {task}" if line.startswith("task:") else line for line in lines]
     # Without the block of the cameras.
     lines = [line for line in lines if not line.startswith(("cameras:", "  "))]
     file = folder / "place.yaml"
@@ -37,7 +38,7 @@ def test_the_example_puts_objects_on_the_tray(tmp_path: Path):
         target = episode["objects/target/pose"][-1][:3]
         tray = episode["objects/goal/pose"][-1][:3]
         assert np.linalg.norm((target - tray)[:2]) < 0.03
-        assert rc.data.check_replay(episode).ok
+        assert rc.data.verify_replay(episode).ok
     for file in sorted((tmp_path / "two").glob("s*/steps.h5")):
         assert file.read_bytes() == (tmp_path / "one" / file.parent.name / file.name).read_bytes()
 
@@ -49,7 +50,7 @@ def test_the_example_puts_objects_on_the_tray(tmp_path: Path):
         ("{kind: pick_and_place, objects: [bok]}", "Did you mean 'box'?"),
         ("{kind: pick_and_place, goal: [0, 0, 0]}", "belongs to environments"),
         ("{kind: pick_and_place, goal_tolerance: 0}", "task.goal_tolerance"),
-        ("{kind: pick_and_place, base_distance: [3, 4]}", "goes beyond"),
+        ("{kind: pick_and_place}\nstart: {base_distance: [3, 4]}", "goes beyond"),
     ],
 )
 def test_what_cannot_be_is_told_before_the_first_episode(tmp_path: Path, task: str, message: str):
@@ -68,13 +69,15 @@ class Counting(rc.tasks.PickAndPlacePlanner):
 
 def test_the_expert_can_be_subclassed(tmp_path: Path):
     run = rc.RunConfig.load(
-        run_file(tmp_path, "{kind: pick_and_place, objects: [box], base_height_offset: -0.25}")
+        run_file(
+            tmp_path, "{kind: pick_and_place, objects: [box]}\nstart: {base_height_offset: -0.25}"
+        )
     )
     run.output = str(tmp_path / "out")
     run.episodes_per_scene = 1
     rc.generate.prepare_dataset(run)
-    report = rc.generate.Runner(run, expert=Counting).run(rc.generate.make_plan(run)[0])
-    assert report.success
+    result = rc.generate.Runner(run, expert=Counting).run(rc.generate.make_plan(run)[0])
+    assert result.success
     assert Counting.actions >= len(rc.Dataset(run.output)[0]["phase"])
 
 

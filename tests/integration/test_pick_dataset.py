@@ -44,9 +44,9 @@ def test_twenty_picks_are_on_the_disk_and_intact(twenty: GeneratedRun):
         content = read_json(episode)
         assert content["success"] is True, episode.name
         assert content["warnings"] == [], episode.name
-    report = robocell.data.verify(twenty.dataset)
-    assert report.ok, str(report)
-    assert report.leftovers == []
+    result = robocell.data.verify(twenty.dataset)
+    assert result.ok, str(result)
+    assert result.leftovers == []
 
 
 def test_the_expert_lifts_nearly_every_accepted_start(twenty: GeneratedRun):
@@ -66,10 +66,10 @@ def test_the_sampler_accepts_enough_of_what_it_tries(twenty: GeneratedRun):
 
 @pytest.mark.parametrize(("column", "what"), [(0, "distance"), (1, "height")])
 def test_starts_cover_the_configured_ranges(twenty: GeneratedRun, column: int, what: str):
-    task = twenty.run.task
+    start = twenty.run.start
     configured = {
-        "distance": np.array(task.base_distance),
-        "height": task.base_height_offset + np.array(task.base_height_noise),
+        "distance": np.array(start.base_distance),
+        "height": start.base_height_offset + np.array(start.base_height_noise),
     }[what]
     measured = base_placements(twenty)[:, column]
     assert np.ptp(measured) >= 0.8 * np.ptp(configured), (what, measured)

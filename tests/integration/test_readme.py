@@ -61,7 +61,13 @@ def compiled_blocks() -> str:
 
 def test_no_page_is_forgotten():
     with_code = {page.stem for page in (ROOT / "docs").glob("*.md") if blocks(page, "cpp")}
-    assert with_code == {*GIVEN, "install"}
+    assert with_code == {*GIVEN, "install", "tasks"}
+
+
+def test_the_plugin_of_the_page_on_tasks_is_the_example():
+    (shown,) = blocks(ROOT / "docs" / "tasks.md", "cpp")
+    lines = (ROOT / "examples" / "plugin" / "stack.cc").read_text().splitlines()
+    assert [line for line in shown.splitlines() if line not in lines] == []
 
 
 def test_the_c_plus_plus_compiles_and_runs_against_an_install(tmp_path: Path):

@@ -218,17 +218,17 @@ def test_the_gripper_holds_a_box_while_the_arm_moves(grasping: RobotScene):
 def test_two_picks_are_generated_and_intact(grasping_file: Path, tmp_path: Path):
     base = rc.RobotConfig.load(grasping_file).base
     height = 0.0 if base.size is None else base.size[2]  # the robot stands level with the table
-    task = f"{{kind: pick, base_distance: [0.35, 0.5], base_height_offset: {-height}}}"
+    start = f"{{base_distance: [0.35, 0.5], base_height_offset: {-height}}}"
     run_file = tmp_path / "run.yaml"
     run_file.write_text(
-        f"run: contract\nrobot: {grasping_file}\ntask: {task}\nepisodes_per_scene: {EPISODES}\n"
+        f"run: contract\nrobot: {grasping_file}\nstart: {start}\nepisodes_per_scene: {EPISODES}\n"
         f"output: {tmp_path / 'unused'}\n"
     )
     dataset = tmp_path / "dataset"
     totals = generate(run_file, dataset, "--workers", 1)[-1]["totals"]
     assert totals["made"] == EPISODES
-    report = rc.data.verify(dataset)
-    assert report.ok, str(report)
+    result = rc.data.verify(dataset)
+    assert result.ok, str(result)
     assert len(list(dataset.glob("*/episode.json"))) == EPISODES
 
 

@@ -83,6 +83,6 @@ def require_sound(dataset: Path, ending: Ending) -> None:
     if is_blank(dataset):
         assert ending.acknowledged == [], f"{ending.fault}: nothing is there"
         return
-    report = robocell.data.verify(dataset)
-    assert report.bad == [], f"{ending.fault}: {report}"
-    assert set(ending.acknowledged) <= set(report.good), f"{ending.fault}: {report}"
+    result = robocell.data.verify(dataset)
+    assert result.bad == [], f"{ending.fault}: {result}"
+    assert set(ending.acknowledged) <= set(result.good), f"{ending.fault}: {result}"

@@ -22,8 +22,8 @@ EPISODES = 6
 RUN = {
     "run": "storm",
     "robot": str(robocell.models.robot_file("rc7")),
-    "task": {
-        "kind": "pick",
+    "task": {"kind": "pick"},
+    "start": {
         "base_distance": [0.3, 0.55],
         "base_height_offset": -0.25,
         "base_height_noise": [-0.15, 0.1],
@@ -82,17 +82,17 @@ class Storm:
                 event = json.loads(line)
                 if totals := event.get("totals"):
                     assert totals["made"] <= totals["accepted"] <= totals["attempts"], line
-                if event["event"] == "episode" and event["report"]["success"]:
-                    self.acknowledged.add(event["report"]["id"])
+                if event["event"] == "episode" and event["result"]["success"]:
+                    self.acknowledged.add(event["result"]["id"])
 
     def require_nothing_lost(self) -> None:
         """What was acknowledged is on the disk, and what is on the disk is intact."""
         if not self.dataset.exists() or is_blank(self.dataset):
             assert not self.acknowledged
             return
-        report = robocell.data.verify(self.dataset)
-        assert report.bad == [], str(report)
-        assert self.acknowledged <= set(report.good)
+        result = robocell.data.verify(self.dataset)
+        assert result.bad == [], str(result)
+        assert self.acknowledged <= set(result.good)
 
     def contents(self) -> dict[str, bytes]:
         """What must be the same however often the command died."""
@@ -107,9 +107,9 @@ class Storm:
         self.require_nothing_lost()
         logs = "".join(log.read_text(errors="replace") for log in self.dataset.glob(".logs/*.log"))
         assert "leaked" not in said + logs, "nanobind reports what Python does not let go"
-        report = robocell.data.verify(self.dataset)
-        assert len(report.good) == EPISODES
-        assert report.leftovers == [], "what the dead were writing is gone"
+        result = robocell.data.verify(self.dataset)
+        assert len(result.good) == EPISODES
+        assert result.leftovers == [], "what the dead were writing is gone"
 
 
 def marks(storm: Storm) -> dict[Path, tuple[int, int]]:

@@ -71,11 +71,11 @@ class Victim:
 
 
 def require_named_and_set_aside(victim: Victim, where: str) -> None:
-    report = robocell.data.verify(victim.dataset)
-    assert [str(problem).startswith(f"{victim.name}: ") for problem in report.problems] == [True], (
-        f"{where}: {report}"
+    result = robocell.data.verify(victim.dataset)
+    assert [str(problem).startswith(f"{victim.name}: ") for problem in result.problems] == [True], (
+        f"{where}: {result}"
     )
-    assert report.good == victim.others, f"{where}: the others stay readable"
+    assert result.good == victim.others, f"{where}: the others stay readable"
     assert robocell.data.repair(victim.dataset).moved == [victim.part], where
     assert (victim.dataset / ".quarantine" / victim.part).exists(), f"{where}: nothing is deleted"
     after = robocell.data.verify(victim.dataset)
@@ -145,7 +145,7 @@ def test_a_damaged_run_file_is_refused_or_means_the_same_episodes(tmp_path: Path
             try:
                 run = robocell.RunConfig.load(file)
                 run.output = str(calm.dataset)
-                robocell.generate.check_dataset(run)
+                robocell.generate.validate_dataset(run)
             except robocell.Error:
                 refused += 1
             else:

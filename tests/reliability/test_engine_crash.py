@@ -50,9 +50,9 @@ def test_a_model_that_crashes_the_engine_costs_workers_and_not_the_run(run_file:
     looked = "the process that looked through the run was killed by SIGSEGV: one of its models"
     assert looked in done.stderr
     dataset = run_file.parent / "out"
-    report = robocell.data.verify(dataset)
-    assert report.ok, str(report)
-    assert report.good == ["s0000_e0000", "s0002_e0000"]
+    result = robocell.data.verify(dataset)
+    assert result.ok, str(result)
+    assert result.good == ["s0000_e0000", "s0002_e0000"]
 
     totals = json.loads((dataset / "report.json").read_text())["commands"][0]["totals"]
     deaths = totals["deaths"]
@@ -72,7 +72,7 @@ def test_a_model_that_crashes_the_engine_costs_workers_and_not_the_run(run_file:
     assert again.returncode == 1, again.stderr
     assert "s0001_e0000 could not be made" in again.stderr
     assert "was killed by SIGSEGV" in again.stderr
-    assert robocell.data.verify(dataset).good == report.good
+    assert robocell.data.verify(dataset).good == result.good
 
     on = robocell_command("generate", str(run_file))
     assert on.returncode == 1, on.stderr

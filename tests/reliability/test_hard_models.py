@@ -48,7 +48,7 @@ REFUSED = {
     "size_beyond_memory": "Could not allocate memory",
     "includes_itself": r"includes_itself.xml.*already included",
     "mesh_face_out_of_range": r"in face 0, vertex index 99999999 does not exist",
-    "mesh_with_nan": r"mesh_with_nan.xml:2: vertex=.* nan .* is no number",
+    "mesh_with_nan": r"mesh_with_nan.xml:2: vertex=.* nan .* is not a number",
     "skin_out_of_range": "face vertex index 7777777 out of range in skin",
 }
 # Crashed earlier versions, and are harmless now.
@@ -184,9 +184,9 @@ def require_quarantine(
     """The good scenes' episodes are there, the others' are listed; the entries of those."""
     assert done.returncode == 1, done.stderr
     assert "Traceback" not in done.stderr
-    report = robocell.data.verify(folder / "out")
-    assert report.ok, str(report)
-    assert len(report.good) == len(GOOD)
+    result = robocell.data.verify(folder / "out")
+    assert result.ok, str(result)
+    assert len(result.good) == len(GOOD)
     totals = json.loads((folder / "out/report.json").read_text())["commands"][0]["totals"]
     scenes = yaml.safe_load((folder / "run.yaml").read_text())["scenes"]["files"]
     unmade = {Path(scenes[int(one["id"][1:5])]).stem: one for one in totals["unmade"]}

@@ -106,17 +106,17 @@ def end_of(command: subprocess.Popen[str]) -> list[dict[str, object]]:
     events, said = command.communicate(timeout=2 * SOON_S)
     assert command.returncode == 0, said
     told = [json.loads(line) for line in events.splitlines()]
-    ids = [event["report"]["id"] for event in told if event["event"] == "episode"]
+    ids = [event["result"]["id"] for event in told if event["event"] == "episode"]
     assert len(ids) == len(set(ids)), "an episode counts once"
     return told
 
 
 def require_whole(storm: Storm, calm: Storm) -> None:
     """All episodes are there, with the bytes of an undisturbed run, and nothing else."""
-    report = robocell.data.verify(storm.dataset)
-    assert report.ok, str(report)
-    assert len(report.good) == EPISODES
-    assert (report.leftovers, report.being_written) == ([], [])
+    result = robocell.data.verify(storm.dataset)
+    assert result.ok, str(result)
+    assert len(result.good) == EPISODES
+    assert (result.leftovers, result.being_written) == ([], [])
     assert storm.contents() == calm.contents()
 
 

@@ -29,9 +29,9 @@ def test_a_full_disk_ends_the_run_and_the_next_one_goes_on(tmp_path: Path, calm:
         assert re.search(needed, said), said
         storm.take(events)
         storm.require_nothing_lost()
-        report = robocell.data.verify(storm.dataset)
-        assert 0 < len(report.good) < EPISODES, "it was full before the end, not from the start"
-        assert report.leftovers == [], "the half episode is gone"
+        result = robocell.data.verify(storm.dataset)
+        assert 0 < len(result.good) < EPISODES, "it was full before the end, not from the start"
+        assert result.leftovers == [], "the half episode is gone"
         before = marks(storm)
         disk.grow(LARGE)
         storm.finish()

@@ -19,9 +19,9 @@ import pytest
 import robocell as rc
 from robocell.gym import VectorGymEnv, pick_cube_config
 from test_env_tasks import reach_config
-from test_experts import Idle, load
-from test_pick_subclasses import Never
+from test_pick import Never
 from test_robot import Lamp
+from test_task import Idle, load
 
 THREADS = 3
 ROUNDS = 2
@@ -146,12 +146,12 @@ def test_runners_with_samplers_tasks_and_experts_of_python(tmp_path: Path):
     run = load(tmp_path, max_attempts=3)
     plan = rc.generate.make_plan(run)
 
-    def work(number: int) -> rc.generate.EpisodeReport:
+    def work(number: int) -> rc.generate.ItemResult:
         expert = lambda run, start: Push(4)  # noqa: E731
         return rc.generate.Runner(run, expert=expert, sampler=Impatient).run(plan[number])
 
-    reports = in_parallel(work, threads=2)
-    assert [report.success for report in reports] == [True, True]
+    results = in_parallel(work, threads=2)
+    assert [result.success for result in results] == [True, True]
     assert rc.data.verify(run.output).good == [item.id for item in plan]
 
 

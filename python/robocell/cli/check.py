@@ -11,7 +11,7 @@ from rich.console import Console
 from robocell import ArgumentError, EngineError, SpecError
 from robocell.cli.common import fail, print_warning, print_wide, require_png
 from robocell.cli.robot_scene import RobotScene, load_robot
-from robocell.diagnose import check_config, why_no_picks
+from robocell.diagnose import Severity, check_robot, validate_robot, why_no_picks
 
 
 def check(
@@ -27,7 +27,6 @@ def check(
     pick tasks cannot use.
     """
     # With MuJoCo and numpy, which take longer to load than all that the other commands need.
-    from robocell.cli.robot_checks import CHECKS, several_of_a_kind
     from robocell.cli.robot_picture import draw_robot
     from robocell.cli.robot_table import actuators_table, frames_table, joints_table, summary_lines
 
@@ -52,10 +51,15 @@ def check(
         print(f"\npicture: {picture}")
     wrong = _wrong(loaded)
     no_picks = [] if wrong else why_no_picks(loaded.robot)
-    warnings = [warning for find in CHECKS for warning in find(loaded)]
+    found = check_robot(loaded.robot, beside_warnings=True)
+    notes = [str(finding) for finding in found if finding.severity is Severity.NOTE]
+    warnings = [
+        *loaded.scene.warnings,
+        *(str(finding) for finding in found if finding.severity is Severity.WARNING),
+    ]
     console.print()
     unfit = [f"no robot for pick tasks: {reason}" for reason in no_picks]
-    for note in [*loaded.scene.notes, *several_of_a_kind(loaded), *unfit]:
+    for note in [*loaded.scene.notes, *notes, *unfit]:
         console.print(f"note: {note}", markup=False, highlight=False)
     for warning in warnings:
         print_warning(warning)
@@ -68,7 +72,7 @@ def check(
 def _wrong(loaded: RobotScene) -> str:
     """What the file says although the model does otherwise; no run is made with that."""
     try:
-        check_config(loaded.robot)
+        validate_robot(loaded.robot)
     except SpecError as error:
         return str(error)
     return ""

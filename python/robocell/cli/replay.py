@@ -66,7 +66,7 @@ def replay(
     differing, unread, unplayed = 0, 0, 0
     for name in ids:
         try:
-            report = _report(episodes[name], tolerance, actions, environment)
+            result = _result(episodes[name], tolerance, actions, environment)
         except robocell.IoError as error:
             print_error(str(error))
             unread += 1
@@ -74,8 +74,8 @@ def replay(
             print_error(f"{name} cannot be replayed: {error}")
             unplayed += 1
         else:
-            print(report, flush=True)
-            differing += not report.ok
+            print(result, flush=True)
+            differing += not result.ok
     _end(len(ids), differing=differing, unplayed=unplayed, unread=unread)
 
 
@@ -89,13 +89,13 @@ def _environment(name: str) -> robocell.Env:
         fail(str(error))
 
 
-def _report(
+def _result(
     episode: robocell.data.Episode, tolerance: float, actions: bool, env: robocell.Env | None
-) -> robocell.data.ReplayReport:
+) -> robocell.data.ReplayResult:
     if env is not None:
         return data.replay_actions(env, episode, tolerance=tolerance)
     if not actions:
-        return robocell.data.check_replay(episode, tolerance)
+        return robocell.data.verify_replay(episode, tolerance)
     own = data.env_of_episode(episode)
     try:
         return data.replay_actions(own, episode, tolerance=tolerance)

@@ -22,7 +22,7 @@ from robocell.cli.common import (
     print_wide,
     require_folder,
 )
-from robocell.generate.items import Report, counts_text, recorded_frames
+from robocell.generate.items import ItemResult, counts_text, recorded_frames
 from robocell.generate.report import DamagedReportError, RunReport, load, report_paths, whole
 from robocell.generate.summary import Summary
 from robocell.generate.totals import Totals, counted, size
@@ -136,8 +136,9 @@ def _summary(dataset: Path, found: Sequence[OnDisk], reports: Sequence[RunReport
     totals = _totals(reports)
     if totals is None and not report_paths(dataset):
         print_warning(
-            "no report.json, so only what is on the disk is told: `robocell generate` writes one "
-            "when it ends; a Runner writes none, nor does a command that still runs or was killed"
+            "no report.json, so only the contents of the disk are reported: `robocell generate` "
+            "writes one when it ends; a Runner writes none, nor does a command that still runs or "
+            "was killed"
         )
     if totals is None:
         totals = Totals(planned=0)  # nobody knows
@@ -178,7 +179,7 @@ def _episode_table(found: Sequence[OnDisk], reports: Sequence[RunReport]) -> Tab
     texts = ("episode", "robot", "object", "end")
     for title in (*texts, "rows", "frames", "size", "attempts", "seconds"):
         table.add_column(title, justify="left" if title in texts else "right")
-    told: dict[str, Report] = {}
+    told: dict[str, ItemResult] = {}
     for report in reports:
         told |= report.episodes
     for episode in found:

@@ -36,7 +36,7 @@ def verify(
         if result.remaining:
             raise typer.Exit(ExitCode.INCOMPLETE)
         return
-    report = robocell.data.verify(dataset, decode_videos=decode_videos)
-    print(str(report).rstrip())
-    if not report.ok:
-        raise typer.Exit(ExitCode.OUTPUT if report.only_unreadable else ExitCode.INCOMPLETE)
+    result = robocell.data.verify(dataset, decode_videos=decode_videos)
+    print(str(result).rstrip())
+    if not result.ok:
+        raise typer.Exit(ExitCode.OUTPUT if result.only_unreadable else ExitCode.INCOMPLETE)

@@ -29,11 +29,10 @@ from robocell._core import (
     Episode,
     RepairResult,
     ReplayDifference,
-    ReplayReport,
+    ReplayResult,
     SegmentLabel,
     VerifyProblem,
-    VerifyReport,
-    check_replay,
+    VerifyResult,
     env_of_episode,
     recorded_scene,
     release_idle_files,
@@ -41,6 +40,7 @@ from robocell._core import (
     repair,
     replay_actions,
     verify,
+    verify_replay,
 )
 from robocell.data._recorder import EnvRecorder
 
@@ -57,12 +57,11 @@ __all__ = [
     "Episode",
     "RepairResult",
     "ReplayDifference",
-    "ReplayReport",
+    "ReplayResult",
     "SegmentLabel",
     "Steps",
     "VerifyProblem",
-    "VerifyReport",
-    "check_replay",
+    "VerifyResult",
     "env_of_episode",
     "recorded_scene",
     "release_idle_files",
@@ -72,6 +71,7 @@ __all__ = [
     "rows",
     "torch_dataset",
     "verify",
+    "verify_replay",
 ]
 
 

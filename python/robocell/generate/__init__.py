@@ -13,16 +13,12 @@ so everything can be killed at any instant. `robocell.cli.generate` puts the par
 """
 
 from robocell._core import (
-    EpisodeReport,
+    ItemResult,
     Keep,
     PlanItem,
     RunConfig,
     Runner,
-    SceneSource,
-    SceneSourceKind,
     StopFlag,
-    check_dataset,
-    check_run,
     is_complete,
     items_on_disk,
     make_plan,
@@ -31,19 +27,16 @@ from robocell._core import (
     require_same_run,
     run_identity,
     shard_plan,
+    validate_dataset,
 )
 
 __all__ = [
-    "EpisodeReport",
+    "ItemResult",
     "Keep",
     "PlanItem",
     "RunConfig",
     "Runner",
-    "SceneSource",
-    "SceneSourceKind",
     "StopFlag",
-    "check_dataset",
-    "check_run",
     "is_complete",
     "items_on_disk",
     "make_plan",
@@ -52,4 +45,5 @@ __all__ = [
     "require_same_run",
     "run_identity",
     "shard_plan",
+    "validate_dataset",
 ]

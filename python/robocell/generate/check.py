@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -20,8 +21,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from robocell import Error, IoError, RunConfig, _core
-from robocell.diagnose import describe_gl
-from robocell.generate import check_run
+from robocell.diagnose import check_run, describe_gl
 from robocell.generate.own_process import ask_process, end_with_asker
 from robocell.generate.protocol import Failure
 from robocell.generate.run_source import RunSource
@@ -52,7 +52,7 @@ class Found:
 def check_in_child(
     source: RunSource, overrides: Sequence[str], longest_s: float = Limits.item_timeout_s
 ) -> Found:
-    """Raises what `robocell.generate.check_run` raises.
+    """Raises what `robocell.diagnose.check_run` raises.
 
     Models that crash or stall the engine must not end the run: workers meet them again, one at a
     time, and what they cannot make is listed. Such a process is given `longest_s` seconds. IoError
@@ -103,7 +103,10 @@ def graphics_warnings(run: RunConfig, root: str = "/") -> list[str]:
 
     `root` is the folder that the machine's files are looked up in. Without a card nothing is drawn.
     """
-    if run.cameras.renderer == "soft":
+    backend = run.cameras.renderer.backend
+    if backend == "auto":
+        backend = os.environ.get("ROBOCELL_RENDERER", backend)
+    if backend == "soft":  # on purpose
         return []
     if not run.cameras.streams or not _core.graphics_advice(SOFTWARE, root):
         return []

@@ -27,7 +27,7 @@ class Item:
 
 
 @dataclass(frozen=True)
-class Report:
+class ItemResult:
     """What became of one item.
 
     Attributes:
@@ -71,27 +71,27 @@ class Report:
     advice: str = ""
 
     @classmethod
-    def from_core(cls, report: Any) -> Report:
-        """From an `EpisodeReport` of the runner."""
+    def from_core(cls, result: Any) -> ItemResult:
+        """From an `ItemResult` of the runner."""
         return cls(
-            id=report.item.id,
-            success=report.committed and report.success,
-            complete=report.complete,
-            stopped=report.stopped,
-            resumed=report.resumed,
-            attempts=report.attempts,
-            accepted=report.accepted,
-            undecided=report.undecided,
-            refusals=dict(report.refusals),
-            failures=dict(report.failures),
-            redrawn=dict(report.redrawn),
-            rows=report.rows,
-            seconds={stage: getattr(report, f"seconds_{stage}") for stage in STAGES},
-            robot=report.robot,
-            object_kind=report.object_kind,
-            kinds=dict(report.kinds),
-            rollouts=dict(report.rollouts),
-            advice=report.advice,
+            id=result.item.id,
+            success=result.committed and result.success,
+            complete=result.complete,
+            stopped=result.stopped,
+            resumed=result.resumed,
+            attempts=result.attempts,
+            accepted=result.accepted,
+            undecided=result.undecided,
+            refusals=dict(result.refusals),
+            failures=dict(result.failures),
+            redrawn=dict(result.redrawn),
+            rows=result.rows,
+            seconds={stage: getattr(result, f"seconds_{stage}") for stage in STAGES},
+            robot=result.robot,
+            object_kind=result.object_kind,
+            kinds=dict(result.kinds),
+            rollouts=dict(result.rollouts),
+            advice=result.advice,
         )
 
     @property
@@ -105,8 +105,8 @@ class Report:
         return {k: dict(v) if isinstance(v, Mapping) else v for k, v in vars(self).items()}
 
     @classmethod
-    def from_json(cls, values: Mapping[str, Any]) -> Report:
-        """From a JSON object; TypeError for keys that a report does not have."""
+    def from_json(cls, values: Mapping[str, Any]) -> ItemResult:
+        """From a JSON object; TypeError for keys that a result does not have."""
         return cls(**values)
 
     def why_unmade(self) -> str:

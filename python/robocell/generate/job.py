@@ -12,13 +12,13 @@ from pathlib import Path
 from robocell import Error
 from robocell.data import DatasetLock, remove_leftovers
 from robocell.generate import (
-    check_dataset,
     make_plan,
     parse_shard,
     prepare_dataset,
     require_same_run,
     run_identity,
     shard_plan,
+    validate_dataset,
     work,
 )
 from robocell.generate.check import Found, check_in_child
@@ -37,7 +37,7 @@ from robocell.generate.report import (
     set_aside,
     utc_now,
 )
-from robocell.generate.resume import DamagedEpisodesError, made_items, report_of
+from robocell.generate.resume import DamagedEpisodesError, made_items, result_of
 from robocell.generate.run_source import RunSource
 from robocell.generate.signals import stop_on_signals
 from robocell.generate.supervisor import Limits, Outcome, Supervisor
@@ -101,7 +101,7 @@ class Job:
     def check(self, longest_s: float = Limits.item_timeout_s) -> list[str]:
         """SpecError with all that can be known to be wrong before the first episode.
 
-        The run (see `robocell.generate.check_run`), or a dataset that is of another one. Writes
+        The run (see `robocell.diagnose.check_run`), or a dataset that is of another one. Writes
         nothing. Returns warnings: what works and may yet not be meant, that a model crashed the
         engine, or that it was not through after `longest_s` seconds.
         IoError when the dataset cannot be written, or none of this could be found out.
@@ -111,7 +111,7 @@ class Job:
     def _look_through(self, longest_s: float) -> Found:
         require_writable(self.dataset, self._place_of_output())
         found = check_in_child(self.source, self.overrides, longest_s)
-        check_dataset(self.run)
+        validate_dataset(self.run)
         return found
 
     def _place_of_output(self) -> str:
@@ -154,7 +154,7 @@ class Job:
         found = self._look_through(limits.item_timeout_s)
         for warning in found.warnings:
             observer.warning(warning)
-        prepare_dataset(self.run, check_run=False)
+        prepare_dataset(self.run, validate=False)
         with DatasetLock(self.dataset, *self.shard):
             require_same_run(self.run)  # another command may have been quicker
             # Single files are not locked: another shard may be writing them.
@@ -173,7 +173,7 @@ class Job:
                 work.command(self.source, self.overrides),
                 workers=self.run.workers,
                 logs=self._logs(),
-                on_disk=lambda item_id: report_of(self.run, by_id[item_id]),
+                on_disk=lambda item_id: result_of(self.run, by_id[item_id]),
                 flush=lambda: flush(self.dataset),
                 observer=observer,
                 already=len(made),
@@ -236,7 +236,7 @@ class Job:
             reason=outcome.fatal.message if outcome.fatal else "",
             totals=outcome.totals,
         )
-        report.add(command, outcome.reports, [item.id for item in self.items])
+        report.add(command, outcome.results, [item.id for item in self.items])
         save(path, report)
 
     def _former_report(self, path: Path, observer: Observer) -> RunReport:

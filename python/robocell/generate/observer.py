@@ -6,7 +6,7 @@ import contextlib
 import sys
 from collections.abc import Callable
 
-from robocell.generate.items import Report
+from robocell.generate.items import ItemResult
 from robocell.generate.totals import Totals, Unmade
 
 
@@ -16,7 +16,7 @@ class Observer:
     def started(self, totals: Totals) -> None:
         """Before the first worker."""
 
-    def episode(self, report: Report, totals: Totals) -> None:
+    def episode(self, result: ItemResult, totals: Totals) -> None:
         """An item was made, or its attempts are used up; `totals` includes it."""
 
     def retry(self, item_id: str, reason: str, totals: Totals) -> None:
@@ -53,9 +53,9 @@ class Unfailing(Observer):
         """Passed on."""
         self._pass(lambda to: to.started(totals))
 
-    def episode(self, report: Report, totals: Totals) -> None:
+    def episode(self, result: ItemResult, totals: Totals) -> None:
         """Passed on."""
-        self._pass(lambda to: to.episode(report, totals))
+        self._pass(lambda to: to.episode(result, totals))
 
     def retry(self, item_id: str, reason: str, totals: Totals) -> None:
         """Passed on."""

@@ -118,7 +118,7 @@ def _load(source: RunSource, overrides: Sequence[str], folder: Path) -> RunConfi
 
 def _make(run: RunConfig, items: Sequence[PlanItem], budget_s: float) -> list[Sample]:
     """As many of the items as the time allows, at least one."""
-    prepare_dataset(run, check_run=False)  # who asks has done that
+    prepare_dataset(run, validate=False)  # who asks has done that
     runner, folder = Runner(run), Path(run.output)
     samples: list[Sample] = []
     began = time.monotonic()
@@ -131,7 +131,7 @@ def _make(run: RunConfig, items: Sequence[PlanItem], budget_s: float) -> list[Sa
 
 def _make_one(runner: Runner, item: PlanItem, folder: Path) -> Sample:
     began, cpu_before = time.monotonic(), _cpu_seconds()
-    report = runner.run(item)
+    result = runner.run(item)
     seconds, cpu_seconds = time.monotonic() - began, _cpu_seconds() - cpu_before
     dataset = Dataset(folder)
     ids = [name for name in dataset.ids if name == item.id or name.startswith(f"{item.id}_a")]
@@ -139,17 +139,17 @@ def _make_one(runner: Runner, item: PlanItem, folder: Path) -> Sample:
     videos = [file for file in files if file.name not in ("steps.h5", "episode.json")]
     described: list[Any] = [dataset[name].json for name in ids]
     return Sample(
-        success=report.success,
-        kept=report.kept,
-        rollouts=report.accepted,
+        success=result.success,
+        kept=result.kept,
+        rollouts=result.accepted,
         rows=sum(len(dataset[name]) for name in ids),
         frames=sum(recorded_frames(each) for each in described),
         bytes=sum(file.stat().st_size for file in files),
         video_bytes=sum(file.stat().st_size for file in videos),
         seconds=seconds,
         cpu_seconds=cpu_seconds,
-        reasons={**report.refusals, **report.failures},
-        advice=report.advice,
+        reasons={**result.refusals, **result.failures},
+        advice=result.advice,
     )
 
 

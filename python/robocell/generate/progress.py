@@ -15,7 +15,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn
 from rich.text import Text
 
-from robocell.generate.items import Report, counts_text
+from robocell.generate.items import ItemResult, counts_text
 from robocell.generate.observer import Observer
 from robocell.generate.streams import leave, unforgiving
 from robocell.generate.totals import Totals, Unmade, agreeing, counted, duration, percent
@@ -113,7 +113,7 @@ class PlainLines(Lines):
         """Prints the line."""
         print_line(text, self._file)
 
-    def episode(self, report: Report, totals: Totals) -> None:
+    def episode(self, result: ItemResult, totals: Totals) -> None:
         """Prints the state unless it was printed just now, or the final one is about to be."""
         over = totals.done + len(totals.unmade) >= totals.planned
         if time.monotonic() >= self._next and not over:
@@ -174,9 +174,9 @@ class JsonLines(Observer):
         """Event `started`."""
         self._write("started", totals=totals.to_json(), workers=totals.workers)
 
-    def episode(self, report: Report, totals: Totals) -> None:
+    def episode(self, result: ItemResult, totals: Totals) -> None:
         """Event `episode`."""
-        self._write("episode", report=report.to_json(), totals=totals.to_json())
+        self._write("episode", result=result.to_json(), totals=totals.to_json())
 
     def retry(self, item_id: str, reason: str, totals: Totals) -> None:
         """Event `retry`."""

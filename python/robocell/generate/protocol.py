@@ -7,7 +7,7 @@ From the supervisor, on the worker's standard input:
 
 From the worker, on what was its standard output:
     {"ready": true}                     the run is loaded; hand me an item
-    {"done": {...}}                     a Report; hand me the next
+    {"done": {...}}                     an ItemResult; hand me the next
     {"failed": {...}}                   a Failure: the item in hand raised; the worker exits
     {"refused": {...}}                  a Failure: the run cannot be loaded; the worker exits
 """

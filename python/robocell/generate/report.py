@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from robocell import _core
-from robocell.generate.items import Report
+from robocell.generate.items import ItemResult
 from robocell.generate.totals import Totals, Unmade, one_after_the_other, side_by_side
 
 FORMAT = "robocell-report"
@@ -75,7 +75,7 @@ class RunReport:
     shard: tuple[int, int]
     versions: Mapping[str, str]
     commands: list[Command] = field(default_factory=list)
-    episodes: dict[str, Report] = field(default_factory=dict)
+    episodes: dict[str, ItemResult] = field(default_factory=dict)
 
     @property
     def totals(self) -> Totals:
@@ -90,10 +90,10 @@ class RunReport:
         planned = self.commands[-1].totals.planned if self.commands else 0
         return range(index, index + count * planned, count)
 
-    def add(self, command: Command, reports: Sequence[Report], order: Sequence[str]) -> None:
+    def add(self, command: Command, results: Sequence[ItemResult], order: Sequence[str]) -> None:
         """Appends what a command did; `order` are the ids of the plan."""
         self.commands.append(command)
-        known = {**self.episodes, **{report.id: report for report in reports}}
+        known = {**self.episodes, **{result.id: result for result in results}}
         self.episodes = {name: known[name] for name in order if name in known}
 
     def to_json(self) -> dict[str, Any]:
@@ -106,7 +106,7 @@ class RunReport:
             "shard": list(self.shard),
             "versions": dict(self.versions),
             "commands": [command.to_json() for command in self.commands],
-            "episodes": [report.to_json() for report in self.episodes.values()],
+            "episodes": [result.to_json() for result in self.episodes.values()],
         }
 
     @classmethod
@@ -116,14 +116,14 @@ class RunReport:
             if values["format"] != FORMAT or values["format_version"] != FORMAT_VERSION:
                 raise DamagedReportError(f"it is no {FORMAT} of version {FORMAT_VERSION}")
             shard, count = values["shard"]
-            reports = [Report.from_json(report) for report in values["episodes"]]
+            results = [ItemResult.from_json(result) for result in values["episodes"]]
             return cls(
                 run=str(values["run"]),
                 identity=str(values["identity"]),
                 shard=(int(shard), int(count)),
                 versions=dict(values["versions"]),
                 commands=[Command.from_json(command) for command in values["commands"]],
-                episodes={report.id: report for report in reports},
+                episodes={result.id: result for result in results},
             )
         except (AttributeError, KeyError, TypeError, ValueError) as error:
             raise DamagedReportError(f"{type(error).__name__}: {error}") from error

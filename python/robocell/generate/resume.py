@@ -10,7 +10,7 @@ from typing import Any
 from robocell import Error, RunConfig
 from robocell.data import Episode
 from robocell.generate import PlanItem, items_on_disk
-from robocell.generate.items import Report
+from robocell.generate.items import ItemResult
 
 
 class DamagedEpisodesError(Exception):
@@ -36,7 +36,7 @@ def made_items(run: RunConfig, items: Sequence[PlanItem]) -> set[str]:
     return set(made)
 
 
-def report_of(run: RunConfig, item: PlanItem) -> Report | None:
+def result_of(run: RunConfig, item: PlanItem) -> ItemResult | None:
     """What the disk says of an item of which nothing is left to be made; of others None.
 
     As the worker would have reported it, but for its times and the places tried within attempts.
@@ -45,7 +45,7 @@ def report_of(run: RunConfig, item: PlanItem) -> Report | None:
     try:
         if item.id not in items_on_disk(run, [item])[0]:
             return None
-        return _report(run, item, _success_of(run, item))
+        return _result(run, item, _success_of(run, item))
     except (Error, OSError):
         return None
 
@@ -63,7 +63,7 @@ def _number_of_attempt(folder: Path) -> int:
     return int(number) if number.isdecimal() else -1
 
 
-def _report(run: RunConfig, item: PlanItem, episode: Episode) -> Report:
+def _result(run: RunConfig, item: PlanItem, episode: Episode) -> ItemResult:
     metadata: Any = episode.metadata
     kind = next(iter(metadata["object_kinds"]), "")
     earlier: list[dict[str, Any]] = metadata.get("earlier_attempts", [])
@@ -72,7 +72,7 @@ def _report(run: RunConfig, item: PlanItem, episode: Episode) -> Report:
     rollouts = [*(attempt["object_kind"] for attempt in failed), kind]
     refused = [attempt for attempt in earlier if "refused" in attempt]
     kinds = [*(attempt["object_kind"] for attempt in refused), *rollouts]
-    return Report(
+    return ItemResult(
         item.id,
         success=episode.success,
         complete=True,

@@ -18,8 +18,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 
-from robocell import NotFoundError, RunConfig, SpecError
-from robocell._core import imports_of_run_file
+from robocell import Error, NotFoundError, RunConfig, SpecError
+from robocell._core import imports_of_run_file, load_plugin
 from robocell.generate import Keep
 
 
@@ -30,7 +30,8 @@ class RunSource:
     Attributes:
         run: A run file, or `module:name` or `file.py:name` of a RunConfig or of a function that
             makes one.
-        imports: Modules to import first, by name or file, which register tasks and experts.
+        imports: Modules to import first, by name or file, which register tasks, experts, scene
+            sources, samplers or features; shared libraries (`.so`) that do so are loaded.
         policy: Who is evaluated in the run, as `robocell evaluate` names it; "" for generation.
     """
 
@@ -75,7 +76,7 @@ class RunSource:
 
     def _load(self, overrides: Sequence[str]) -> RunConfig:
         for module in self.imports:
-            import_module(module, Path.cwd())
+            import_named(module, Path.cwd())
         if (split := self._split()) is not None:
             return self._from_python(*split, overrides)
         if (Path(self.run) / "dataset.json").is_file():
@@ -84,7 +85,7 @@ class RunSource:
             return _overridden(run_of_dataset(self.run), self.run, overrides)
         folder = Path(self.run).absolute().parent
         for module in imports_of_run_file(self.run):
-            import_module(module, folder)
+            import_named(module, folder)
         return RunConfig.load(self.run, list(overrides))
 
     def _split(self) -> tuple[str, str] | None:
@@ -126,6 +127,20 @@ def _overridden(made: RunConfig, name: str, overrides: Sequence[str]) -> RunConf
         own = RunConfig.from_yaml(text, name, made.robot.source_dir or folder, of_robot)
         run.robot = own.robot
     return run
+
+
+def import_named(name: str, folder: Path) -> None:
+    """Imports a module, or loads a shared library that registers kinds (`libstack.so`).
+
+    SpecError for what cannot be imported.
+    """
+    if not name.endswith(".so"):
+        import_module(name, folder)
+        return
+    try:
+        load_plugin(folder / name)
+    except Error as error:
+        raise SpecError(f"cannot import '{folder / name}': {error}") from error
 
 
 def import_module(name: str, folder: Path) -> ModuleType:

@@ -5,7 +5,7 @@
 
 An item that a worker could not finish, because it died, raised or took too long, is made again by a
 fresh worker, three times at most; then it is listed with the command that tries it alone. What is
-made is decided by the disk (`on_disk`), so a worker that dies between commit and report loses
+made is decided by the disk (`on_disk`), so a worker that dies between commit and result loses
 nothing and doubles nothing. A wrong spec is not tried again. When none of the first items works,
 the run ends (`canaries`).
 
@@ -27,7 +27,7 @@ from typing import Any
 
 from robocell.generate.canaries import Canaries
 from robocell.generate.disk import with_trouble
-from robocell.generate.items import Item, Report
+from robocell.generate.items import Item, ItemResult
 from robocell.generate.observer import Observer, Unfailing
 from robocell.generate.protocol import Failure, FailureKind, ProtocolError
 from robocell.generate.totals import Again, Death, Totals, Unmade
@@ -68,13 +68,13 @@ class Outcome:
         totals: What was done.
         interrupted: By a stop request, with items left.
         fatal: Why it could not go on, or None.
-        reports: What became of each item that was decided, in this order.
+        results: What became of each item that was decided, in this order.
     """
 
     totals: Totals
     interrupted: bool
     fatal: Fatal | None
-    reports: Sequence[Report] = ()
+    results: Sequence[ItemResult] = ()
 
 
 class Supervisor:
@@ -85,7 +85,7 @@ class Supervisor:
         command: Starts a worker that speaks `robocell.generate.protocol`.
         workers: How many at a time.
         logs: Folder for the workers' standard error, a file each.
-        on_disk: What the disk says of an item: its report when its episode is there, else None.
+        on_disk: What the disk says of an item: its result when its episode is there, else None.
         flush: Makes what is there survive a power cut; OSError when that fails.
         observer: Who is told; one that cannot be told any more (OSError) does not end the run.
         already: Items of the plan that were made before, for the totals.
@@ -104,7 +104,7 @@ class Supervisor:
         *,
         workers: int,
         logs: Path,
-        on_disk: Callable[[str], Report | None],
+        on_disk: Callable[[str], ItemResult | None],
         flush: Callable[[], object] = lambda: None,
         observer: Observer | None = None,
         already: int = 0,
@@ -132,7 +132,7 @@ class Supervisor:
         self._totals = Totals(planned=len(items) + already, already=already, workers=self._count)
         self._workers: dict[int, WorkerProcess] = {}
         self._tries: Counter[str] = Counter()
-        self._reports: list[Report] = []
+        self._results: list[ItemResult] = []
         self._bad_starts = 0
         self._fatal: Fatal | None = None
         self._stop_reason: str | None = None
@@ -158,7 +158,7 @@ class Supervisor:
         self._observer.finished(self._totals)
         interrupted = self._stop_reason is not None and bool(self._pending)
         interrupted = interrupted and self._fatal is None
-        return Outcome(self._totals, interrupted, self._fatal, self._reports)
+        return Outcome(self._totals, interrupted, self._fatal, self._results)
 
     def request_stop(self, reason: str = "stop requested") -> None:
         """Ends the run soon: present items are stopped. The second call kills the workers."""
@@ -264,7 +264,7 @@ class Supervisor:
                 self._bad_starts = 0
                 self._hand_next(worker)
             case {"done": values}:
-                self._take_report(worker, Report.from_json(values))
+                self._take_result(worker, ItemResult.from_json(values))
             case {"failed": values}:
                 self._take_failure(worker, Failure.from_json(values))
             case {"refused": values}:
@@ -282,22 +282,22 @@ class Supervisor:
         else:
             worker.hand(self._pending.popleft())
 
-    def _take_report(self, worker: WorkerProcess, report: Report) -> None:
+    def _take_result(self, worker: WorkerProcess, result: ItemResult) -> None:
         item = worker.item
-        if item is None or report.id != item.id:
-            raise ProtocolError(f"a report about {report.id}, which it was not asked for")
-        self._totals.add(report)
-        if report.stopped:
+        if item is None or result.id != item.id:
+            raise ProtocolError(f"a result of {result.id}, which it was not asked for")
+        self._totals.add(result)
+        if result.stopped:
             self._drop_item(worker, f"worker {worker.number} was told to stop by another process")
             return
-        if not (report.success or report.complete):
-            self._give_up(item, report.why_unmade())
-        self._decided(report)
+        if not (result.success or result.complete):
+            self._give_up(item, result.why_unmade())
+        self._decided(result)
         self._hand_next(worker)
 
-    def _decided(self, report: Report) -> None:
-        self._reports.append(report)
-        self._observer.episode(report, self._totals)
+    def _decided(self, result: ItemResult) -> None:
+        self._results.append(result)
+        self._observer.episode(result, self._totals)
 
     def _take_failure(self, worker: WorkerProcess, failure: Failure) -> None:
         worker.finish()
@@ -315,10 +315,10 @@ class Supervisor:
         item, worker.item = worker.item, None
         if item is None:
             return
-        report = self._on_disk(item.id)
-        if report and self._is_safe(item, reason, kind):  # it died between commit and report
-            self._totals.add(report)
-            self._decided(report)
+        result = self._on_disk(item.id)
+        if result and self._is_safe(item, reason, kind):  # it died between commit and result
+            self._totals.add(result)
+            self._decided(result)
         elif self._stopping:
             self._pending.appendleft(item)
         elif kind == "spec":

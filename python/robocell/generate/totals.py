@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from robocell.generate.items import Report
+from robocell.generate.items import ItemResult
 
-# What adds up: the same names in `Totals`, in `Report` and in records.
+# What adds up: the same names in `Totals`, in `ItemResult` and in records.
 NUMBERS = ("attempts", "accepted", "undecided", "rows")
 COUNTERS = ("refusals", "redrawn", "failures", "seconds", "kinds", "rollouts", "made_of")
 TIMEOUT = "timeout"  # why a rollout failed that used up `rates.max_steps`
@@ -100,19 +100,19 @@ class Totals:
     started: float = field(default_factory=time.monotonic)
     ended: float | None = None
 
-    def add(self, report: Report) -> None:
-        """Counts a report.
+    def add(self, result: ItemResult) -> None:
+        """Counts a result.
 
         Of an item that was stopped only the time and what was left undecided: it is made again, and
         counts then with all its attempts.
         """
-        if report.stopped:
-            self.undecided += report.undecided
-            self.seconds.update(report.seconds)
+        if result.stopped:
+            self.undecided += result.undecided
+            self.seconds.update(result.seconds)
             return
-        self.made += report.success
-        self.advice = self.advice or report.advice
-        _add(self, report, NUMBERS)
+        self.made += result.success
+        self.advice = self.advice or result.advice
+        _add(self, result, NUMBERS)
 
     @property
     def retries(self) -> int:
@@ -246,7 +246,7 @@ def _sum(parts: Sequence[Totals]) -> Totals:
     return whole
 
 
-def _add(totals: Totals, part: Totals | Report, numbers: Sequence[str]) -> None:
+def _add(totals: Totals, part: Totals | ItemResult, numbers: Sequence[str]) -> None:
     """Adds these numbers and all counters."""
     for name in numbers:
         setattr(totals, name, getattr(totals, name) + getattr(part, name))

@@ -11,7 +11,7 @@ import sys
 from collections.abc import Sequence
 
 from robocell.generate import Runner, StopFlag, make_plan, require_same_run
-from robocell.generate.items import Item, Report
+from robocell.generate.items import Item, ItemResult
 from robocell.generate.own_process import own_process
 from robocell.generate.run_source import RunSource
 from robocell.generate.worker import MakeEpisode, serve
@@ -31,8 +31,8 @@ def _open_maker(arguments: argparse.Namespace, stop: StopFlag) -> MakeEpisode:
     runner = Runner(run)
     plan = {item.id: item for item in make_plan(run)}
 
-    def make(item: Item) -> Report:
-        return Report.from_core(runner.run(plan[item.id], stop=stop))
+    def make(item: Item) -> ItemResult:
+        return ItemResult.from_core(runner.run(plan[item.id], stop=stop))
 
     return make
 

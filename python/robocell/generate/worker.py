@@ -18,13 +18,13 @@ from collections.abc import Callable, Mapping
 from queue import SimpleQueue
 from typing import Any, Protocol
 
-from robocell.generate.items import Item, Report
+from robocell.generate.items import Item, ItemResult
 from robocell.generate.protocol import Failure, LineReader, ProtocolError, encode
 
 # After a stop request the worker ends itself by force when it has not ended by then.
 STOP_GRACE_S = 20.0
 
-MakeEpisode = Callable[[Item], Report]
+MakeEpisode = Callable[[Item], ItemResult]
 
 
 class Stop(Protocol):
@@ -62,10 +62,10 @@ def _work(
     _send(replies, {"ready": True})
     while (item := requests.get()) is not None:
         try:
-            report = make(item)
+            result = make(item)
         except Exception as error:
             return _tell_failure(replies, "failed", error)
-        _send(replies, {"done": report.to_json()})
+        _send(replies, {"done": result.to_json()})
     return 0
 
 

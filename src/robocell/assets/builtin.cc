@@ -8,8 +8,8 @@
 #include "robocell/assets/resolve.h"
 #include "robocell/assets/roots.h"
 #include "robocell/base/error.h"
-#include "robocell/base/folder_names.h"
-#include "robocell/base/names.h"
+#include "robocell/base/files.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell::assets {
 namespace {

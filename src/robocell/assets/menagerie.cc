@@ -14,10 +14,10 @@
 #include "robocell/assets/resolve.h"
 #include "robocell/assets/roots.h"
 #include "robocell/base/error.h"
-#include "robocell/base/folder_names.h"
+#include "robocell/base/files.h"
 #include "robocell/base/log.h"
-#include "robocell/base/names.h"
 #include "robocell/base/real_file.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell::menagerie {
 namespace {
@@ -42,9 +42,8 @@ bool IsVersionOf(const std::string& folder, const std::string& robot) {
   return folder.size() == robot.size() + 1 + kVersionDigits && folder.rfind(robot + "-", 0) == 0;
 }
 
-// The folder of the version that `robocell fetch` has recorded, which stays until it is asked for
-// another; empty when there is none. It need not be there. What is wrong with the record is told by
-// `robocell fetch`.
+// The folder of the version that `robocell fetch` has recorded, which stays until another is
+// requested; empty without one. It need not exist. `robocell fetch` reports problems of the record.
 fs::path RecordedFolder(const std::string& robot) {
   const fs::path record = UserCache() / "robocell/menagerie.json";
   if (!CanReadFile(record)) return {};

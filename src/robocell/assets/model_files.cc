@@ -36,7 +36,7 @@ bool MayNeverEnd(fs::file_type type) {
          type == fs::file_type::character || type == fs::file_type::block;
 }
 
-// As the engine joins them: what it takes for an absolute name stands alone.
+// Joins them as the engine does: what it takes for an absolute name stands alone.
 fs::path Join(const fs::path& folder, const fs::path& name) {
   return name.native().find(":/") == std::string::npos ? folder / name : fs::absolute(name);
 }

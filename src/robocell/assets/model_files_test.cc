@@ -100,7 +100,7 @@ TEST(ModelFiles, PipesAndDevicesAreNoFiles) {
   EXPECT_NO_THROW(RequireOnlyFiles(temp / "none.xml"));
 }
 
-// Where the engine alone finds the mesh is where it must be found.
+// robocell must find the mesh where the engine alone finds it.
 TEST(ModelFiles, AreWhereTheEngineFindsThem) {
   const std::string includes = "<mujoco><include file='a.xml'/><include file='b.xml'/></mujoco>";
   const std::string folder = "<mujoco><compiler meshdir='meshes'/></mujoco>";
@@ -209,7 +209,8 @@ std::set<fs::path> AssetsOfSpec(const fs::path& model) {
   return files;
 }
 
-// Of all models in the folder that the engine reads by themselves; how many assets they have.
+// Checks all models in the folder that the engine reads by themselves; returns their number of
+// assets.
 size_t ExpectTheSpecsAssets(const fs::path& folder) {
   size_t assets = 0;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {

@@ -15,6 +15,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,14 @@ std::string BuiltinRobotFile(const std::string& name);
 // (examples/envs/NAME.yaml beside the folder of the models). NotFoundError with the nearest names.
 std::vector<std::string> BuiltinCells();
 std::string BuiltinCellFile(const std::string& name);
+
+// The inverse of Resolve: a name of a model file that is the same on every machine, of a built-in or
+// Menagerie model that Resolve maps to exactly this file.
+//
+//   PortableName("<menagerie>/ufactory_xarm7/xarm7.xml")   // menagerie:ufactory_xarm7/xarm7.xml
+//   PortableName("<models>/robots/rc7/rc7.xml")               // rc7
+//   PortableName("mine/arm.xml")                              // unset: only this machine has it
+std::optional<std::string> PortableName(const std::string& path);
 
 }  // namespace robocell::assets
 

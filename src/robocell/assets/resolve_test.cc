@@ -1,6 +1,7 @@
 #include "robocell/assets/resolve.h"
 
 #include <sys/stat.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,9 +10,12 @@
 #include <fstream>
 
 #include "robocell/base/error.h"
+#include "robocell/base/files.h"
 #include "robocell/base/log.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/menagerie.h"
 #include "robocell/testing/scoped_env.h"
+#include "robocell/testing/temp_dir.h"
 
 namespace robocell::assets {
 namespace {
@@ -268,6 +272,39 @@ TEST_F(Resolving, ARobotWithSeveralModelsIsNotGuessed) {
   const ScopedEnv env("MENAGERIE_ROOT", folder_.string());
   ExpectThrow<ArgumentError>([] { Resolve("menagerie:leap_hand"); },
                              "name one, for example menagerie:leap_hand/left_hand.xml");
+}
+
+}  // namespace
+
+namespace {
+
+TEST(PortableName, OfEveryBuiltinModelIsItsName) {
+  for (const std::string& name : BuiltinModels()) EXPECT_EQ(PortableName(Resolve(name)), name);
+}
+
+TEST(PortableName, OfAModelOfTheMenagerieSaysSo) {
+  REQUIRE_MENAGERIE("ufactory_xarm7");
+  const std::string name = "menagerie:ufactory_xarm7/xarm7.xml";
+  EXPECT_EQ(PortableName(Resolve(name)), name);
+}
+
+TEST(PortableName, IsNoneForAFileOfOnesOwn) {
+  TempDir temp;
+  AtomicWrite(temp / "arm.xml", "<mujoco/>");
+  EXPECT_EQ(PortableName(temp / "arm.xml"), std::nullopt);
+  std::filesystem::create_directory(temp / "rc7");
+  AtomicWrite(temp / "rc7/rc7.xml", "<mujoco/>");  // called like a built-in one
+  EXPECT_EQ(PortableName(temp / "rc7/rc7.xml"), std::nullopt);
+}
+
+TEST(PortableName, IsNoneForAFileThatTakesTheModelsPlaceHere) {
+  const TempDir temp;
+  const std::string mine = temp / "table.xml";
+  AtomicWrite(mine, "<mujoco/>");
+  const std::string original = Resolve("table");
+  const ScopedEnv env("ROBOCELL_OVERRIDE_TABLE", mine);
+  EXPECT_EQ(PortableName(mine), std::nullopt);
+  EXPECT_EQ(PortableName(original), std::nullopt) << "the name means another file here";
 }
 
 }  // namespace

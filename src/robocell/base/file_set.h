@@ -16,14 +16,13 @@
 #include <string_view>
 #include <vector>
 
-#include "robocell/base/fingerprint.h"
 #include "robocell/base/hash.h"
 
 namespace robocell {
 
 // SHA-256 of a file, remembered.
 std::string HashOfFile(const std::filesystem::path& path);
-// Its fingerprint (fingerprint.h), remembered: quicker, for files that nobody forges.
+// Its fingerprint (hash.h), remembered: quicker, for files that nobody forges.
 std::string FingerprintOfFile(const std::filesystem::path& path);
 
 // The hash functions for files and their names.

@@ -4,6 +4,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
@@ -12,9 +15,8 @@
 #include <system_error>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "robocell/base/error.h"
+#include "robocell/base/io_error.h"
 #include "robocell/base/paths.h"
 #include "robocell/base/temporary_name.h"
 
@@ -225,6 +227,33 @@ void CommitDirectory(const fs::path& temporary, const fs::path& final) {
   SyncTree(temporary);
   RenameToNew(temporary, final);
   FlushRename(final);
+}
+
+namespace {
+
+// A range-based loop would throw the system's own error where the folder cannot be read further.
+std::vector<std::string> ReadNames(const std::filesystem::path& folder, std::error_code& error) {
+  std::vector<std::string> names;
+  for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end;
+       it.increment(error)) {
+    names.push_back(it->path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+}  // namespace
+
+std::vector<std::string> FolderNames(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::vector<std::string> names = ReadNames(folder, error);
+  if (error) ThrowIoError("list", folder, error.value());
+  return names;
+}
+
+std::vector<std::string> FolderNamesIfAny(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  return ReadNames(folder, ignored);
 }
 
 }  // namespace robocell

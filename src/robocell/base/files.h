@@ -16,6 +16,7 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "robocell/base/io_error.h"
 
@@ -70,5 +71,12 @@ bool IsTemporaryName(std::string_view file_name);
 // and the message says so. Holds regular files and folders only (IoError
 // otherwise).
 void CommitDirectory(const std::filesystem::path& temporary, const std::filesystem::path& final);
+
+// Names in a folder, sorted. IoError when it cannot be listed to the end.
+std::vector<std::string> FolderNames(const std::filesystem::path& folder);
+
+// The same as far as it can be listed, none where there is no folder: for hints in messages, and
+// for places that may be there.
+std::vector<std::string> FolderNamesIfAny(const std::filesystem::path& folder);
 
 }  // namespace robocell

@@ -7,15 +7,15 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <atomic>
 #include <chrono>
 #include <fstream>
 #include <string>
 #include <thread>
 #include <vector>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "robocell/base/error.h"
 #include "robocell/base/temporary_name.h"
@@ -314,6 +314,29 @@ TEST_F(FilesTest, AFailureAfterTheRenameSaysThatTheThingIsThere) {
   EXPECT_THAT(said, StartsWith("'" + final.string() + "' is in place, but a power cut may"));
   EXPECT_THAT(said, HasSubstr("Permission denied"));
   EXPECT_THAT(Names(dataset), ElementsAre("episode"));
+}
+
+}  // namespace
+
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+TEST(FolderNames, AreSortedAndWithoutTheFolder) {
+  const TempDir folder;
+  for (const char* name : {"b", "a", ".hidden"}) AtomicWrite(folder / name, "");
+  EXPECT_THAT(FolderNames(folder.path()), ElementsAre(".hidden", "a", "b"));
+  EXPECT_EQ(FolderNamesIfAny(folder.path()), FolderNames(folder.path()));
+}
+
+TEST(FolderNames, OfWhatCannotBeListedAreNoneOrAnErrorOfOurs) {
+  const TempDir folder;
+  AtomicWrite(folder / "file", "");
+  for (const char* name : {"missing", "file"}) {
+    EXPECT_THAT(FolderNamesIfAny(folder / name), IsEmpty());
+    ExpectThrow<IoError>([&] { FolderNames(folder / name); }, "cannot list");
+  }
 }
 
 }  // namespace

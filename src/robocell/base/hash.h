@@ -1,4 +1,5 @@
-// SHA-256 of bytes and files, as 64 lower-case hexadecimal digits: what `sha256sum` prints.
+// Hashes of bytes and files: SHA-256, as 64 lower-case hexadecimal digits (what `sha256sum` prints),
+// and XXH3.
 #pragma once
 
 #include <filesystem>
@@ -29,5 +30,14 @@ class Sha256Stream {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+// XXH3 (128 bits) of bytes and files, as 32 lower-case hexadecimal digits: whether something is
+// what it was, many times quicker than SHA-256. For a user's own files only: whoever wants to can
+// make two files with the same fingerprint, so what others have to trust is known by its SHA-256
+// instead.
+std::string Fingerprint(std::string_view bytes);
+
+// Reads the file in blocks; its size does not matter. IoError when it cannot be read.
+std::string FingerprintFile(const std::filesystem::path& path);
 
 }  // namespace robocell

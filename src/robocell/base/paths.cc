@@ -1,12 +1,12 @@
 #include "robocell/base/paths.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <climits>
 #include <deque>
 #include <string>
 #include <system_error>
-
-#include <fmt/format.h>
 
 #include "robocell/base/error.h"
 #include "robocell/base/io_error.h"
@@ -115,6 +115,30 @@ void RequireFileName(std::string_view what, std::string_view name) {
   if (problem.empty()) return;
   throw ArgumentError(fmt::format("{} name '{}' {}, but it becomes a file name", what,
                                   name.substr(0, name.find('\0')), problem));
+}
+
+namespace {
+
+// Whatever the locale says of letters.
+bool IsPlain(char c) {
+  const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+  const bool digit = c >= '0' && c <= '9';
+  return letter || digit || std::string_view("_@%+=:,./-").find(c) != std::string_view::npos;
+}
+
+}  // namespace
+
+std::string ShellWord(std::string_view text) {
+  if (!text.empty() && std::all_of(text.begin(), text.end(), IsPlain)) return std::string(text);
+  std::string word = "'";
+  for (const char c : text) {
+    if (c == '\'') {
+      word += "'\"'\"'";
+    } else {
+      word += c;
+    }
+  }
+  return word + "'";
 }
 
 }  // namespace robocell

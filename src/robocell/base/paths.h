@@ -5,6 +5,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 namespace robocell {
@@ -27,5 +28,9 @@ bool ValidFileName(std::string_view name);
 // Raises ArgumentError with the reason unless ValidFileName(name). `what` says what the name
 // belongs to, such as "camera".
 void RequireFileName(std::string_view what, std::string_view name);
+
+// For paths in commands that messages contain: `text` as one word of a POSIX shell, in single quotes where it needs them: 'out/two words'. As
+// Python's shlex.quote.
+std::string ShellWord(std::string_view text);
 
 }  // namespace robocell

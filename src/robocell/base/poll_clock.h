@@ -16,8 +16,8 @@ namespace robocell {
 template <class Clock>
 class BasicPollClock {
  public:
-  // Whether 10 ms have passed since it was made, or last said so. Said with the first step after
-  // that; up to seven steps later when those before took less than 1 ms each.
+  // Returns true if 10 ms have passed since it was made, or last said so. Said with the first step
+  // after that; up to seven steps later when those before took less than 1 ms each.
   bool IsDue() {
     if (++steps_ < steps_to_ask_) return false;
     const auto now = Clock::now();

@@ -9,7 +9,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Stands still unless it is told, and counts who asks.
+// A clock that stands still until it is moved, and counts its readers.
 struct ToldClock {
   using duration = std::chrono::microseconds;
   using rep = duration::rep;
@@ -24,7 +24,7 @@ struct ToldClock {
   static inline int asked = 0;
 };
 
-// What steps of one length are told.
+// The results for steps of one length.
 struct Told {
   int due = 0, asked = 0;
   std::chrono::microseconds longest{};  // between two times that it was due, or from the start

@@ -1,4 +1,4 @@
-// StopCheck: how long work is told to end early. It is asked now and then, on the thread that
+// StopRequest: how long work is told to end early. It is asked now and then, on the thread that
 // called for the work; once it has said true it goes on saying so. An exception that it throws ends
 // the work too and comes out of it. Empty: nobody will ask to stop.
 #pragma once
@@ -7,8 +7,8 @@
 
 namespace robocell {
 
-using StopCheck = std::function<bool()>;
+using StopRequest = std::function<bool()>;
 
-inline bool ShouldStop(const StopCheck& stop) { return stop && stop(); }
+inline bool ShouldStop(const StopRequest& stop) { return stop && stop(); }
 
 }  // namespace robocell

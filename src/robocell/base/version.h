@@ -5,7 +5,10 @@
 
 namespace robocell {
 
-// "0.1.0", from the build.
+// Of these headers.
+inline constexpr const char* kHeaderVersion = "0.1.0";
+
+// Of the library, from the build.
 std::string_view Version();
 
 }  // namespace robocell

@@ -17,6 +17,7 @@ TEST(Version, IsThatOfTheBuildFile) {
   std::smatch match;
   ASSERT_TRUE(std::regex_search(build, match, std::regex("project\\(robocell VERSION ([0-9.]+)")));
   EXPECT_EQ(Version(), match[1].str());
+  EXPECT_EQ(kHeaderVersion, match[1].str());
 }
 
 }  // namespace

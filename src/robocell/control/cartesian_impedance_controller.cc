@@ -48,7 +48,7 @@ void CartesianImpedanceController::SetPose(const Pose& leaf_in_robot) {
   target_ = ToNumbers(leaf_in_robot);
 }
 
-void CartesianImpedanceController::CheckTarget() {
+void CartesianImpedanceController::RequireTarget() {
   const double length2 = target_[3] * target_[3] + target_[4] * target_[4] +
                          target_[5] * target_[5] + target_[6] * target_[6];
   const bool is_pose =
@@ -70,7 +70,7 @@ void CartesianImpedanceController::SetDampingRatio(double ratio) {
 }
 
 void CartesianImpedanceController::SetPosture(std::span<const double> q) {
-  CheckValues([&] { return arm_.place(); }, "joint", q, arm_.nq(), arm_.joint_names());
+  RequireValues([&] { return arm_.place(); }, "joint", q, arm_.nq(), arm_.joint_names());
   std::copy(q.begin(), q.end(), posture_.begin());
 }
 
@@ -79,7 +79,7 @@ void CartesianImpedanceController::SetPostureFrequency(double frequency) {
 }
 
 void CartesianImpedanceController::SetFeedforward(const Gains& wrench) {
-  CheckValues([&] { return arm_.place(); }, "feedforward", wrench, 6);
+  RequireValues([&] { return arm_.place(); }, "feedforward", wrench, 6);
   feedforward_ = wrench;
 }
 
@@ -93,7 +93,7 @@ void CartesianImpedanceController::Compute(std::span<double> ctrl) {
   double qd[kMaxChainJoints];
   arm_.GetJointPos(q_);
   arm_.GetJointVel({qd, q_.size()});
-  CheckTarget();
+  RequireTarget();
   const Eigen::Matrix3d goal =
       MatrixFromQuaternion({target_[3], target_[4], target_[5], target_[6]});
   const double w = posture_frequency_;
@@ -117,7 +117,7 @@ void CartesianImpedanceController::Compute(std::span<double> ctrl) {
                            .damping_ratio = damping_ratio_},
                           &leaf);
   // What of the state is no number is in all of them.
-  if (!AllFinite(leaf.torques, n)) chain.CheckJointValues("q", q_);
+  if (!AllFinite(leaf.torques, n)) chain.RequireJointValues("q", q_);
   arm_.CtrlForJointTorque({leaf.torques, n}, ctrl);
 }
 

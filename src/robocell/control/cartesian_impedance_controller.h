@@ -67,7 +67,7 @@ class CartesianImpedanceController : public Controller {
 
  private:
   // Of target_, which others write: a pose or an error.
-  void CheckTarget();
+  void RequireTarget();
 
   ArmGroup& arm_;
   PoseNumbers target_ = {};

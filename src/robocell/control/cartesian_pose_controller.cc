@@ -60,7 +60,7 @@ void CartesianPoseController::SetMaxSpeeds(double linear, double angular) {
 }
 
 void CartesianPoseController::SetPosture(std::span<const double> q) {
-  CheckValues([&] { return arm_.place(); }, "joint", q, arm_.nq(), arm_.joint_names());
+  RequireValues([&] { return arm_.place(); }, "joint", q, arm_.nq(), arm_.joint_names());
   std::copy(q.begin(), q.end(), posture_.begin());
 }
 

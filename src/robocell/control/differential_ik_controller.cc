@@ -29,7 +29,7 @@ DifferentialIkController::DifferentialIkController(ArmGroup& arm) : arm_(arm), s
 }
 
 void DifferentialIkController::SetTarget(std::span<const double> twist) {
-  CheckValues([&] { return arm_.place(); }, "twist", twist, target_size());
+  RequireValues([&] { return arm_.place(); }, "twist", twist, target_size());
   std::copy(twist.begin(), twist.end(), target_.begin());
 }
 
@@ -43,7 +43,7 @@ Twist DifferentialIkController::twist() const {
 }
 
 void DifferentialIkController::SetMaxSpeed(std::span<const double> speed) {
-  CheckValues([&] { return arm_.place(); }, "joint", speed, arm_.nq(), arm_.joint_names());
+  RequireValues([&] { return arm_.place(); }, "joint", speed, arm_.nq(), arm_.joint_names());
   for (std::size_t i = 0; i < speed.size(); ++i) {
     if (speed[i] > 0) continue;
     throw ArgumentError(
@@ -55,7 +55,7 @@ void DifferentialIkController::SetMaxSpeed(std::span<const double> speed) {
 }
 
 void DifferentialIkController::SetPosture(std::span<const double> q) {
-  CheckValues([&] { return arm_.place(); }, "joint", q, arm_.nq(), arm_.joint_names());
+  RequireValues([&] { return arm_.place(); }, "joint", q, arm_.nq(), arm_.joint_names());
   options_.posture = JointVector(q);
 }
 
@@ -91,7 +91,7 @@ void DifferentialIkController::Compute(std::span<double> ctrl) {
   time_ = now;
   if (seconds > 0) {
     // The port is written to without a check.
-    CheckValues([&] { return arm_.place(); }, "twist", target_, target_size());
+    RequireValues([&] { return arm_.place(); }, "twist", target_, target_size());
     options_.seconds = seconds;
     if (frame() == TwistFrame::kWorld)
       options_.base_in_world =

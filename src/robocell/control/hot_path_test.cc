@@ -1,4 +1,4 @@
-// What the controllers of this folder do every control tick, and batches, allocate nothing.
+// The controllers of this folder allocate nothing in a control tick or a batch.
 #include <gtest/gtest.h>
 
 #include "robocell/kinematics/chain_batch.h"

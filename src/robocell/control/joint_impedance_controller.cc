@@ -72,7 +72,7 @@ JointImpedanceController::JointImpedanceController(ArmGroup& arm)
 }
 
 void JointImpedanceController::SetTarget(std::span<const double> q) {
-  CheckValues([&] { return arm_.place(); }, "joint", q, target_size(), arm_.joint_names());
+  RequireValues([&] { return arm_.place(); }, "joint", q, target_size(), arm_.joint_names());
   std::copy(q.begin(), q.end(), target_.begin());
 }
 

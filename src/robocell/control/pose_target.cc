@@ -12,7 +12,7 @@ PoseNumbers ToNumbers(const Pose& pose) {
 }
 
 Pose PoseFromNumbers(std::span<const double> n, const MoveGroup& group) {
-  CheckValues([&] { return group.place(); }, "pose", n, 7);
+  RequireValues([&] { return group.place(); }, "pose", n, 7);
   try {
     return Pose({n[0], n[1], n[2]}, Quaternion{n[3], n[4], n[5], n[6]});
   } catch (const ArgumentError& error) {

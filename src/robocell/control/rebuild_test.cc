@@ -11,7 +11,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, ControllersStay,
                          ::testing::Values("cartesian_pose", "cartesian_impedance",
                                            "joint_impedance", "relative_joint_position"));
 
-// As in a scene that was left alone. Another body rounds the arm's motion differently.
+// The arm moves as in an untouched scene. Another body rounds the arm's motion differently.
 TEST_P(ControllersStay, AndTheArmGoesOnToItsTarget) {
   const auto run = [&](bool rebuild) {
     Scene scene = Scene::Build(SceneWith({.name = "a", .config = Rc7()}));

@@ -18,7 +18,8 @@ namespace {
 }  // namespace
 
 void RelativeJointController::SetTarget(std::span<const double> delta) {
-  CheckValues([&] { return group_.place(); }, "joint", delta, target_size(), group_.joint_names());
+  RequireValues([&] { return group_.place(); }, "joint", delta, target_size(),
+                group_.joint_names());
   const std::vector<Interval> limits = CheckedJointPosLimits(group_);
   const std::span<double> target = absolute_.command_port();
   for (size_t i = 0; i < target.size(); ++i) {

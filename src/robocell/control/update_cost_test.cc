@@ -1,5 +1,5 @@
-// That the cost of this folder's controllers did not collapse, as robot/update_cost_test.cc does of
-// the plain modes: far from how fast they are, which benchmarks/ tells.
+// Checks that this folder's controllers did not become many times slower, as
+// robot/update_cost_test.cc does for the plain modes; benchmarks/ measures their speed.
 #include <gtest/gtest.h>
 
 #include "robocell/robot/testing/robots.h"

@@ -11,13 +11,13 @@
 #include "robocell/base/files.h"
 #include "robocell/base/io_error.h"
 #include "robocell/base/log.h"
-#include "robocell/base/names.h"
+#include "robocell/base/paths.h"
 #include "robocell/base/real_file.h"
-#include "robocell/base/shell_word.h"
+#include "robocell/base/suggestions.h"
+#include "robocell/data/dataset_folder.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_state.h"
 #include "robocell/data/episode_writer.h"
-#include "robocell/data/require_dataset.h"
 #include "robocell/data/self_hashed_json.h"
 
 namespace robocell {

@@ -18,8 +18,8 @@
 #include "robocell/base/host.h"
 #include "robocell/base/io_error.h"
 #include "robocell/base/real_file.h"
+#include "robocell/data/dataset_folder.h"
 #include "robocell/data/episode_files.h"
-#include "robocell/data/own_folders.h"
 
 namespace robocell {
 namespace {

@@ -11,10 +11,9 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/idle_pool.h"
-#include "robocell/base/names.h"
 #include "robocell/base/paths.h"
 #include "robocell/base/real_file.h"
-#include "robocell/base/shell_word.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/hdf5.h"
 #include "robocell/data/json_count.h"
@@ -173,8 +172,8 @@ struct Episode::Impl {
         json.at(key);  // asked for later, without a check
       }
       if (json.contains("features")) features = FeatureSchema::FromJson(json["features"].dump());
-      CheckFiles();
-      CheckModels();
+      RequireFiles();
+      RequireModels();
     } catch (const nlohmann::json::exception&) {
       ThrowDamaged();
     } catch (const SpecError& error) {  // of the features
@@ -197,7 +196,7 @@ struct Episode::Impl {
         dataset, dataset);
   }
 
-  void CheckFiles() const {
+  void RequireFiles() const {
     for (const auto& [file, facts] : json.at("files").items()) {
       std::error_code error;
       if (!ValidFileName(file))
@@ -215,7 +214,7 @@ struct Episode::Impl {
     }
   }
 
-  void CheckModels() const {
+  void RequireModels() const {
     const auto models = json.find("models");
     if (models == json.end()) return;
     for (const auto& [name, path] : models->items()) {

@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
 #include "robocell/base/paths.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/media/video_writer.h"
 
 namespace robocell {
@@ -22,7 +22,7 @@ bool IsInteger(ColumnType type) {
 }
 
 // A path of one or more names.
-void CheckPath(const std::string& name) {
+void RequirePath(const std::string& name) {
   size_t begin = 0;
   for (;;) {
     const size_t slash = name.find('/', begin);
@@ -35,7 +35,7 @@ void CheckPath(const std::string& name) {
   }
 }
 
-void CheckShape(const ColumnSpec& column) {
+void RequireShape(const ColumnSpec& column) {
   for (const int64_t size : column.shape) {
     if (size >= 1) continue;
     throw ArgumentError(fmt::format("{}: shape {} has an axis shorter than 1", Called(column),
@@ -43,7 +43,7 @@ void CheckShape(const ColumnSpec& column) {
   }
 }
 
-void CheckNames(const ColumnSpec& column) {
+void RequireNames(const ColumnSpec& column) {
   if (column.names.empty()) return;
   const int64_t last = column.shape.empty() ? 1 : column.shape.back();
   if (static_cast<int64_t>(column.names.size()) == last) return;
@@ -51,10 +51,10 @@ void CheckNames(const ColumnSpec& column) {
                                   column.names.size(), ListNames(column.names), last));
 }
 
-void CheckColumn(const ColumnSpec& column) {
-  CheckPath(column.name);
-  CheckShape(column);
-  CheckNames(column);
+void RequireColumn(const ColumnSpec& column) {
+  RequirePath(column.name);
+  RequireShape(column);
+  RequireNames(column);
   if (!column.values.empty() && !IsInteger(column.type)) {
     throw ArgumentError(fmt::format("{}: names of values need an integer type, not {}",
                                     Called(column), NameOf(column.type)));
@@ -123,7 +123,7 @@ TableId EpisodeSchema::AddTable(const std::string& name, int64_t chunk_rows) {
 
 ColumnId EpisodeSchema::AddColumn(ColumnSpec column, TableId table) {
   TableSpec& target = Target(table);
-  CheckColumn(column);
+  RequireColumn(column);
   column.name = target.group + column.name;
   RequireFreeName(column.name);
   RequireOutsideOtherTables(column, &target);
@@ -132,7 +132,7 @@ ColumnId EpisodeSchema::AddColumn(ColumnSpec column, TableId table) {
 }
 
 void EpisodeSchema::AddConstant(ColumnSpec column, std::span<const double> values) {
-  CheckColumn(column);
+  RequireColumn(column);
   RequireFreeName(column.name);
   RequireOutsideOtherTables(column, nullptr);
   if (column.type != ColumnType::kFloat64) {
@@ -151,13 +151,13 @@ CameraId EpisodeSchema::AddCamera(CameraStream stream, TableId table) {
   Target(table);
   const std::string name = fmt::format("camera '{}'", stream.name);
   RequireFileName("camera", stream.name);
-  CheckVideoOptions(name, {.width = stream.width,
-                           .height = stream.height,
-                           .fps_num = stream.fps_num,
-                           .fps_den = stream.fps_den});
+  RequireVideoOptions(name, {.width = stream.width,
+                             .height = stream.height,
+                             .fps_num = stream.fps_num,
+                             .fps_den = stream.fps_den});
   if (stream.depth || stream.segmentation) {
-    CheckVideoOptions(name,
-                      {.kind = VideoKind::kGray16, .width = stream.width, .height = stream.height});
+    RequireVideoOptions(
+        name, {.kind = VideoKind::kGray16, .width = stream.width, .height = stream.height});
   }
   for (const CameraEntry& camera : cameras_) {
     if (camera.stream.name == stream.name) throw ArgumentError(name + " is declared twice");

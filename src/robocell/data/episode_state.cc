@@ -89,8 +89,8 @@ EpisodeLook LookAtEpisode(const fs::path& folder) {
     return Broken(
         LooksLikeEpisode(folder)
             ? fmt::format("'{}' is half an episode: episode.json is missing", folder.string())
-            : fmt::format("'{}' has an episode's name and holds other things: {}", folder.string(),
-                          kLeftAlone));
+            : fmt::format("'{}' has an episode's name and contains something else: {}",
+                          folder.string(), kLeftAlone));
   }
   try {
     const Episode episode(folder);

@@ -89,7 +89,7 @@ TEST_F(EpisodeStateTest, ForeignThingsAreLeftAloneWithAWordAboutIt) {
   fs::remove(e());
   fs::create_directory(e());
   AtomicWrite(e() / "thesis.txt", "x");
-  ExpectBroken("holds other things: repair leaves it alone");
+  ExpectBroken("contains something else: repair leaves it alone");
 }
 
 }  // namespace

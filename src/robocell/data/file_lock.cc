@@ -17,8 +17,8 @@
 namespace robocell {
 namespace {
 
-// Where flock(2) is made of locks of byte ranges, as on NFS, an exclusive one needs a file that is
-// open for writing. Sharing one must be possible without the right to write.
+// If flock(2) uses locks of byte ranges, as on NFS, an exclusive lock needs a file that is open for
+// writing. A shared lock must be possible without write permission.
 int OpenFor(const std::filesystem::path& path, LockKind kind) {
   const int access = kind == LockKind::kExclusive ? O_RDWR | O_CREAT : O_RDONLY;
   return ::open(path.c_str(), access | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0644);

@@ -6,9 +6,8 @@
 //
 // The child is forked from the calling thread for the first query, and again after a query that
 // ended it, because the fork of a large process takes tens of milliseconds. It keeps no file of
-// this
-// process open. The function that answers may open files and allocate; it must not touch Python,
-// the engine, GL or other threads.
+// this process open. The function that answers may open files and allocate; it must not touch
+// Python, the engine, GL or other threads.
 #pragma once
 
 #include <sys/types.h>

@@ -30,7 +30,7 @@ void AddUnfinished(const fs::path& folder, const std::string& prefix,
   if (error) ThrowIoError("list", folder, error.value());
 }
 
-// Verify tells what cannot be listed.
+// Verify reports what cannot be listed.
 void AddWhatCanBeListed(const fs::path& folder, const std::string& prefix,
                         std::vector<std::string>& names) {
   try {

@@ -64,7 +64,7 @@ TEST(RemoveLeftovers, LeavesWhatALivingWriterIsAt) {
   EXPECT_EQ(Verify(temp.path()).being_written.size(), 1u);
 }
 
-// Of the lock of a work folder nothing gets into what is committed.
+// Nothing of the lock of a work folder gets into the committed episode.
 TEST(RemoveLeftovers, FindsNothingOfACommittedEpisode) {
   TempDir temp;
   SampleEpisode(0, false).Write(temp.path(), "e1");

@@ -1,16 +1,18 @@
 #include "robocell/data/model_store.h"
 
 #include <optional>
+#include <set>
 #include <string_view>
 #include <system_error>
+#include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
-#include "robocell/base/folder_names.h"
 #include "robocell/base/hash.h"
 #include "robocell/base/io_error.h"
 #include "robocell/base/paths.h"
 #include "robocell/base/real_file.h"
+#include "robocell/data/dataset.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/work_folder.h"
 
@@ -37,7 +39,7 @@ bool IsRealFolder(const fs::path& path) {
   return fs::is_directory(fs::symlink_status(path, ignored));
 }
 
-// What is in the folder of models: "models/rc7-0123456789abcdef", sorted.
+// Lists the folder of models: "models/rc7-0123456789abcdef", sorted.
 std::vector<std::string> NamesInModels(const fs::path& dataset) {
   const fs::path folder = dataset / kModelsFolder;
   if (!IsRealFolder(folder)) return {};
@@ -60,7 +62,7 @@ void Copy(const fs::path& from, const fs::path& to) {
   AtomicWrite(to, ReadFile(from));
 }
 
-// Of a stored model's files: neither its list, nor what was left of writing that.
+// Sums of a stored model's files, without its list and remains of writing that.
 FileSums SumsOfModel(const fs::path& folder) {
   FileSums sums = SumsOfFolder(folder);
   std::erase_if(sums, [](const auto& sum) {
@@ -189,6 +191,74 @@ StrayModels StrayModelsIn(const fs::path& dataset) {
     (IsStoredName(own) ? stray.in_the_way : stray.others).push_back(name);
   }
   return stray;
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+
+using SumsByName = std::map<std::string, std::set<std::string>>;
+
+// "table.xml" of "room/table.xml (2)", as run_inputs.cc numbers files of one name.
+std::string OwnName(const std::string& file) {
+  const std::string name = fs::path(file).filename().string();
+  const size_t number = name.rfind(" (");
+  return number != std::string::npos && name.ends_with(')') ? name.substr(0, number) : name;
+}
+
+SumsByName SumsOfRun(const fs::path& dataset) {
+  SumsByName sums;
+  try {
+    const auto manifest = ReadManifest(dataset);
+    if (!manifest) return sums;
+    const auto files = nlohmann::json::parse(*manifest).value("files", nlohmann::json::object());
+    for (const auto& [name, sum] : files.items())
+      sums[OwnName(name)].insert(sum.get<std::string>());
+  } catch (const Error&) {  // told by itself
+  } catch (const nlohmann::json::exception&) {
+    return {};  // of another making
+  }
+  return sums;
+}
+
+// The first file that the run had otherwise.
+std::optional<std::string> ChangedFile(const FileSums& model, const SumsByName& run) {
+  for (const auto& [name, sum] : model) {
+    const auto it = run.find(fs::path(name).filename().string());
+    if (it != run.end() && !it->second.contains(sum)) return name;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::map<std::string, std::string> ChangedModels(const fs::path& dataset) {
+  std::map<std::string, std::string> changed;
+  const SumsByName run = SumsOfRun(dataset);
+  if (run.empty()) return changed;
+  std::vector<std::string> folders;
+  try {
+    folders = StoredModels(dataset);
+  } catch (const Error&) {  // told by itself
+  }
+  for (const std::string& folder : folders) {
+    try {
+      if (auto file = ChangedFile(SumsOfStoredModel(dataset, folder), run))
+        changed[folder] = std::move(*file);
+    } catch (const Error&) {  // damage is told by itself
+    }
+  }
+  return changed;
+}
+
+bool IsModelOfRun(const fs::path& dataset, const std::string& path) {
+  const SumsByName run = SumsOfRun(dataset);
+  if (run.empty() || !IsStored(dataset, path)) return false;
+  try {
+    return !ChangedFile(SumsOfStoredModel(dataset, path), run);
+  } catch (const Error&) {
+    return false;
+  }
 }
 
 }  // namespace robocell

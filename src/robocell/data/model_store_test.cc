@@ -83,10 +83,10 @@ TEST_F(ModelStoreTest, AListThatIsMissingOrDamagedIsToldAndWrittenAgain) {
       fs::remove(sums);
     else
       AtomicWrite(sums, listed + "x");
-    const VerifyReport report = Verify(dataset);
-    EXPECT_FALSE(report.ok());
+    const VerifyResult result = Verify(dataset);
+    EXPECT_FALSE(result.ok());
     EXPECT_THAT(
-        report.Text(),
+        result.Text(),
         HasSubstr(name + "/SHA256SUMS: it is missing or damaged; the model's files are "
                          "what was stored, and `robocell verify --repair` lists them again"));
     const RepairResult repaired = Repair(dataset);
@@ -149,10 +149,10 @@ TEST_F(ModelStoreTest, WhatHasTheNameOfAModelAndIsNoFolderIsForeign) {
   AtomicWrite(dataset / "models/notes.txt", "");
   EXPECT_THAT(StoredModels(dataset), ElementsAre(stored));
   EXPECT_THAT(UnfinishedIn(dataset), IsEmpty());
-  const VerifyReport report = Verify(dataset);
-  EXPECT_THAT(report.foreign, ElementsAre(file, link));
-  EXPECT_THAT(report.others, ElementsAre("models/notes.txt"));
-  EXPECT_THAT(report.Text(),
+  const VerifyResult result = Verify(dataset);
+  EXPECT_THAT(result.foreign, ElementsAre(file, link));
+  EXPECT_THAT(result.others, ElementsAre("models/notes.txt"));
+  EXPECT_THAT(result.Text(),
               HasSubstr(file + ": it has the name of a model and is a file\n" + link +
                         ": it has the name of a model and is a link to '/nowhere'"));
   EXPECT_THAT(Repair(dataset).moved, ElementsAre("foo-0123456789abcdef", "goo-0123456789abcdef"));

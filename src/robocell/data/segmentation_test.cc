@@ -140,9 +140,9 @@ TEST_F(Segmentation, IsVerified) {
   const std::filesystem::path episode = Write("a");
   EXPECT_THAT(Verify(folder.path(), {.decode_videos = true}).problems, IsEmpty());
   AtomicWrite(episode / "eye.segmentation.mov", "no video");
-  const VerifyReport report = Verify(folder.path());
-  EXPECT_THAT(report.bad, ElementsAre("a"));
-  EXPECT_THAT(report.Text(), HasSubstr("a/eye.segmentation.mov: it is cut short"));
+  const VerifyResult result = Verify(folder.path());
+  EXPECT_THAT(result.bad, ElementsAre("a"));
+  EXPECT_THAT(result.Text(), HasSubstr("a/eye.segmentation.mov: it is cut short"));
 }
 
 TEST_F(Segmentation, WithATableThatIsTooShortIsNotGood) {

@@ -61,7 +61,7 @@ class StepsFile {
   void Flush(Table& table);
   void RequireNoOpenRow(const Table& table) const;
   Table& At(TableId id);
-  void CheckColumn(const Column& column) const;
+  void RequireColumn(const Column& column) const;
 
   std::filesystem::path path_;
   std::string name_;

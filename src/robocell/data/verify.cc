@@ -10,25 +10,20 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
-#include "robocell/base/folder_names.h"
 #include "robocell/base/io_error.h"
-#include "robocell/base/names.h"
 #include "robocell/base/real_file.h"
-#include "robocell/data/changed_models.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/data/dataset.h"
+#include "robocell/data/dataset_folder.h"
 #include "robocell/data/dataset_lock.h"
-#include "robocell/data/episode_check.h"
+#include "robocell/data/dataset_reports.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_reader.h"
 #include "robocell/data/episode_state.h"
+#include "robocell/data/episode_verifier.h"
 #include "robocell/data/episode_writer.h"
 #include "robocell/data/leftovers.h"
-#include "robocell/data/lost_episodes.h"
 #include "robocell/data/model_store.h"
-#include "robocell/data/own_folders.h"
-#include "robocell/data/quarantine.h"
-#include "robocell/data/report_origin.h"
-#include "robocell/data/require_dataset.h"
 #include "robocell/data/self_hashed_json.h"
 #include "robocell/media/ffmpeg.h"
 
@@ -42,50 +37,50 @@ std::string CountOfEpisodes(size_t count) {
 
 // Of the dataset itself; what is damaged can be set aside.
 void AddPart(const std::string& name, const std::string& reason, ProblemKind kind,
-             VerifyReport& report) {
-  report.problems.push_back({"", name, reason, kind});
-  if (kind == ProblemKind::kDamage) report.bad_parts.push_back(name);
+             VerifyResult& result) {
+  result.problems.push_back({"", name, reason, kind});
+  if (kind == ProblemKind::kDamage) result.bad_parts.push_back(name);
 }
 
-void CheckManifest(const fs::path& dataset, VerifyReport& report) {
+void VerifyManifest(const fs::path& dataset, VerifyResult& result) {
   try {
     ReadManifest(dataset);
   } catch (const Error& error) {
-    AddPart(std::string(kManifestFile), error.what(), KindOf(error), report);
+    AddPart(std::string(kManifestFile), error.what(), KindOf(error), result);
   }
 }
 
-void CheckReport(const fs::path& dataset, const std::string& name, VerifyReport& report) {
+void VerifyReportFile(const fs::path& dataset, const std::string& name, VerifyResult& result) {
   try {
     const std::string text = ReadRealFile(dataset / name);
     if (const auto damage = JsonDamage(text))
-      return AddPart(name, *damage, ProblemKind::kDamage, report);
+      return AddPart(name, *damage, ProblemKind::kDamage, result);
     const auto other = OtherRunOf(text, dataset);
     if (!other) return;
     AddPart(name, fmt::format("it is of another run ('{}'): nothing in it counts", *other),
-            ProblemKind::kForeign, report);
-    report.foreign.push_back(name);
+            ProblemKind::kForeign, result);
+    result.foreign.push_back(name);
   } catch (const Error& error) {
-    AddPart(name, error.what(), KindOf(error), report);
+    AddPart(name, error.what(), KindOf(error), result);
   }
 }
 
 void AddEpisode(const std::string& id, const std::vector<VerifyProblem>& problems,
-                VerifyReport& report) {
+                VerifyResult& result) {
   const auto has = [&](ProblemKind kind) {
     return std::any_of(problems.begin(), problems.end(),
                        [&](const VerifyProblem& problem) { return problem.kind == kind; });
   };
   if (has(ProblemKind::kDamage))
-    report.bad.push_back(id);
+    result.bad.push_back(id);
   else if (has(ProblemKind::kUnreadable))
-    report.unjudged.push_back(id);
+    result.unjudged.push_back(id);
   else
-    report.good.push_back(id);
+    result.good.push_back(id);
   for (const VerifyProblem& problem : problems) {
     if (problem.kind == ProblemKind::kForeign && !has(ProblemKind::kDamage))
-      report.foreign.push_back(id + "/" + problem.file);
-    report.problems.push_back(problem);
+      result.foreign.push_back(id + "/" + problem.file);
+    result.problems.push_back(problem);
   }
 }
 
@@ -96,8 +91,8 @@ bool HasOwnSampler(const Episode& episode) {
 }
 
 // An intact episode that was made after somebody had changed a model file, here or elsewhere.
-void CheckModelsOf(const fs::path& folder, const std::map<std::string, std::string>& changed,
-                   std::vector<VerifyProblem>& problems) {
+void VerifyModelsOf(const fs::path& folder, const std::map<std::string, std::string>& changed,
+                    std::vector<VerifyProblem>& problems) {
   if (changed.empty() || !problems.empty()) return;
   const Episode episode(folder);
   if (HasOwnSampler(episode)) return;
@@ -115,75 +110,75 @@ void CheckModelsOf(const fs::path& folder, const std::map<std::string, std::stri
   }
 }
 
-void CheckOwnFolders(const fs::path& dataset, VerifyReport& report) {
+void VerifyOwnFolders(const fs::path& dataset, VerifyResult& result) {
   for (const ForeignThing& thing : NotOwn(dataset)) {
-    report.problems.push_back(
+    result.problems.push_back(
         {"", thing.name,
          fmt::format("it is {} that leads out of the dataset: remove it, repair leaves it alone",
                      thing.what)});
   }
 }
 
-void CheckStoredModel(const fs::path& dataset, const std::string& model, VerifyReport& report) {
+void VerifyStoredModel(const fs::path& dataset, const std::string& model, VerifyResult& result) {
   const auto damage = DamageOfStoredModel(dataset, model);
   for (const auto& [file, reason] : damage) {
     const fs::path place = file.empty() ? fs::path(model) : fs::path(model) / file;
-    report.problems.push_back({"", place.string(), reason});
+    result.problems.push_back({"", place.string(), reason});
   }
-  if (!damage.empty()) return report.bad_parts.push_back(model);
+  if (!damage.empty()) return result.bad_parts.push_back(model);
   if (HasModelList(dataset, model)) return;
-  report.problems.push_back({"", model + "/" + std::string(kModelListFile),
+  result.problems.push_back({"", model + "/" + std::string(kModelListFile),
                              "it is missing or damaged; the model's files are what was stored, and "
                              "`robocell verify --repair` lists them again"});
-  report.unlisted.push_back(model);
+  result.unlisted.push_back(model);
 }
 
 // False when their folder is closed to this user, or cannot be read: then nothing is known of them.
-bool CanLookAtModels(const fs::path& dataset, VerifyReport& report) {
+bool CanLookAtModels(const fs::path& dataset, VerifyResult& result) {
   try {
     StoredModels(dataset);
     return true;
   } catch (const Error& error) {
-    AddPart(std::string(kModelsFolder), error.what(), KindOf(error), report);
+    AddPart(std::string(kModelsFolder), error.what(), KindOf(error), result);
     return false;
   }
 }
 
-void CheckStoredModels(const fs::path& dataset, VerifyReport& report) {
+void VerifyStoredModels(const fs::path& dataset, VerifyResult& result) {
   for (const std::string& model : StoredModels(dataset)) {
     try {
-      CheckStoredModel(dataset, model, report);
+      VerifyStoredModel(dataset, model, result);
     } catch (const Error& error) {
-      AddPart(model, error.what(), KindOf(error), report);
+      AddPart(model, error.what(), KindOf(error), result);
     }
   }
   const StrayModels stray = StrayModelsIn(dataset);
   for (const std::string& name : stray.in_the_way) {
     AddPart(name, fmt::format("it has the name of a model and is {}", WhatIsAt(dataset / name)),
-            ProblemKind::kForeign, report);
-    report.foreign.push_back(name);
+            ProblemKind::kForeign, result);
+    result.foreign.push_back(name);
   }
-  report.others.insert(report.others.end(), stray.others.begin(), stray.others.end());
+  result.others.insert(result.others.end(), stray.others.begin(), stray.others.end());
 }
 
-void CheckLostEpisodes(const fs::path& dataset, VerifyReport& report) {
+void VerifyLostEpisodes(const fs::path& dataset, VerifyResult& result) {
   std::vector<std::string> lost;
   try {
     lost = LostEpisodes(dataset);
   } catch (const Error& error) {  // what was set aside cannot be seen
-    AddPart(std::string(kQuarantineFolder), error.what(), KindOf(error), report);
+    AddPart(std::string(kQuarantineFolder), error.what(), KindOf(error), result);
   }
   for (const std::string& id : lost)
-    report.problems.push_back(
+    result.problems.push_back(
         {id, "",
          "a report says that it was made, and it is gone. `robocell generate` "
          "with the run's file makes it again"});
 }
 
 // Models that good episodes were made in and that are not in the dataset.
-void CheckMissingModels(const fs::path& dataset, VerifyReport& report) {
+void VerifyMissingModels(const fs::path& dataset, VerifyResult& result) {
   std::map<std::string, size_t> missing;
-  for (const std::string& id : report.good) {
+  for (const std::string& id : result.good) {
     std::set<std::string> folders;
     for (const auto& [name, path] : Episode(dataset / id).models())
       folders.insert(StoredModelFolder(path));
@@ -192,7 +187,7 @@ void CheckMissingModels(const fs::path& dataset, VerifyReport& report) {
     }
   }
   for (const auto& [folder, episodes] : missing) {
-    report.problems.push_back(
+    result.problems.push_back(
         {"", folder,
          fmt::format("it is missing; {} can be read, not replayed. `robocell generate` "
                      "with the run's file stores it again",
@@ -202,7 +197,7 @@ void CheckMissingModels(const fs::path& dataset, VerifyReport& report) {
 
 }  // namespace
 
-std::string VerifyReport::Text() const {
+std::string VerifyResult::Text() const {
   std::string text;
   for (const VerifyProblem& problem : problems) text += problem.Text() + "\n";
   for (const std::string& name : leftovers)
@@ -221,16 +216,16 @@ std::string VerifyReport::Text() const {
   return text + "\n";
 }
 
-bool VerifyReport::only_unreadable() const {
+bool VerifyResult::only_unreadable() const {
   return !ok() && std::all_of(problems.begin(), problems.end(), [](const VerifyProblem& problem) {
     return problem.kind == ProblemKind::kUnreadable;
   });
 }
 
-VerifyReport Verify(const fs::path& dataset, const VerifyOptions& options) {
+VerifyResult Verify(const fs::path& dataset, const VerifyOptions& options) {
   RequireDataset(dataset);
   if (options.decode_videos) FindFfmpeg();  // once, and not a problem of every episode
-  VerifyReport report;
+  VerifyResult result;
   std::vector<std::string> episodes;
   for (const std::string& name : FolderNames(dataset)) {
     if (IsTemporaryName(name) || name == kManifestFile || name == kQuarantineFolder ||
@@ -240,39 +235,39 @@ VerifyReport Verify(const fs::path& dataset, const VerifyOptions& options) {
     if (IsEpisodeFolder(dataset / name)) {
       episodes.push_back(name);
     } else {
-      report.others.push_back(name);
+      result.others.push_back(name);
     }
   }
   for (const std::string& name : UnfinishedIn(dataset))
-    (IsBeingWritten(dataset / name) ? report.being_written : report.leftovers).push_back(name);
-  report.has_manifest = fs::exists(dataset / kManifestFile);
+    (IsBeingWritten(dataset / name) ? result.being_written : result.leftovers).push_back(name);
+  result.has_manifest = fs::exists(dataset / kManifestFile);
   const std::map<std::string, std::string> changed = ChangedModels(dataset);
-  EpisodeChecker checker(options.decode_videos);
+  EpisodeVerifier verifier(options.decode_videos);
   for (size_t i = 0; i < episodes.size(); ++i) {
     const fs::path folder = dataset / episodes[i];
-    std::vector<VerifyProblem> problems = checker.Check(folder);
-    CheckModelsOf(folder, changed, problems);
-    AddEpisode(episodes[i], problems, report);
+    std::vector<VerifyProblem> problems = verifier.Verify(folder);
+    VerifyModelsOf(folder, changed, problems);
+    AddEpisode(episodes[i], problems, result);
     if (options.progress) options.progress(i + 1, episodes.size());
   }
-  CheckManifest(dataset, report);
+  VerifyManifest(dataset, result);
   for (const std::string& name : FolderNames(dataset)) {
-    if (IsReportFile(name)) CheckReport(dataset, name, report);
+    if (IsReportFile(name)) VerifyReportFile(dataset, name, result);
   }
-  CheckOwnFolders(dataset, report);
-  if (CanLookAtModels(dataset, report)) {
-    CheckStoredModels(dataset, report);
-    CheckMissingModels(dataset, report);
+  VerifyOwnFolders(dataset, result);
+  if (CanLookAtModels(dataset, result)) {
+    VerifyStoredModels(dataset, result);
+    VerifyMissingModels(dataset, result);
   }
-  CheckLostEpisodes(dataset, report);
-  return report;
+  VerifyLostEpisodes(dataset, result);
+  return result;
 }
 
 RepairResult Repair(const fs::path& dataset, const VerifyOptions& options) {
   RequireDataset(dataset);  // before the lock's file is written
   const DatasetLock lock = DatasetLock::Alone(dataset);
   RepairResult result{.found = Verify(dataset, options), .remaining = {}, .moved = {}};
-  const VerifyReport& found = result.found;
+  const VerifyResult& found = result.found;
   for (const auto* names : {&found.bad, &found.foreign, &found.bad_parts, &found.leftovers}) {
     for (const std::string& name : *names) {
       result.moved.push_back(Quarantine(dataset, name));
@@ -284,10 +279,10 @@ RepairResult Repair(const fs::path& dataset, const VerifyOptions& options) {
     WriteModelList(dataset, model);
   }
   FsyncDirectory(dataset);
-  VerifyReport after{.good = found.good};
-  CheckManifest(dataset, after);
-  if (CanLookAtModels(dataset, after)) CheckMissingModels(dataset, after);
-  CheckLostEpisodes(dataset, after);
+  VerifyResult after{.good = found.good};
+  VerifyManifest(dataset, after);
+  if (CanLookAtModels(dataset, after)) VerifyMissingModels(dataset, after);
+  VerifyLostEpisodes(dataset, after);
   std::erase_if(after.problems, [](const VerifyProblem& problem) {  // found before
     return problem.kind == ProblemKind::kUnreadable;
   });
@@ -296,6 +291,16 @@ RepairResult Repair(const fs::path& dataset, const VerifyOptions& options) {
     if (problem.kind == ProblemKind::kUnreadable) result.remaining.push_back(problem);
   }
   return result;
+}
+
+std::string VerifyProblem::Text() const {
+  const std::string place = episode + (episode.empty() || file.empty() ? "" : "/") + file;
+  return fmt::format("{}: {}", place, reason);
+}
+
+ProblemKind KindOf(const std::exception& error) {
+  const auto* io = dynamic_cast<const IoError*>(&error);
+  return io != nullptr && io->system_error() != 0 ? ProblemKind::kUnreadable : ProblemKind::kDamage;
 }
 
 }  // namespace robocell

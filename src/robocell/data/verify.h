@@ -2,24 +2,42 @@
 // and foreign ones, and what a crash left behind, and names them; Repair moves what is bad aside.
 // Good episodes are never touched.
 //
-//   VerifyReport report = Verify("out/pick_v1");
-//   if (!report.ok()) std::cerr << report.Text();  // one line per problem: episode, file, reason
+//   VerifyResult result = Verify("out/pick_v1");
+//   if (!result.ok()) std::cerr << result.Text();  // one line per problem: episode, file, reason
 //
 // What an error of the system, another format version or a missing decoder says is nothing about
-// what was written: such episodes are told and left alone. See episode_check.h for what is asked of
+// what was written: such episodes are told and left alone. See episode_verifier.h for what is asked of
 // each.
 #pragma once
 
+#include <exception>
 #include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "robocell/data/problem.h"
-
 namespace robocell {
 
-struct VerifyReport {
+// A problem with one file of a dataset.
+enum class ProblemKind {
+  kDamage,      // it is not what was written, or not there
+  kForeign,     // it does not belong there; what does is whole
+  kUnreadable,  // this machine or version cannot judge it: access, a broken disk, a missing decoder
+};
+
+struct VerifyProblem {
+  std::string episode;  // its id; "" for the dataset itself
+  std::string file;     // within the episode, or within the dataset
+  std::string reason;
+  ProblemKind kind = ProblemKind::kDamage;
+  // "pick-000017/steps.h5: 4096 of 9216 bytes are there".
+  std::string Text() const;
+};
+
+// An error of the system says nothing about what was written; any other is about the bytes.
+ProblemKind KindOf(const std::exception& error);
+
+struct VerifyResult {
   std::vector<std::string> good;       // ids of intact episodes
   std::vector<std::string> bad;        // ids of damaged ones
   std::vector<std::string> unjudged;   // ids of those that cannot be judged here, as without access
@@ -53,16 +71,16 @@ struct VerifyOptions {
 // ArgumentError for a folder that is no dataset: neither a dataset.json nor an episode, and nothing
 // that either leaves behind. IoError if it cannot be listed, or videos shall be decoded and no
 // ffmpeg is there.
-VerifyReport Verify(const std::filesystem::path& dataset, const VerifyOptions& options = {});
+VerifyResult Verify(const std::filesystem::path& dataset, const VerifyOptions& options = {});
 
 struct RepairResult {
-  VerifyReport found;
+  VerifyResult found;
   std::vector<VerifyProblem> remaining = {};  // what could not be mended by moving things aside
   std::vector<std::string> moved;  // what now lies in <dataset>/.quarantine, by its new name
 };
 
 // Moves bad episodes, foreign things in good ones, damaged models, a damaged dataset.json or
-// report, and leftovers that nobody is writing, into <dataset>/.quarantine; writes the list of
+// result, and leftovers that nobody is writing, into <dataset>/.quarantine; writes the list of
 // files of a model anew that lost it. Nothing is deleted, and what cannot be judged stays where it
 // is. Holds the dataset's lock (dataset_lock.h): IoError names who is generating into it.
 RepairResult Repair(const std::filesystem::path& dataset, const VerifyOptions& options = {});

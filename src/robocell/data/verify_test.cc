@@ -13,8 +13,8 @@
 #include "robocell/base/files.h"
 #include "robocell/base/hash.h"
 #include "robocell/data/dataset.h"
-#include "robocell/data/episode_check.h"
-#include "robocell/data/lost_episodes.h"
+#include "robocell/data/dataset_reports.h"
+#include "robocell/data/episode_verifier.h"
 #include "robocell/data/self_hashed_json.h"
 #include "robocell/data/testing/sample_episode.h"
 #include "robocell/testing/expect_throw.h"
@@ -58,12 +58,12 @@ class VerifyTest : public ::testing::Test {
   // The one problem there is, as text, after checking that the other episodes are still good and
   // readable.
   std::string OnlyProblem() {
-    const VerifyReport report = Verify(folder_.path());
-    EXPECT_THAT(report.good, ElementsAre("a", "c"));
-    EXPECT_THAT(report.bad, ElementsAre("b"));
-    EXPECT_EQ(report.problems.size(), 1u) << report.Text();
+    const VerifyResult result = Verify(folder_.path());
+    EXPECT_THAT(result.good, ElementsAre("a", "c"));
+    EXPECT_THAT(result.bad, ElementsAre("b"));
+    EXPECT_EQ(result.problems.size(), 1u) << result.Text();
     EXPECT_EQ(Dataset(folder_.path()).Open("c").Read<double>("time").size(), 10u);
-    return report.problems.empty() ? "" : report.problems[0].Text();
+    return result.problems.empty() ? "" : result.problems[0].Text();
   }
 
   TempDir folder_;
@@ -71,10 +71,10 @@ class VerifyTest : public ::testing::Test {
 
 TEST_F(VerifyTest, AnIntactDatasetHasNoProblems) {
   WriteManifest(folder_.path(), "{}");
-  const VerifyReport report = Verify(folder_.path(), {.decode_videos = true});
-  EXPECT_TRUE(report.ok()) << report.Text();
-  EXPECT_THAT(report.good, ElementsAre("a", "b", "c"));
-  EXPECT_EQ(report.Text(), "3 episodes good, 0 bad\n");
+  const VerifyResult result = Verify(folder_.path(), {.decode_videos = true});
+  EXPECT_TRUE(result.ok()) << result.Text();
+  EXPECT_THAT(result.good, ElementsAre("a", "b", "c"));
+  EXPECT_EQ(result.Text(), "3 episodes good, 0 bad\n");
   fs::remove_all(folder_ / "a");
   fs::remove_all(folder_ / "b");
   EXPECT_EQ(Verify(folder_.path()).Text(), "1 episode good, 0 bad\n");
@@ -88,7 +88,7 @@ TEST_F(VerifyTest, AFlippedBitIsFoundAnywhereInEveryFile) {
       const size_t at = whole.size() * part / 25;
       flipped[at] ^= static_cast<char>(1 << part % 8);
       Store(B(file), flipped);
-      const std::vector<VerifyProblem> problems = EpisodeChecker(false).Check(folder_ / "b");
+      const std::vector<VerifyProblem> problems = EpisodeVerifier(false).Verify(folder_ / "b");
       ASSERT_EQ(problems.size(), 1u) << file << " byte " << at;
       EXPECT_EQ(problems[0].file, file);
       EXPECT_THAT(problems[0].reason, HasSubstr("hash does not fit"));
@@ -103,7 +103,7 @@ TEST_F(VerifyTest, ATruncatedFileIsFoundAtEveryLength) {
     const std::string whole = ReadFile(B(file));
     for (int part = 0; part < 20; ++part) {
       Store(B(file), whole.substr(0, whole.size() * part / 20));
-      const std::vector<VerifyProblem> problems = EpisodeChecker(false).Check(folder_ / "b");
+      const std::vector<VerifyProblem> problems = EpisodeVerifier(false).Verify(folder_ / "b");
       ASSERT_EQ(problems.size(), 1u) << file << " part " << part;
       EXPECT_EQ(problems[0].file, file);
     }
@@ -126,11 +126,11 @@ TEST_F(VerifyTest, AMissingDescriptionIsNamed) {
 
 TEST_F(VerifyTest, AForeignFileIsNamedAndSetAsideWithoutItsEpisode) {
   Store(B(".DS_Store"), "x");
-  const VerifyReport report = Verify(folder_.path());
-  EXPECT_THAT(report.Text(), HasSubstr("b/.DS_Store: it does not belong to the episode"));
-  EXPECT_THAT(report.good, ElementsAre("a", "b", "c"));
-  EXPECT_FALSE(report.ok());
-  EXPECT_FALSE(report.only_unreadable());
+  const VerifyResult result = Verify(folder_.path());
+  EXPECT_THAT(result.Text(), HasSubstr("b/.DS_Store: it does not belong to the episode"));
+  EXPECT_THAT(result.good, ElementsAre("a", "b", "c"));
+  EXPECT_FALSE(result.ok());
+  EXPECT_FALSE(result.only_unreadable());
   EXPECT_THAT(Repair(folder_.path()).moved, ElementsAre(".DS_Store"));
   EXPECT_TRUE(Verify(folder_.path()).ok());
 }
@@ -140,12 +140,12 @@ class Unjudged : public VerifyTest {
  protected:
   // Told with `reason`; never moved, and told again.
   void ExpectLeftAlone(const std::string& reason, const VerifyOptions& options = {}) {
-    const VerifyReport report = Verify(folder_.path(), options);
-    EXPECT_THAT(report.unjudged, ElementsAre("b"));
-    EXPECT_THAT(report.bad, IsEmpty());
-    EXPECT_TRUE(report.only_unreadable());
-    EXPECT_THAT(report.Text(), HasSubstr(reason));
-    EXPECT_THAT(report.Text(), HasSubstr("2 episodes good, 0 bad, 1 not judged"));
+    const VerifyResult result = Verify(folder_.path(), options);
+    EXPECT_THAT(result.unjudged, ElementsAre("b"));
+    EXPECT_THAT(result.bad, IsEmpty());
+    EXPECT_TRUE(result.only_unreadable());
+    EXPECT_THAT(result.Text(), HasSubstr(reason));
+    EXPECT_THAT(result.Text(), HasSubstr("2 episodes good, 0 bad, 1 not judged"));
     const RepairResult repaired = Repair(folder_.path(), options);
     EXPECT_THAT(repaired.moved, IsEmpty());
     ASSERT_EQ(repaired.remaining.size(), 1u);
@@ -183,10 +183,10 @@ TEST_F(Unjudged, WhatThisUserMayNotRead) {
     fs::permissions(path, fs::perms::none);
     {
       const AsNobody nobody;
-      const VerifyReport report = Verify(folder_.path());
-      EXPECT_THAT(report.unjudged, ElementsAre("b"));
-      EXPECT_THAT(report.bad, IsEmpty());
-      EXPECT_THAT(report.Text(), HasSubstr("Permission denied"));
+      const VerifyResult result = Verify(folder_.path());
+      EXPECT_THAT(result.unjudged, ElementsAre("b"));
+      EXPECT_THAT(result.bad, IsEmpty());
+      EXPECT_THAT(result.Text(), HasSubstr("Permission denied"));
       EXPECT_EQ(Dataset(folder_.path()).Open("c").Read<double>("time").size(), 10u);
     }
     fs::permissions(path, before);
@@ -214,14 +214,14 @@ TEST_F(VerifyTest, ModelsThatThisUserMayNotReadHideNoEpisode) {
     fs::permissions(folder_ / closed, perms);
     {
       const AsNobody nobody;
-      const VerifyReport report = Verify(folder_.path());
-      EXPECT_THAT(report.good, ElementsAre("a", "b", "c"));
-      ASSERT_EQ(report.problems.size(), 1u) << report.Text();
-      EXPECT_THAT(report.problems[0].Text(),
+      const VerifyResult result = Verify(folder_.path());
+      EXPECT_THAT(result.good, ElementsAre("a", "b", "c"));
+      ASSERT_EQ(result.problems.size(), 1u) << result.Text();
+      EXPECT_THAT(result.problems[0].Text(),
                   AllOf(StartsWith(said), HasSubstr("': Permission denied")));
-      EXPECT_TRUE(report.only_unreadable());
-      EXPECT_THAT(report.bad_parts, IsEmpty());
-      EXPECT_THAT(report.foreign, IsEmpty());
+      EXPECT_TRUE(result.only_unreadable());
+      EXPECT_THAT(result.bad_parts, IsEmpty());
+      EXPECT_THAT(result.foreign, IsEmpty());
     }
     fs::permissions(folder_ / closed, before);
   }
@@ -237,9 +237,9 @@ TEST_F(VerifyTest, WithoutADecoderNothingIsJudged) {
 
 TEST_F(VerifyTest, ACircleOfLinksIsNoEpisodeAndHidesNone) {
   fs::create_symlink("loop", folder_ / "loop");
-  const VerifyReport report = Verify(folder_.path());
-  EXPECT_TRUE(report.ok()) << report.Text();
-  EXPECT_THAT(report.others, ElementsAre("loop"));
+  const VerifyResult result = Verify(folder_.path());
+  EXPECT_TRUE(result.ok()) << result.Text();
+  EXPECT_THAT(result.others, ElementsAre("loop"));
   EXPECT_EQ(Dataset(folder_.path()).ids().size(), 3u);
 }
 
@@ -272,8 +272,8 @@ TEST_F(VerifyTest, FilesMayBeLinksToFiles) {
     fs::remove(B(file));
     fs::create_symlink(blobs / file, B(file));
   }
-  const VerifyReport report = Verify(folder_.path());
-  EXPECT_TRUE(report.problems.empty()) << report.Text();
+  const VerifyResult result = Verify(folder_.path());
+  EXPECT_TRUE(result.problems.empty()) << result.Text();
   EXPECT_GT(Episode(folder_ / "b").rows(), 0);
   std::string bytes = ReadFile(blobs / "scene.mjb");
   bytes[10] ^= 1;
@@ -289,9 +289,9 @@ TEST_F(VerifyTest, FilesMayBeLinksToFiles) {
 
 TEST_F(VerifyTest, ARenamedEpisodeIsNamed) {
   fs::rename(folder_ / "b", folder_ / "d");
-  const VerifyReport report = Verify(folder_.path());
-  ASSERT_EQ(report.problems.size(), 1u);
-  EXPECT_EQ(report.problems[0].Text(),
+  const VerifyResult result = Verify(folder_.path());
+  ASSERT_EQ(result.problems.size(), 1u);
+  EXPECT_EQ(result.problems[0].Text(),
             "d/episode.json: it describes episode 'b': the folder was copied or renamed, and does "
             "not count. Remove the copy, or give the folder its name back");
 }
@@ -313,8 +313,8 @@ TEST_F(VerifyTest, SwappedVideosOfTwoEpisodesAreFound) {
 
 TEST_F(VerifyTest, ADamagedReportIsNamedAndSetAside) {
   Store(folder_ / "report-0-of-2.json", "{}");
-  const VerifyReport report = Verify(folder_.path());
-  EXPECT_THAT(report.Text(), HasSubstr("report-0-of-2.json: it carries no hash of itself"));
+  const VerifyResult result = Verify(folder_.path());
+  EXPECT_THAT(result.Text(), HasSubstr("report-0-of-2.json: it carries no hash of itself"));
   EXPECT_THAT(Repair(folder_.path()).moved, ElementsAre("report-0-of-2.json"));
   EXPECT_TRUE(Verify(folder_.path()).ok());
 }
@@ -331,9 +331,9 @@ TEST_F(VerifyTest, AReportOfAnotherRunIsNamedAndNotBelieved) {
   EXPECT_THAT(LostEpisodes(folder_.path()), ElementsAre("z"));
   Store(folder_ / "report.json", account("seed: 7"));
   EXPECT_THAT(LostEpisodes(folder_.path()), IsEmpty());
-  const VerifyReport report = Verify(folder_.path());
-  ASSERT_EQ(report.problems.size(), 1u) << report.Text();
-  EXPECT_EQ(report.problems[0].Text(),
+  const VerifyResult result = Verify(folder_.path());
+  ASSERT_EQ(result.problems.size(), 1u) << result.Text();
+  EXPECT_EQ(result.problems[0].Text(),
             "report.json: it is of another run ('pick'): nothing in it counts");
   EXPECT_THAT(Repair(folder_.path()).moved, ElementsAre("report.json"));
   EXPECT_TRUE(Verify(folder_.path()).ok());
@@ -348,22 +348,22 @@ TEST_F(VerifyTest, LeftoversAndForeignFoldersAreToldButAreNoProblem) {
       InsertSelfHash("{\"json_sha256\": \"" + std::string(kHashPlaceholder) + "\"}");
   Store(folder_ / "report.json", account);
   Store(folder_ / "report-0-of-2.json", account);
-  const VerifyReport report = Verify(folder_.path());
-  EXPECT_TRUE(report.ok());
-  EXPECT_THAT(report.leftovers, ElementsAre(".e.99999999.1.partial"));
-  EXPECT_EQ(report.being_written.size(), 1u);
-  EXPECT_THAT(report.others, ElementsAre("logs"));
-  EXPECT_THAT(report.Text(),
+  const VerifyResult result = Verify(folder_.path());
+  EXPECT_TRUE(result.ok());
+  EXPECT_THAT(result.leftovers, ElementsAre(".e.99999999.1.partial"));
+  EXPECT_EQ(result.being_written.size(), 1u);
+  EXPECT_THAT(result.others, ElementsAre("logs"));
+  EXPECT_THAT(result.Text(),
               HasSubstr(".e.99999999.1.partial: unfinished, left behind by a crash"));
-  EXPECT_THAT(report.Text(), HasSubstr("unfinished, a running process is writing it"));
+  EXPECT_THAT(result.Text(), HasSubstr("unfinished, a running process is writing it"));
 }
 
 TEST_F(VerifyTest, ADamagedManifestIsNamed) {
   Store(folder_ / "dataset.json", "{");
-  const VerifyReport report = Verify(folder_.path());
-  EXPECT_FALSE(report.ok());
-  EXPECT_THAT(report.Text(), HasSubstr("dataset.json"));
-  EXPECT_THAT(report.good, ElementsAre("a", "b", "c"));
+  const VerifyResult result = Verify(folder_.path());
+  EXPECT_FALSE(result.ok());
+  EXPECT_THAT(result.Text(), HasSubstr("dataset.json"));
+  EXPECT_THAT(result.good, ElementsAre("a", "b", "c"));
 }
 
 TEST_F(VerifyTest, RepairMovesBadEpisodesAsideAndDeletesNothing) {
@@ -374,7 +374,7 @@ TEST_F(VerifyTest, RepairMovesBadEpisodesAsideAndDeletesNothing) {
   const RepairResult result = Repair(folder_.path());
   EXPECT_THAT(result.moved, ElementsAre("b", ".e.99999999.1.partial"));
   EXPECT_EQ(fs::file_size(folder_ / ".quarantine" / "b" / "steps.h5"), 10u);
-  const VerifyReport after = Verify(folder_.path());
+  const VerifyResult after = Verify(folder_.path());
   EXPECT_TRUE(after.ok()) << after.Text();
   EXPECT_THAT(after.good, ElementsAre("a", "c"));
   sample.PutRow(running, 0);
@@ -451,9 +451,9 @@ TEST_F(VerifyTest, ADescriptionOfATerabyteIsNotRead) {
 
 TEST_F(VerifyTest, AManifestThatIsAPipeIsSetAside) {
   ASSERT_EQ(::mkfifo((folder_ / "dataset.json").c_str(), 0600), 0);
-  const VerifyReport report = Verify(folder_.path());
-  ASSERT_EQ(report.problems.size(), 1u) << report.Text();
-  EXPECT_THAT(report.problems[0].Text(), HasSubstr("dataset.json': it is a pipe, not a file"));
+  const VerifyResult result = Verify(folder_.path());
+  ASSERT_EQ(result.problems.size(), 1u) << result.Text();
+  EXPECT_THAT(result.problems[0].Text(), HasSubstr("dataset.json': it is a pipe, not a file"));
   EXPECT_THAT(Repair(folder_.path()).moved, ElementsAre("dataset.json"));
 }
 

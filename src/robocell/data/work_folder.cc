@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Whether the path still leads to the file that is open.
+// Returns true if the path still leads to the file that is open.
 bool IsAt(const fs::path& path, int descriptor) {
   struct stat named = {}, open = {};
   return ::stat(path.c_str(), &named) == 0 && ::fstat(descriptor, &open) == 0 &&

@@ -14,8 +14,8 @@ double Length(std::span<const double> q) {
   return std::hypot(q[0], q[1], std::hypot(q[2], q[3]));  // its squares do not overflow
 }
 
-// Of unit length. First brought near it by a power of two, which rounds nothing: the length of the
-// longest is not a number that a double holds.
+// Normalises to unit length. First scales by a power of two, which rounds nothing, because the
+// length of the longest quaternion overflows a double.
 Quaternion Normalised(std::span<const double> q) {
   double largest = 0;
   for (const double x : q) largest = std::max(largest, std::abs(x));

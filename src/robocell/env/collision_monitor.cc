@@ -21,8 +21,8 @@ std::string Describe(const Collision& collision) {
 
 namespace {
 
-// Whether a joint is all that is between two bodies: where the base stands on the world, the engine
-// lets such neighbours touch.
+// Returns true if a joint is all that is between two bodies: where the base stands on the world,
+// the engine lets such neighbours touch.
 bool AreNeighbours(const mjModel* m, int a, int b) {
   const int link_a = m->body_weldid[a], link_b = m->body_weldid[b];
   const auto above = [&](int link) { return m->body_weldid[m->body_parentid[link]]; };

@@ -26,7 +26,7 @@ class GripperCollisions : public ::testing::Test {
 
   RobotConfig& gripper() { return config_.grippers.at("left"); }
 
-  // What is found when the post comes to where a finger of the left gripper is.
+  // The collisions when the post moves to a finger of the left gripper.
   std::vector<Collision> WhenAFingerIsTouched() {
     Scene scene = Scene::Build(EnvSceneSpec(config_));
     scene.Reset();

@@ -8,10 +8,10 @@
 #include "robocell/base/error.h"
 #include "robocell/base/function_name.h"
 #include "robocell/base/log.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/env/env_scene.h"
-#include "robocell/robot/check_config.h"
 #include "robocell/robot/unused_groups.h"
+#include "robocell/robot/validate_config.h"
 #include "robocell/spec/validate.h"
 #include "robocell/task/task_kind.h"
 
@@ -118,7 +118,7 @@ Env::Env(EnvConfig config, Scene scene, std::optional<int> copy,
       draws_(!drawing) {
   if (task_) {
     const std::vector<std::string> resting = task_->resting_objects();
-    if (!resting.empty()) start_check_.emplace(scene_, resting);
+    if (!resting.empty()) start_inspector_.emplace(scene_, resting);
   }
   const bool is_first = copy.value_or(0) == 0;  // what is to be said is said of the first
   if (is_first) {
@@ -134,7 +134,7 @@ Env::Env(EnvConfig config, Scene scene, std::optional<int> copy,
 void Env::RequireDistances(const ArmDriver& arm) const {
   for (const Robot& robot : arm.robots()) {
     Problems problems(robot.config().locations);
-    CheckDistances(robot, problems);
+    ValidateDistances(robot, problems);
     problems.Throw(fmt::format("{} / robot '{}'", place(), robot.name()));
   }
 }
@@ -199,13 +199,13 @@ void Env::RequireReady() const {
   }
 }
 
-void Env::CheckAction(std::span<const double> action) const {
+void Env::RequireAction(std::span<const double> action) const {
   RequireReady();
   if (action.size() != static_cast<size_t>(layout_.action.size())) {
     throw ArgumentError(fmt::format("{}: expected an action of {} numbers, got {}", place(),
                                     layout_.action.size(), action.size()));
   }
-  for (const ArmDriver& arm : arms_) arm.Check(action, place());
+  for (const ArmDriver& arm : arms_) arm.RequireAction(action, place());
 }
 
 std::vector<std::string> Env::Send(std::span<const double> action) {
@@ -291,7 +291,7 @@ StepResult Env::AdvanceGuarded(std::span<const double> action, const EnvState& b
 
 EnvStep Env::Step(std::span<const double> action, const Poll& poll) {
   const SceneUse::Claim claim(scene_.use(), "Env::Step");
-  CheckAction(action);
+  RequireAction(action);
   EnvStep out;
   collided_ = held_ = false;
   const bool guarded = config_.sim.on_collision == OnCollision::kGuard;

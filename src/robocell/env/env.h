@@ -45,7 +45,7 @@
 #include "robocell/env/pacer.h"
 #include "robocell/env/stepper.h"
 #include "robocell/scene/body_handle.h"
-#include "robocell/scenes/start_check.h"
+#include "robocell/scenes/start_inspector.h"
 #include "robocell/spec/env_config.h"
 #include "robocell/task/task.h"
 
@@ -96,7 +96,7 @@ class Env {
   // who step several environments together, when that of another one has failed.
   void WantReset() { phase_ = Phase::kBroken; }
   // Throws what Step would throw for this action, and moves nothing.
-  void CheckAction(std::span<const double> action) const;
+  void RequireAction(std::span<const double> action) const;
   // What the last Reset or Step left, layout().observation.size() numbers; a step that diverged
   // leaves what was before it.
   std::span<const double> observation() const { return observation_; }
@@ -160,7 +160,7 @@ class Env {
   void RequireReady() const;
   Snapshot& RequireSnapshot(const std::string& name);
   std::vector<std::string> Send(std::span<const double> action);
-  void CheckState(const EnvState& state) const;
+  void RequireState(const EnvState& state) const;
   void Recall(const EnvState& state);
   void MoveToRoot(const Pose& from);
   using Poll = std::function<void()>;
@@ -190,7 +190,7 @@ class Env {
   EnvLayout layout_;
   std::vector<BodyHandle> objects_;  // of layout_.objects
   std::vector<ArmDriver> arms_;
-  std::optional<StartCheck> start_check_;  // with a task whose objects have to rest
+  std::optional<StartInspector> start_inspector_;  // with a task whose objects have to rest
   Stepper stepper_;
   CollisionMonitor collisions_;
   EnvCameras cameras_;

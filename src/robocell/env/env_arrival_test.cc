@@ -189,7 +189,7 @@ TEST(EnvArms, ThoseThatNoActionReachesAreTold) {
   for (int i = 0; i < 5; ++i) env.Step(Numbers{0, 0, 1});
   EXPECT_GT(left.opening(), 0.9);
   EXPECT_NEAR(right.opening(), held, 0.05);
-  // What the warning says can be done.
+  // Follows the advice of the warning.
   Robot(robot).Apply({{"r_arm", GroupCommand::Joints({0.3, -0.2})}});
   for (int i = 0; i < 5; ++i) env.Step(Numbers{0.05, 0, 1});
   EXPECT_LE(StateOf(env.scene(), "robott_r1", 0.3).error, kHinge);

@@ -21,7 +21,7 @@ std::string BatchPlace(const EnvConfig& config) {
   return "batch of environment '" + config.name + "'";
 }
 
-void CheckBatch(const EnvConfig& config, int count, std::optional<int> max_episode_steps) {
+void RequireBatch(const EnvConfig& config, int count, std::optional<int> max_episode_steps) {
   const std::string place = BatchPlace(config);
   if (count < 1) throw ArgumentError(fmt::format("{}: {} copies; at least 1", place, count));
   if (max_episode_steps && *max_episode_steps < 1) {
@@ -33,8 +33,8 @@ void CheckBatch(const EnvConfig& config, int count, std::optional<int> max_episo
 // Colours are written to a copy of the first model; without variations all have the first.
 std::shared_ptr<SharedDrawing> NewDrawing(const EnvConfig& config, const mjModel* model) {
   auto drawing = std::make_shared<SharedDrawing>();
-  drawing->renderer =
-      MakeRenderer({.backend = config.cameras.renderer, .quality = config.cameras.quality});
+  drawing->renderer = MakeRenderer(
+      {.backend = config.cameras.renderer.backend, .quality = config.cameras.renderer.quality});
   if (!config.variations.empty()) drawing->model = CopyModel(model);
   drawing->renderer->SetModel(drawing->model ? drawing->model.get() : model);
   return drawing;
@@ -52,7 +52,7 @@ double BytesOfMachine() {
 }
 
 // Before the memory is full, which nobody hears of but the one that is killed for it.
-void CheckMemory(const EnvConfig& config, int count, double bytes_of_copy) {
+void RequireMemory(const EnvConfig& config, int count, double bytes_of_copy) {
   const double need = count * bytes_of_copy, there = BytesOfMachine();
   if (need <= there) return;
   throw ArgumentError(fmt::format(
@@ -97,7 +97,7 @@ class Interruption {
 EnvBatch::EnvBatch(const EnvConfig& config, int count, int threads,
                    std::optional<int> max_episode_steps)
     : config_(config), max_episode_steps_(max_episode_steps) {
-  CheckBatch(config, count, max_episode_steps);
+  RequireBatch(config, count, max_episode_steps);
   const std::shared_ptr<CompiledScene> compiled = CompileEnvScene(config);
   const bool shared = config.variations.empty();
   const std::shared_ptr<SharedDrawing> drawing =
@@ -108,7 +108,7 @@ EnvBatch::EnvBatch(const EnvConfig& config, int count, int threads,
     own.name = fmt::format("{}[{}]", config.name, i);
     envs_.push_back(std::make_unique<Env>(
         std::move(own), Scene::FromCompiled(shared ? compiled : compiled->Copy()), i, drawing));
-    if (i == 0) CheckMemory(config, count, BytesOfCopy(envs_.front()->scene(), !shared));
+    if (i == 0) RequireMemory(config, count, BytesOfCopy(envs_.front()->scene(), !shared));
   }
   episode_steps_.resize(count);
   observations_.resize(static_cast<size_t>(count) * layout().observation.size());
@@ -141,7 +141,7 @@ std::vector<std::string> EnvBatch::instructions() const {
 
 std::vector<uint8_t> EnvBatch::Draw(const CameraView& camera, int width, int height) {
   RequireOpen();
-  CheckImageSize(width, height);
+  RequireImageSize(width, height);
   if (!pictures_) pictures_ = NewDrawing(config_, envs_.front()->scene().model());
   const size_t one = size_t{3} * static_cast<size_t>(width) * static_cast<size_t>(height);
   std::vector<uint8_t> rgb(one * envs_.size());
@@ -222,7 +222,7 @@ const BatchStep& EnvBatch::Step(std::span<const double> actions,
   }
   const auto own = [&](int i) { return actions.subspan(static_cast<size_t>(i) * width, width); };
   for (int i = 0; i < size(); ++i) {
-    if (!Holds(reset_instead, i)) envs_[i]->CheckAction(own(i));
+    if (!Holds(reset_instead, i)) envs_[i]->RequireAction(own(i));
   }
   Interruption interruption(poll);
   std::function<void()> ask;

@@ -26,7 +26,7 @@ EnvFrame FrameOf(const CameraConfig& stream, int width, int height) {
 }
 
 // Frames are taken at steps of the engine.
-void CheckRate(const CameraConfig& stream, double timestep) {
+void RequireRate(const CameraConfig& stream, double timestep) {
   if (stream.rate * timestep <= 1 + kRounding) return;
   throw ArgumentError(
       fmt::format("stream '{}': its rate, {:g} Hz, is more often than the engine steps, every {:g} "
@@ -45,14 +45,15 @@ EnvCameras::EnvCameras(Scene scene, const CameraSystemConfig& config,
     : scene_(std::move(scene)), shared_(std::move(shared)) {
   if (config.streams.empty()) return;
   for (const CameraConfig& stream : config.streams) {
-    CheckRate(stream, scene_.timestep());
+    RequireRate(stream, scene_.timestep());
     streams_.push_back({.config = stream});
     frames_.push_back(FrameOf(stream, config.width(stream), config.height(stream)));
   }
   if (shared_) {
     renderer_ = shared_->renderer;
   } else {
-    renderer_ = MakeRenderer({.backend = config.renderer, .quality = config.quality});
+    renderer_ =
+        MakeRenderer({.backend = config.renderer.backend, .quality = config.renderer.quality});
   }
   Bind();
 }

@@ -1,4 +1,4 @@
-// What holds for every ready-made environment in every scene with every control mode.
+// Properties of every ready-made environment in every scene with every control mode.
 #include <gtest/gtest.h>
 
 #include "robocell/assets/resolve.h"

@@ -88,7 +88,7 @@ class Builder {
   void AddSignals(const std::vector<TaskSignal>& signals) {
     out_.all_signals = {static_cast<int>(out_.observed.size()), 0};
     for (const TaskSignal& signal : signals) {
-      CheckSignal(signal);
+      RequireSignal(signal);
       const VectorPart part = Observe({"task", signal.name}, {}, {signal.lower, signal.upper},
                                       FeatureRole::kPrivileged, "task");
       out_.signals.push_back({signal.name, part});
@@ -117,7 +117,7 @@ class Builder {
   }
 
  private:
-  void CheckSignal(const TaskSignal& signal) const {
+  void RequireSignal(const TaskSignal& signal) const {
     bool is_range = signal.lower.size() == signal.upper.size() && !signal.lower.empty();
     for (size_t i = 0; is_range && i < signal.lower.size(); ++i)
       is_range = signal.lower[i] <= signal.upper[i];

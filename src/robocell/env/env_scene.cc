@@ -67,7 +67,7 @@ void AddObjects(const Map<EnvObject>& objects, const AttachTarget& frame, SceneS
   for (const auto& [id, object] : objects.entries()) {
     SceneObject& added = scene.objects.push_back(object->AsSceneObject());
     added.name = id;
-    // What a robot carries is mounted, whatever its model's file says.
+    // Parts on a robot are mounted, whatever their model's file says.
     if (frame.kind == AttachKind::kAttachment && !added.fixed) added.fixed = true;
     StandAt(added, frame, object->offset);
   }

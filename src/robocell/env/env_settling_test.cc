@@ -39,7 +39,7 @@ TEST(EnvSettling, AServoThatSagsUnderGravityEndsItsStepAndSaysByHowMuch) {
   }
 }
 
-// Of which the robot's model does not know.
+// The robot's model does not include the load.
 TEST(EnvSettling, AnArmThatALoadPullsDownEndsItsStepAsSettled) {
   ModelFolder folder;
   Env env(OneHinge(folder, "damping='2'", true));

@@ -10,7 +10,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/log.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/env/env.h"
 #include "robocell/scenes/settle.h"
 
@@ -80,7 +80,7 @@ std::string Env::MakeStart(uint64_t seed, const std::optional<KeyframeChoice>& k
         continue;
       }
     }
-    const std::string why = start_check_ ? start_check_->WhyNot() : "";
+    const std::string why = start_inspector_ ? start_inspector_->WhyNot() : "";
     if (why.empty()) return "";
     ++reasons[why];
   }
@@ -102,18 +102,18 @@ void Env::TryStart(bool is_first) {
   const SceneUse::Claim claim(scene_.use(), "Env::Env");
   scene_.Reset();
   if (is_first) WarnOfStart();
-  if (!start_check_) {
+  if (!start_inspector_) {
     if (!task_) return;
     if (const std::string why = MakeStart(kTriedSeed, {}, {}); !why.empty())
       throw SpecError(NoStart(why));
     scene_.Reset();
     return;
   }
-  start_check_->Accept();
+  start_inspector_->Accept();
   const std::string doubt = MakeStart(kTriedSeed, {}, {});
   if (!doubt.empty()) {
     // Things also rest on what a ray misses, on grids and rings: simulating them tells.
-    start_check_->AcceptGaps();
+    start_inspector_->AcceptGaps();
     const std::string why = MakeStart(kTriedSeed, {}, {});
     if (!why.empty()) throw SpecError(NoStart(why));
   }
@@ -147,8 +147,8 @@ void Env::RequireRest(const std::string& doubt) {
 
 void Env::WarnOfStart() {
   std::vector<std::string> inside = RobotsInTheFloor(scene_);
-  StartCheck check = start_check_ ? *start_check_ : StartCheck(scene_, {});
-  for (const std::string& robot : check.RobotsInside()) inside.push_back(robot);
+  StartInspector inspector = start_inspector_ ? *start_inspector_ : StartInspector(scene_, {});
+  for (const std::string& robot : inspector.RobotsInside()) inside.push_back(robot);
   for (const std::string& robot : inside) {
     LogWarn(fmt::format(
         "{}: at the start {}. Move the robot (robot_to_shared_base_frame), or write "
@@ -160,7 +160,7 @@ void Env::WarnOfStart() {
   for (const std::string& text : ObjectsInTheFloor(scene_))
     LogWarn(fmt::format("{}: at the start {}. Move it up", place(), text));
   std::vector<std::string> falling = ObjectsOverNothing(scene_);
-  if (start_check_) {
+  if (start_inspector_) {
     for (const std::string& object : task_->resting_objects()) std::erase(falling, object);
   }
   if (falling.empty()) return;

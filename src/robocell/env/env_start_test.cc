@@ -1,4 +1,4 @@
-// What an environment begins with: what falls and what stays, a floor, and starts that can be used.
+// The start of an environment: falling and fixed objects, a floor, and usable starts.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/env/arm_target.h"
 #include "robocell/env/env.h"
 #include "robocell/env/number_list.h"
@@ -167,7 +167,7 @@ EnvState Env::state() const {
   return state;
 }
 
-void Env::CheckState(const EnvState& state) const {
+void Env::RequireState(const EnvState& state) const {
   bool fits = state.names_hash == HashOfNames(config_, scene_.model()) &&
               state.arms.size() == arms_.size() &&
               state.variations.size() == variations_.drawn().size() &&
@@ -219,7 +219,7 @@ void Env::MoveToRoot(const Pose& from) {
 
 void Env::SetState(const EnvState& state, StateFrame frame) {
   const SceneUse::Claim claim(scene_.use(), "Env::SetState");
-  CheckState(state);
+  RequireState(state);
   phase_ = Phase::kBroken;  // until all is done
   Recall(state);
   if (frame == StateFrame::kRoot) MoveToRoot(state.root_frame_to_world);
@@ -246,7 +246,7 @@ void Env::Restore(const std::string& name) {
   const Snapshot& snapshot = RequireSnapshot(name);
   if (snapshot.generation != scene_.generation()) {
     throw Error(
-        fmt::format("{}: the scene was compiled anew since '{}' was saved, so that there "
+        fmt::format("{}: the scene was compiled again since '{}' was saved, so that there "
                     "is no way back to it",
                     place(), name));
   }

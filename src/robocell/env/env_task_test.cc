@@ -239,7 +239,7 @@ struct BeHighConfig {
   static constexpr const char* kTypeName = "BeHighConfig";
   template <class V>
   static void Fields(V&& v) {
-    v("rise", &BeHighConfig::rise, "Success: so far above the start, metres.", Check::kPositive);
+    v("rise", &BeHighConfig::rise, "Success: so far above the start, metres.", Bound::kPositive);
   }
 };
 
@@ -513,9 +513,10 @@ TEST_F(EnvTaskTest, StatesAreSavedAfterAResetAndOnOneModel) {
   env.Reset();
   env.Save("start");
   Scene(env.scene()).AddObject(BoxObject("box", {2, 2, 1}));
-  ExpectThrow<Error>([&] { env.Restore("start"); },
-                     "the scene was compiled anew since 'start' was saved, so that there is no way "
-                     "back to it");
+  ExpectThrow<Error>(
+      [&] { env.Restore("start"); },
+      "the scene was compiled again since 'start' was saved, so that there is no way "
+      "back to it");
 }
 
 }  // namespace

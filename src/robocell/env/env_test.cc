@@ -1,4 +1,4 @@
-// What an environment does with actions, and what it observes.
+// Actions and observations of an environment.
 #include "robocell/env/env.h"
 
 #include <gmock/gmock.h>
@@ -58,7 +58,7 @@ Numbers ObservedJoints(const Env& env, size_t robot = 0) {
 
 Pose SharedToWorld(const Env& env) { return env.scene().shared_base_frame_to_world(); }
 
-// Where a robot was last sent, in the world: forward kinematics of its commanded joints.
+// The last target of a robot, in the world: forward kinematics of its commanded joints.
 Pose SentInWorld(const Env& env, const std::string& name) {
   const Robot robot = Robot::Of(env.scene(), name);
   return robot.base_in_world() * robot.FkFrame(robot.controller("arm").commanded_joint_pos());

@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 
 class EnvTrouble : public ::testing::Test {
  protected:
-  // Of one robot, with its gripper open.
+  // The action of one robot, with its gripper open.
   static std::vector<double> Command(const Env& env, std::vector<double> command) {
     if (env.layout().robots[0].has_gripper) command.push_back(1);
     return command;

@@ -1,4 +1,4 @@
-// What runs with every step of the engine allocates nothing.
+// Code that runs with every step of the engine allocates nothing.
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 

@@ -19,7 +19,7 @@ ObjectVariations::ObjectVariations(const EnvConfig& config, Scene scene)
   Bind();
 }
 
-// Of a model as it was compiled: what is varied is always the object's own.
+// Binds to a model as it was compiled: the object's own values are varied.
 void ObjectVariations::Bind() {
   if (ranges_.empty() || generation_ == scene_.generation()) return;
   objects_.clear();
@@ -92,7 +92,7 @@ void ObjectVariations::Apply(std::span<const double> drawn) {
   mjModel* m = scene_.mutable_model();
   const mjStatistic before = m->stat;
   Guarded("scene '" + scene_.name() + "'", [&] { mj_setConst(m, scratch_.get()); });
-  // What is seen stays as it was; the solver's scale follows from the masses.
+  // The appearance stays; the solver's scale follows from the masses.
   m->stat.extent = before.extent;
   m->stat.meansize = before.meansize;
   std::copy_n(before.center, 3, m->stat.center);

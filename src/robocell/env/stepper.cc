@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell {
 
@@ -50,7 +50,8 @@ StepOutcome Stepper::Advance(const Action& action) {
   return outcome;
 }
 
-StepOutcome Stepper::AdvanceUntil(const Action& action, int64_t most_ticks, const StopCheck& done) {
+StepOutcome Stepper::AdvanceUntil(const Action& action, int64_t most_ticks,
+                                  const StopRequest& done) {
   StepOutcome outcome;
   Apply(action, outcome);
   for (int64_t tick = 0; tick < most_ticks && outcome.ok(); ++tick) {

@@ -46,7 +46,7 @@ class Stepper {
   StepOutcome Advance(const Action& action);
   // The same for as many control ticks as it takes until `done()`, which is asked after each one;
   // `most_ticks` at most.
-  StepOutcome AdvanceUntil(const Action& action, int64_t most_ticks, const StopCheck& done);
+  StepOutcome AdvanceUntil(const Action& action, int64_t most_ticks, const StopRequest& done);
 
   // Calls of Advance and AdvanceUntil that did not throw.
   int64_t policy_ticks() const { return policy_ticks_; }

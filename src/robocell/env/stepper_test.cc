@@ -75,7 +75,7 @@ TEST_F(StepperTest, ControlTicksSeeTheControlsThatWillAct) {
   EXPECT_EQ(seen, both);
 }
 
-// What the control ticks showed, played to the bare engine, moves it to the same place.
+// The controls of the control ticks, replayed in the bare engine, move it to the same place.
 TEST_F(StepperTest, RecordedControlsReplayedByTheEngineGiveTheSameBits) {
   Scene scene = robot.scene();
   const mjModel* m = scene.model();

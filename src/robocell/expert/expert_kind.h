@@ -24,8 +24,8 @@ class ExpertKind {
   // What it needs of the run's robot, at the paths of the run's fields: in `scene` stands the robot
   // with one of each object that the run may use (TaskKind::Contents). What works and may not be
   // meant goes to the warnings.
-  virtual void Check(const RunConfig& /*run*/, const Scene& /*scene*/, Robot& /*robot*/,
-                     Problems& /*problems*/, std::vector<std::string>& /*warnings*/) const {}
+  virtual void Validate(const RunConfig& /*run*/, const Scene& /*scene*/, Robot& /*robot*/,
+                        Problems& /*problems*/, std::vector<std::string>& /*warnings*/) const {}
 };
 
 // Makes a kind known on all threads, from now on. ArgumentError for a name that is taken, unless

@@ -21,8 +21,8 @@ constexpr double kCarrySpeed =
 constexpr double kLeastCarrySeconds = 0.3, kMostCarrySeconds = 6.0;
 constexpr double kLeastLowerSeconds = 0.6, kMostLowerSeconds = 3.0;
 constexpr double kLeastRetreatSeconds = 0.5;
-// Of the distance between the fingers while they open, m/s: a finger that leaves the object before
-// the other pushes it no farther than this lets it.
+// Speed of the distance between the opening fingers, m/s: a finger that leaves the object before
+// the other pushes it no farther than this allows.
 constexpr double kOpenSpeed = 0.15;
 constexpr double kMostReleaseSeconds = 1.5, kRestSeconds = 0.3;
 
@@ -117,8 +117,8 @@ Action PickAndPlacePlanner::Act(const Scene& scene, Rng& rng) {
   return Command();
 }
 
-// Where to put the object and the way there, with the object as it is in the hand now: as upright as
-// it stood, else as it is turned now. "" or why there is none.
+// Plans where to put the object and the path there, with the object as it is in the hand now: as
+// upright as it stood, else rotated as it is. Returns "" or the reason why there is no plan.
 std::string PickAndPlacePlanner::PlanPlace(Rng& rng) {
   PlanningScene& planning = pick_.planning();
   planning.Update();

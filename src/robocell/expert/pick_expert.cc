@@ -4,16 +4,17 @@
 #include <mujoco/mujoco.h>
 
 #include "robocell/base/error.h"
-#include "robocell/expert/check_reach.h"
 #include "robocell/expert/pick_and_place_planner.h"
 #include "robocell/expert/pick_planner.h"
+#include "robocell/expert/validate_reach.h"
 #include "robocell/motion/gripper_shape.h"
 #include "robocell/mujoco/names.h"
-#include "robocell/robot/check_config.h"
 #include "robocell/robot/unused_groups.h"
+#include "robocell/robot/validate_config.h"
 #include "robocell/scenes/catalogue.h"
 #include "robocell/spec/pick_task_config.h"
-#include "robocell/spec/problem_lines.h"
+#include "robocell/spec/problems.h"
+#include "robocell/task/base_placement.h"
 #include "robocell/task/grasp_candidates.h"
 
 namespace robocell {
@@ -32,7 +33,7 @@ void AsProblem(Problems& problems, const F& check) {
 }
 
 // Each episode puts the robot at another height; the scripted expert knows no other starts.
-void CheckBaseMoves(const RobotConfig& config, Problems& problems) {
+void ValidateBaseMoves(const RobotConfig& config, Problems& problems) {
   const auto why = [](BaseKind kind) {
     switch (kind) {
       case BaseKind::kFixed:
@@ -56,7 +57,7 @@ void CheckBaseMoves(const RobotConfig& config, Problems& problems) {
 }
 
 // Both planners: an arm, and a gripper that can be measured.
-void CheckPickParts(const Robot& robot, const SimOptions& options, double timestep) {
+void RequirePickParts(const Robot& robot, const SimOptions& options, double timestep) {
   robot.arm();
   if (!GripperShape::Supports(robot.gripper())) {
     throw SpecError(
@@ -68,23 +69,23 @@ void CheckPickParts(const Robot& robot, const SimOptions& options, double timest
 }
 
 // What can be said of a pick run before its first episode.
-class PickRunCheck {
+class PickRunValidator {
  public:
-  PickRunCheck(const RunConfig& run, const Scene& scene, Robot& robot, Problems& problems,
-               std::vector<std::string>& warnings)
+  PickRunValidator(const RunConfig& run, const Scene& scene, Robot& robot, Problems& problems,
+                   std::vector<std::string>& warnings)
       : run_(run), scene_(scene), robot_(robot), problems_(problems), warnings_(warnings) {}
 
   void Run() {
     WarnOfUnusedGroups();
     {
       Problems::Scope scope(problems_, "robot");
-      if (!CheckPickRobot(robot_, run_.options, scene_.timestep(), problems_)) return;
+      if (!ValidatePickRobot(robot_, run_.options, scene_.timestep(), problems_)) return;
     }
     const std::optional<PickRun> pick = PickRunOf(run_.task);
     if (!pick) return;
-    CheckReach(*pick, robot_, problems_);
+    ValidateReach(*pick, BaseRangeOf(run_.start, {}), robot_, problems_);
     Problems::Scope scope(problems_, "task");
-    AsProblem(problems_, [&] { CheckGraspable(pick->objects); });
+    AsProblem(problems_, [&] { ValidateGraspable(pick->objects); });
   }
 
  private:
@@ -100,7 +101,7 @@ class PickRunCheck {
   }
 
   // Kinds of objects that the gripper cannot take; sizes that are drawn may differ.
-  void CheckGraspable(const NameList& objects) {
+  void ValidateGraspable(const NameList& objects) {
     Scene scene = scene_;
     const auto shape = GripperShape::Of(robot_.config(), run_.options, scene.timestep());
     scene.Forward();
@@ -132,9 +133,9 @@ class KindOfPicker final : public ExpertKind {
   std::shared_ptr<Expert> Make(const RunConfig& run, const EpisodeStart& start) const override {
     return std::make_shared<Planner>(run, start);
   }
-  void Check(const RunConfig& run, const Scene& scene, Robot& robot, Problems& problems,
-             std::vector<std::string>& warnings) const override {
-    PickRunCheck(run, scene, robot, problems, warnings).Run();
+  void Validate(const RunConfig& run, const Scene& scene, Robot& robot, Problems& problems,
+                std::vector<std::string>& warnings) const override {
+    PickRunValidator(run, scene, robot, problems, warnings).Run();
   }
 };
 
@@ -147,19 +148,19 @@ std::shared_ptr<const ExpertKind> MakePickAndPlaceExpert() {
   return std::make_shared<KindOfPicker<PickAndPlacePlanner>>();
 }
 
-bool CheckPickRobot(const Robot& robot, const SimOptions& options, double timestep,
-                    Problems& problems) {
+bool ValidatePickRobot(const Robot& robot, const SimOptions& options, double timestep,
+                       Problems& problems) {
   const size_t before = problems.list().size();
-  CheckBaseMoves(robot.config(), problems);
-  CheckTakesJointPositions(robot, problems);
-  AsProblem(problems, [&] { CheckPickParts(robot, options, timestep); });
+  ValidateBaseMoves(robot.config(), problems);
+  ValidateTakesJointPositions(robot, problems);
+  AsProblem(problems, [&] { RequirePickParts(robot, options, timestep); });
   return problems.list().size() == before;
 }
 
 std::vector<std::string> WhyNoPicks(const Robot& robot) {
   Problems problems(robot.config().locations);
-  CheckPickRobot(robot, robot.scene().compiled()->spec().options, robot.scene().timestep(),
-                 problems);
+  ValidatePickRobot(robot, robot.scene().compiled()->spec().options, robot.scene().timestep(),
+                    problems);
   return LinesOf(problems);
 }
 

@@ -14,11 +14,11 @@ namespace robocell {
 std::shared_ptr<const ExpertKind> MakePickExpert();
 std::shared_ptr<const ExpertKind> MakePickAndPlaceExpert();
 
-// Adds what the expert lacks, of a robot that passed CheckRobot: a base that can be put where the
+// Adds what the expert lacks, of a robot that passed ValidateRobot: a base that can be put where the
 // objects are in reach, an arm that takes joint positions, a gripper with fingers. `options` and
 // `timestep` are the run's. False when there is something.
-bool CheckPickRobot(const Robot& robot, const SimOptions& options, double timestep,
-                    Problems& problems);
+bool ValidatePickRobot(const Robot& robot, const SimOptions& options, double timestep,
+                       Problems& problems);
 
 // That as texts, for a robot of which nobody has said what it is for. Empty when pick tasks can use
 // it.

@@ -14,7 +14,7 @@ constexpr double kReopenSeconds = 0.4;  // after a failure: the object may fall
 constexpr double kMostOpenSeconds = 1.0;
 constexpr double kCloseSeconds = 0.5;  // weak servos take this long to build up their force
 constexpr double kMostCloseSeconds = 1.0;
-// Of the distance between the fingers while they close, m/s. A contact as MuJoCo has it by default
+// Speed of the distance between the closing fingers, m/s. A contact as MuJoCo has it by default
 // stops a finger within 20 ms: at half of this each it goes 1 mm deep, and walls are some thick.
 // One command to close would let a light finger go through them.
 constexpr double kCloseSpeed = 0.2;
@@ -191,7 +191,7 @@ void PickPlanner::LeaveClose() {
   Enter(Phase::kLift);
 }
 
-// What can go wrong at any time.
+// Checks for problems that can occur at any time.
 void PickPlanner::Watch() {
   if (arm_->Blocked()) return Fail("the arm is blocked");
   if ((phase_ == Phase::kLift || phase_ == Phase::kDone) && HandIsEmpty())
@@ -203,7 +203,7 @@ void PickPlanner::Fail(const std::string& why) {
   setback_ = why;
   // Blocked while backing off: there is no other grasp to back off to.
   if (!plan_ || attempts_ >= options_.attempts) return GiveUp(why);
-  // Where it has been pushed to meanwhile tells nothing of the grasp.
+  // The place where the object has been pushed meanwhile says nothing about the grasp.
   failed_.push_back(planned_for_.inverse() * plan_->motion.grasp.tcp_in_world);
   plan_.reset();
   arm_->Unblock();

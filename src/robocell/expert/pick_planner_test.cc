@@ -17,7 +17,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-// What happened in a rollout.
+// The result of a rollout.
 struct Outcome {
   bool success = false;
   std::string failure;

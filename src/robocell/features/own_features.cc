@@ -8,8 +8,9 @@
 #include <utility>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
 #include "robocell/base/paths.h"
+#include "robocell/base/plugin.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell {
 namespace {
@@ -43,6 +44,8 @@ OwnFeature FindOwnFeature(const std::string& name) {
 
 void RegisterFeature(const std::string& name, Feature feature, FeatureFunction function,
                      bool replace, FeatureCode code) {
+  if (const std::string& plugin = PluginBeingLoaded(); !code && !plugin.empty())
+    code = [plugin] { return std::vector<std::string>{plugin}; };
   RequireFileName("feature", name);
   if (!function) throw ArgumentError("feature '" + name + "' needs a function that reads it");
   if (feature.column.type != ColumnType::kFloat64)

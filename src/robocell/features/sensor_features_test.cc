@@ -18,7 +18,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-// What a recorder makes of a source of features.
+// The columns that a recorder makes of a source of features.
 class Columns {
  public:
   Columns(EpisodeSchema& schema, SensorFeatures& features)

@@ -5,7 +5,7 @@
 namespace robocell {
 namespace {
 
-// Of a link, what looks the same from all sides of its frame's z axis.
+// Returns the part of a link's inertia that is symmetric about its frame's z axis.
 LinkInertia RoundPart(const LinkInertia& link) {
   LinkInertia round;
   round.mass = link.mass;

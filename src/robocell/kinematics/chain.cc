@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
 #include "robocell/base/small_arrays.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/kinematics/chain_builder.h"
 #include "robocell/kinematics/lane_chain.h"
 #include "robocell/kinematics/link_table.h"
@@ -75,14 +75,14 @@ int Chain::joint_index(std::string_view name) const {
   throw NotFoundError(NoSuchName(description(), "joint", name, joint_names()));
 }
 
-void Chain::CheckSize(std::string_view what, std::size_t size) const {
+void Chain::RequireSize(std::string_view what, std::size_t size) const {
   if (size == joints().size()) return;
   throw ArgumentError(fmt::format("{}: {}: expected {} joint values, got {}", description(), what,
                                   n_joints(), size));
 }
 
-void Chain::CheckJointValues(std::string_view what, std::span<const double> values) const {
-  CheckSize(what, values.size());
+void Chain::RequireJointValues(std::string_view what, std::span<const double> values) const {
+  RequireSize(what, values.size());
   if (AllFinite(values.data(), values.size())) return;
   for (int i = 0; i < n_joints(); ++i) {
     if (std::isfinite(values[i])) continue;

@@ -145,7 +145,7 @@ class Chain {
   // ArgumentError, naming the argument and the joint, unless `values` are one finite number for
   // each joint. Forward kinematics and Jacobian check; the dynamics, which control loops call,
   // check the number of values only.
-  void CheckJointValues(std::string_view what, std::span<const double> values) const;
+  void RequireJointValues(std::string_view what, std::span<const double> values) const;
 
   // The folded numbers, for solvers.
   const ChainModel& model() const { return parts_->model; }
@@ -174,7 +174,7 @@ class Chain {
   };
   explicit Chain(Parts parts);  // without links and lazy
   static std::shared_ptr<const Parts> Complete(Parts parts);
-  void CheckSize(std::string_view what, std::size_t size) const;
+  void RequireSize(std::string_view what, std::size_t size) const;
 
   std::shared_ptr<const Parts> parts_;
   const LinkTable* links_;  // of the parts: what control loops ask for is one step away

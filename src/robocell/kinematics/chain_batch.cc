@@ -41,7 +41,7 @@ class BatchRows {
 
   size_t count() const { return count_; }
 
-  void CheckTips(std::span<const double> tips) const {
+  void RequireTips(std::span<const double> tips) const {
     if (tips.size() == 16 * count_) return;
     throw ArgumentError(
         fmt::format("{}: tips: expected 16 numbers for each of {} configurations; got {}",
@@ -55,7 +55,7 @@ class BatchRows {
     for (size_t row = 0;; ++row) {
       const auto of_row = values.subspan(row * n, n);
       if (!AllFinite(of_row))
-        chain_.CheckJointValues(
+        chain_.RequireJointValues(
             values.size() == n ? std::string(what) : fmt::format("{}[{}]", what, row), of_row);
     }
   }
@@ -98,7 +98,7 @@ void JacobianBatch(const Chain& chain, std::span<const double> q, std::span<doub
 void JacobianBatch(const Chain& chain, std::span<const double> q, std::span<double> jacobians,
                    std::span<double> tips) {
   const BatchRows batch(chain, jacobians, 6 * static_cast<size_t>(chain.n_joints()));
-  batch.CheckTips(tips);
+  batch.RequireTips(tips);
   ComputePoses(chain.lanes().poses(), PosePart::kJacobian,
                {.count = batch.count(), .q = batch.Joints("q", q)}, jacobians.data(), tips.data());
 }

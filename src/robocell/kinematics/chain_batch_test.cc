@@ -66,7 +66,7 @@ JointVector RandomRates(Rng* rng, int n) {
   return rates;
 }
 
-// What the engine says, one pose after the other.
+// The engine's results, one pose after the other.
 struct EngineBatch {
   Motions motions;
   std::vector<Transform> tips;
@@ -158,7 +158,7 @@ TEST(ChainBatch, AgreesWithTheEngineWhereAxesAreParallelOrSquare) {
   }
 }
 
-// Of hinges that are parallel but for so little that a cosine does not show it.
+// Hinges that deviate from parallel by less than a cosine shows.
 TEST(ChainBatch, AgreesWithTheEngineWhereAxesAreNearlyParallel) {
   for (const double twist : {1e-9, 1e-8, 1e-6, 1e-3}) {
     std::string bodies;
@@ -201,7 +201,7 @@ struct RandomCase {
   }
 };
 
-// Of all that kernels tell apart.
+// Chains of all kinds that kernels distinguish.
 std::vector<RandomChainOptions> Chains() {
   std::vector<RandomChainOptions> chains;
   for (const int joints : {2, 6, 7, 10}) {

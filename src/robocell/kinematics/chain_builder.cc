@@ -8,7 +8,7 @@
 #include <string>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/math/rotation.h"
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/gravity.h"
@@ -298,8 +298,8 @@ void AddInertias(const mjModel* m, const std::vector<int>& link_of_body, const m
   }
 }
 
-void CheckTool(const mjModel* m, const ChainOptions& options, const BuiltChain& chain,
-               const std::vector<int>& link_of_body, const std::string& place) {
+void RequireTool(const mjModel* m, const ChainOptions& options, const BuiltChain& chain,
+                 const std::vector<int>& link_of_body, const std::string& place) {
   if (options.tool_body.empty()) return;
   const std::string name = options.prefix + options.tool_body;
   const int tool = RequireId(m, mjOBJ_BODY, name, place);
@@ -357,7 +357,7 @@ BuiltChain BuildChain(const mjModel* m, std::string_view base_body, const ChainT
   MeasureLength(&chain.model);
   AddTendons(m, &chain);
   const std::vector<int> link_of_body = builder.LinkOfBodies();
-  CheckTool(m, options, chain, link_of_body, place);
+  RequireTool(m, options, chain, link_of_body, place);
   AddInertias(m, link_of_body, options.qpos.empty() ? m->qpos0 : options.qpos.data(), &chain);
   return chain;
 }

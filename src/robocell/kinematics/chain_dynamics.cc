@@ -17,14 +17,14 @@ void CopyTorques(const LinkAnswer& answer, std::span<double> out) {
 }  // namespace
 
 Pose Chain::Fk(std::span<const double> q) const {
-  CheckJointValues("q", q);
+  RequireJointValues("q", q);
   LinkAnswer answer;
   ComputeLinks(*links_, LinkPart::kTip, {.q = q.data()}, &answer);
   return TipOf(answer).pose();
 }
 
 Pose Chain::FkAll(std::span<const double> q, std::span<Pose> bodies) const {
-  CheckSize("bodies", bodies.size());
+  RequireSize("bodies", bodies.size());
   const Pose tip = Fk(q);
   WalkChain(model(), q.data(), [&](int i, const Transform& frame) {
     bodies[i] = (frame * model().joints[i].joint_to_body).pose();
@@ -34,8 +34,8 @@ Pose Chain::FkAll(std::span<const double> q, std::span<Pose> bodies) const {
 
 Pose Chain::Jacobian(std::span<const double> q,
                      Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out) const {
-  CheckJointValues("q", q);
-  CheckSize("columns of the Jacobian", out.cols());
+  RequireJointValues("q", q);
+  RequireSize("columns of the Jacobian", out.cols());
   LinkAnswer answer;
   ComputeLinks(*links_, LinkPart::kJacobian, {.q = q.data()}, &answer);
   for (int i = 0; i < n_joints(); ++i) {
@@ -46,17 +46,17 @@ Pose Chain::Jacobian(std::span<const double> q,
 
 void Chain::GravityTorques(std::span<const double> q, const Eigen::Vector3d& gravity,
                            std::span<double> out) const {
-  CheckSize("q", q.size());
-  CheckSize("torques", out.size());
+  RequireSize("q", q.size());
+  RequireSize("torques", out.size());
   LinkAnswer answer;
   ComputeLinks(*links_, LinkPart::kGravity, {.q = q.data(), .gravity = gravity.data()}, &answer);
   CopyTorques(answer, out);
 }
 
 void Chain::MassMatrix(std::span<const double> q, Eigen::Ref<Eigen::MatrixXd> out) const {
-  CheckSize("q", q.size());
-  CheckSize("rows of the mass matrix", out.rows());
-  CheckSize("columns of the mass matrix", out.cols());
+  RequireSize("q", q.size());
+  RequireSize("rows of the mass matrix", out.rows());
+  RequireSize("columns of the mass matrix", out.cols());
   LinkAnswer answer;
   ComputeLinks(*links_, LinkPart::kMass, {.q = q.data()}, &answer);
   for (int j = 0; j < n_joints(); ++j) {
@@ -77,10 +77,10 @@ void Chain::CoriolisTorques(std::span<const double> q, std::span<const double> q
 void Chain::InverseDynamics(std::span<const double> q, std::span<const double> qd,
                             std::span<const double> qdd, const Eigen::Vector3d& gravity_in_base,
                             std::span<double> out) const {
-  CheckSize("q", q.size());
-  CheckSize("qd", qd.size());
-  CheckSize("qdd", qdd.size());
-  CheckSize("torques", out.size());
+  RequireSize("q", q.size());
+  RequireSize("qd", qd.size());
+  RequireSize("qdd", qdd.size());
+  RequireSize("torques", out.size());
   LinkAnswer answer;
   const LinkQuery query{
       .q = q.data(), .qd = qd.data(), .qdd = qdd.data(), .gravity = gravity_in_base.data()};

@@ -38,7 +38,7 @@ ChainSource::ChainSource(const mjModel* m, const Chain& chain) : model_(m) {
   });
 }
 
-// What chain_builder.cc reads.
+// Visits the numbers that chain_builder.cc reads.
 template <class Visit>
 bool ChainSource::VisitParts(const mjModel* m, Visit&& visit) const {
   const auto part = [&](const auto* values, int columns, const Range& rows) {

@@ -1,4 +1,4 @@
-// What a Chain knows about itself, and what it says when it cannot be made.
+// Properties of a Chain, and the errors when it cannot be made.
 #include "robocell/kinematics/chain.h"
 
 #include <fmt/format.h>

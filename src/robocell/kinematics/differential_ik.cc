@@ -155,7 +155,7 @@ void SolveDamped(const Jacobian6& jacobian, BoundedLeastSquares* squares, double
   }
 }
 
-void CheckBase(const Eigen::Matrix3d& base_in_world) {
+void RequireBase(const Eigen::Matrix3d& base_in_world) {
   try {
     QuaternionFromMatrix(base_in_world);
   } catch (const ArgumentError& error) {
@@ -164,8 +164,8 @@ void CheckBase(const Eigen::Matrix3d& base_in_world) {
   }
 }
 
-void CheckDifferentialIk(const Chain& chain, const Twist& twist,
-                         const DifferentialIkOptions& options) {
+void RequireDifferentialIk(const Chain& chain, const Twist& twist,
+                           const DifferentialIkOptions& options) {
   const auto refuse = [](const std::string& what) {
     throw ArgumentError("differential inverse kinematics: " + what);
   };
@@ -176,10 +176,10 @@ void CheckDifferentialIk(const Chain& chain, const Twist& twist,
   if (!(options.posture_rate >= 0 && std::isfinite(options.posture_rate)))
     refuse(fmt::format("posture_rate is {}; it must be 0 or more", options.posture_rate));
   if (!options.posture.empty())
-    chain.CheckJointValues("differential inverse kinematics: posture", options.posture);
-  if (options.frame == TwistFrame::kWorld) CheckBase(options.base_in_world);
+    chain.RequireJointValues("differential inverse kinematics: posture", options.posture);
+  if (options.frame == TwistFrame::kWorld) RequireBase(options.base_in_world);
   if (options.max_speed.empty()) return;
-  chain.CheckJointValues("differential inverse kinematics: max_speed", options.max_speed);
+  chain.RequireJointValues("differential inverse kinematics: max_speed", options.max_speed);
   for (int i = 0; i < chain.n_joints(); ++i) {
     if (options.max_speed[i] > 0) continue;
     refuse(fmt::format("max_speed of joint '{}' is {}; it must be more than 0",
@@ -213,7 +213,7 @@ Eigen::Matrix3d AxesOf(const DifferentialIkOptions& options, const Pose& tip) {
 
 DifferentialIkResult DifferentialIk(const Chain& chain, std::span<const double> q,
                                     const Twist& twist, const DifferentialIkOptions& options) {
-  CheckDifferentialIk(chain, twist, options);
+  RequireDifferentialIk(chain, twist, options);
   const int n = chain.n_joints();
   const double per_metre = 1 / chain.model().length;
   Jacobian6 jacobian(6, n);

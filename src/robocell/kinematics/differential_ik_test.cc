@@ -34,7 +34,7 @@ class DifferentialIkTest : public testing::TestWithParam<int> {
     }
     return q;
   }
-  // What the tip really does, by differences of forward kinematics.
+  // The true motion of the tip, by differences of forward kinematics.
   Twist Measured(const JointVector& q, const JointVector& velocity) {
     constexpr double kStep = 1e-6;
     JointVector before = q, after = q;
@@ -98,8 +98,8 @@ TEST_P(DifferentialIkTest, AgreesWithTheEnginesJacobian) {
   EXPECT_NEAR((axes.transpose() * turns - found.twist.angular).norm(), 0, 1e-9);
 }
 
-// Of least squares between bounds (W. Karush 1939): what is left of the task pulls at no free
-// joint, and at the others only towards their bounds. Exact where the damping is next to nothing.
+// Optimality of bounded least squares (W. Karush 1939): the residual pulls at no free joint, and at
+// the others only towards their bounds. This is exact where the damping is next to nothing.
 TEST_P(DifferentialIkTest, ObeysBoundsAndIsTheBestBetweenThem) {
   const int n = chain_.n_joints();
   int bounded = 0, judged = 0, exact = 0;
@@ -239,7 +239,7 @@ TEST_P(DifferentialIkTest, PostureMovesJointsToSpareAndNotTheTip) {
   EXPECT_GE(judged, 20);
 }
 
-// Of what is left when a joint cannot move: locked, or pressed against its limit.
+// Damping with a joint that cannot move: locked, or pressed against its limit.
 TEST_P(DifferentialIkTest, IsDampedWhereTheJointsThatMoveAreNearASingularity) {
   const int n = chain_.n_joints();
   int near = 0, held = 0;
@@ -264,7 +264,7 @@ TEST_P(DifferentialIkTest, IsDampedWhereTheJointsThatMoveAreNearASingularity) {
       q = there;
     }
     near += svd.values[5] < 0.02;
-    // What the others can hardly do, and a little of everything.
+    // A twist that the other joints can hardly produce, and a little of everything.
     Eigen::Matrix<double, 6, 1> hard = svd.left.col(5) + 0.1 * RandomTwist().vector();
     hard.head(3) *= chain_.model().length;
     const Twist asked = Twist::FromVector(0.2 * hard);

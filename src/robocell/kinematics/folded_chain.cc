@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "robocell/kinematics/chain_model.h"
-#include "robocell/kinematics/common_normal.h"
+#include "robocell/kinematics/normal_frames.h"
 
 namespace robocell {
 namespace {

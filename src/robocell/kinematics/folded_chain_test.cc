@@ -22,7 +22,7 @@ Transform Along(const Eigen::Vector3d& axis, double distance) {
   return {Eigen::Matrix3d::Identity(), axis * distance};
 }
 
-// As folded_chain.h says, term by term.
+// Computes the tip as folded_chain.h defines it, term by term.
 Transform Tip(const FoldedChain& chain, const JointVector& q) {
   const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), z = Eigen::Vector3d::UnitZ();
   Transform tip = Whole(chain.base);

@@ -28,13 +28,13 @@ IkResult ChooseOne(const Chain& chain, const Transform& target, const IkOptions&
   return answer;
 }
 
-void CheckCount(std::string_view what, int value) {
+void RequireCount(std::string_view what, int value) {
   if (value < 0)
     throw ArgumentError(
         fmt::format("inverse kinematics: {} is {}; it must be 0 or more", what, value));
 }
 
-void CheckPreference(const Chain& chain, const IkOptions& options) {
+void RequirePreference(const Chain& chain, const IkOptions& options) {
   if (options.prefer == IkPrefer::kSeed && options.seed.empty()) {
     throw ArgumentError(
         "inverse kinematics: the solution near the seed is preferred, but there is no seed. Give "
@@ -46,7 +46,7 @@ void CheckPreference(const Chain& chain, const IkOptions& options) {
         "inverse kinematics: there is a posture, but prefer does not ask for it; set prefer to "
         "kPosture");
   }
-  chain.CheckJointValues("inverse kinematics: posture", options.posture);
+  chain.RequireJointValues("inverse kinematics: posture", options.posture);
 }
 
 }  // namespace
@@ -57,7 +57,7 @@ LockedJoints LockJoints(const Chain& chain, std::span<const std::string> names) 
   return locked;
 }
 
-void CheckIkTarget(const Pose& tip_in_base, std::string_view name) {
+void RequireIkTarget(const Pose& tip_in_base, std::string_view name) {
   if (!IsFinite(tip_in_base)) RefuseIkTarget(name);
 }
 
@@ -65,7 +65,7 @@ void RefuseIkTarget(std::string_view name) {
   throw ArgumentError(fmt::format("inverse kinematics: {} has a number that is not finite", name));
 }
 
-void CheckIkOptions(const Chain& chain, const IkOptions& options) {
+void RequireIkOptions(const Chain& chain, const IkOptions& options) {
   const JointVector& seed = options.seed;
   if (!seed.empty() && seed.size() != chain.n_joints()) {
     throw ArgumentError(
@@ -89,16 +89,16 @@ void CheckIkOptions(const Chain& chain, const IkOptions& options) {
     throw ArgumentError(fmt::format("inverse kinematics: tolerance is {}; it must be more than 0",
                                     options.tolerance));
   }
-  CheckIkTask(options);
-  CheckPreference(chain, options);
-  CheckCount("max_restarts", options.max_restarts);
-  CheckCount("max_iterations", options.max_iterations);
+  RequireIkTask(options);
+  RequirePreference(chain, options);
+  RequireCount("max_restarts", options.max_restarts);
+  RequireCount("max_iterations", options.max_iterations);
 }
 
 IkResult Ik(const Chain& chain, const Pose& tip_in_base, const IkOptions& options,
             const std::function<void()>& poll) {
-  CheckIkTarget(tip_in_base, "target");
-  CheckIkOptions(chain, options);
+  RequireIkTarget(tip_in_base, "target");
+  RequireIkOptions(chain, options);
   const Transform target = ToTransform(tip_in_base);
   return IsChosen(options) ? ChooseOne(chain, target, options, poll)
                            : SearchInLanes(chain, target, options, poll);

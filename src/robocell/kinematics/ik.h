@@ -114,8 +114,8 @@ IkResult Ik(const Chain& chain, const Pose& tip_in_base, const IkOptions& option
 
 // What Ik refuses with ArgumentError, for callers that check many questions before the work. `name`
 // begins the message.
-void CheckIkTarget(const Pose& tip_in_base, std::string_view name);
+void RequireIkTarget(const Pose& tip_in_base, std::string_view name);
 [[noreturn]] void RefuseIkTarget(std::string_view name);  // which is not finite
-void CheckIkOptions(const Chain& chain, const IkOptions& options);
+void RequireIkOptions(const Chain& chain, const IkOptions& options);
 
 }  // namespace robocell

@@ -53,7 +53,7 @@ class Batch {
         layout_(LayoutOf(chain, targets.size(), seeds.size())),
         options_(options),
         out_(*result) {
-    Check();
+    RequireValid();
     Resize();
   }
 
@@ -75,7 +75,7 @@ class Batch {
     return seeds_.subspan(layout_ == Seeds::kEach ? b * n : 0, n);
   }
 
-  void Check() const {
+  void RequireValid() const {
     if (!options_.ik.seed.empty()) {
       throw ArgumentError(
           "batched inverse kinematics: options.ik.seed is set; pass seeds as the third argument");
@@ -93,7 +93,7 @@ class Batch {
     first.seed = JointVector(SeedOf(0));
     // Where nothing is asked, no question lacks a seed.
     if (targets_.empty() && first.seed.empty()) first.seed = JointVector(chain_.n_joints());
-    CheckIkOptions(chain_, first);
+    RequireIkOptions(chain_, first);
     for (std::size_t b = 0; b < targets_.size(); ++b) {
       if (!targets_.is_finite(b)) RefuseIkTarget(fmt::format("targets[{}]", b));
     }

@@ -82,7 +82,7 @@ TEST(IkBatchOfRandomChains, SolvesFiveToTwelveJointsWithSlidesAndWithoutLimits) 
   }
 }
 
-// What a step expects of joints that hardly move is not missing at the tip.
+// A step must not expect motion from joints that hardly move.
 TEST(IkBatchOfRandomChains, SolvesEightToTwelveJointsOfWhichSomeAreNearlyFixed) {
   int solved = 0, asked = 0;
   for (int k = 0; k < 30; ++k) {
@@ -140,7 +140,8 @@ TEST(IkBatchOfRandomChains, SaysOfWhatNothingReachesHowNearItCame) {
   }
 }
 
-// Numbers that no kernel survives: the answer is inside the limits, and the question's own.
+// Numbers that overflow in every kernel: the result is within the limits and depends on its own
+// query alone.
 TEST(IkBatchOfRandomChains, AnswersAbsurdTargetsBehindOthersAsAlone) {
   Rng rng = Rng::Stream(8, "absurd");
   const TestModel t = TestModel::FromXml(

@@ -62,7 +62,7 @@ TEST_F(IkBatchTest, DoesNotDependOnOrderOrThreads) {
     EXPECT_TRUE(std::ranges::equal(reversed.row(399 - b), all.row(b))) << b;
 }
 
-// What a chain makes when it is first asked for, is asked for by several threads.
+// Several threads ask for what a chain makes on first use.
 TEST_F(IkBatchTest, AFreshChainMayBeAskedByManyThreads) {
   const IkBatchResult expected = IkBatch(chain_, targets_);
   const Chain fresh(model_.model(), "base", ChainTip::Site("tip"));
@@ -106,7 +106,7 @@ TEST_F(IkBatchTest, EndsWithTheExceptionOfItsPoll) {
   }
 }
 
-// Where position errors count less than they are no target is too far: each takes all starts.
+// With small position weights no target is too far, so each takes all starts.
 TEST_F(IkBatchTest, OneHardQuestionEndsWithTheExceptionOfItsPoll) {
   const IkOptions hard{.position_weights = {0.5, 0.5, 0.5}, .max_restarts = 1'000'000'000};
   const Pose far(Eigen::Vector3d(0, 0, 50));

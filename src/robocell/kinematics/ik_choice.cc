@@ -19,7 +19,7 @@ bool IsChosen(const IkOptions& options) {
   return options.prefer != IkPrefer::kFirst || options.filter != nullptr;
 }
 
-// One thread's share of the open searches: those of every so-manieth question.
+// One thread's share of the open searches: those of every stride-th query.
 class IkChoice::Queue : public LaneQueue {
  public:
   Queue(IkChoice* choice, int first, int stride, const std::atomic<bool>& ended,
@@ -85,7 +85,7 @@ IkChoice::IkChoice(const Chain& chain, const IkOptions& options,
   for (std::size_t k = 0; k < questions.size(); ++k) {
     Begin(static_cast<int>(k), /*patient=*/false);
     answers_[k] = {.position_error = std::numeric_limits<double>::infinity()};
-    // What only has to be kept by a filter is mostly found at once.
+    // A query with a filter but without a preference is mostly solved at once.
     Open(static_cast<int>(k), preference_.any() ? kSearches : 1);
   }
 }
@@ -211,7 +211,7 @@ void IkChoice::ChooseFor(int question, std::span<const uint8_t> keep, std::size_
       const bool kept = keep.empty() || keep[*row] != 0;
       ++*row;
       if (!kept) return;
-      // What is found again and again is each time a little better or worse, by rounding.
+      // A solution that is found again is each time a little better or worse, by rounding.
       const bool again = best.success && !AreApart(chain_.model(), result.q, best.q, kAnother);
       const int first = again ? std::min(best.restarts, search.began) : search.began;
       if (cost < least) {

@@ -1,14 +1,13 @@
-// Answers questions that are asked for the best of several solutions, or for one that a filter
-// keeps. For ik.cc and ik_batch.cc.
+// Solves queries for the best of several solutions, or for one that a filter keeps. For ik.cc and
+// ik_batch.cc.
 //
-// A question is searched for in kSearches ways at a time, each with starts of its own; what is
-// found is filtered and compared. Where nothing was kept, the searches go on from their next
-// starts, and when there are no more, begin once more with more time for each: what a search alone
-// finds after many starts is not missed by many that have a few each. What a question is answered
-// depends on the question alone.
+// Each query has kSearches searches at a time, each with its own starts; their solutions are
+// filtered and compared. If none was kept, the searches continue from their next starts, and when
+// there are no more, begin again with more time for each: many searches with a few starts each do
+// not miss what one search finds after many starts. The result depends on the query alone.
 //
-// Where no joints are to spare, so that the best is one of a few, starts go on after a solution was
-// found until many of them have led to no better one.
+// Without redundant joints, where the best is one of a few, starts continue after a solution was
+// found until many of them found nothing better.
 #pragma once
 
 #include <atomic>
@@ -22,7 +21,7 @@
 
 namespace robocell::internal {
 
-// Whether an answer with these options has to be chosen.
+// Returns true if these options need a choice between solutions.
 bool IsChosen(const IkOptions& options);
 
 class IkChoice {
@@ -38,15 +37,15 @@ class IkChoice {
     IkResult found, unmoved;
   };
 
-  // `searches`: memory for kSearches of each question. Everything given must outlive this.
+  // `searches`: memory for kSearches of each query. All arguments must outlive this.
   IkChoice(const Chain& chain, const IkOptions& options, std::span<const LaneQuestion> questions,
            std::span<Search> searches, std::span<IkResult> answers);
 
-  // Runs the open searches of every `stride`-th question from `first` on, until `ended`; several
+  // Runs the open searches of every `stride`-th query from `first` on, until `ended`; several
   // threads may do so. `poll` may be empty; it is called now and then.
   void Run(int first, int stride, const std::atomic<bool>& ended,
            const std::function<void()>& poll);
-  // Filters and chooses, when all have run. False when every question has its answer.
+  // Filters and chooses after all have run. Returns false when every query has its result.
   bool Choose();
 
  private:
@@ -55,11 +54,11 @@ class IkChoice {
   void Begin(int question, bool patient);
   void Open(int question, int searches);
   bool MayBeginAgain(int question) const;
-  // Whether a better solution than the present one may still come.
+  // Returns true if a better solution than the present one may still come.
   bool GoesOn(int question) const;
   // One more start for each search.
   void LookFurther(int question);
-  // Of the answer so far; infinite where there is none.
+  // Cost of the present solution; infinite without one.
   double CostOf(int question) const;
   JointVector GoalOf(int question) const;
   // Calls use(result, cost) for each solution of a search that is better than `least`.
@@ -70,7 +69,7 @@ class IkChoice {
   std::span<const uint8_t> Filter();
   double Miss(const IkResult& result) const;
   int StartsFor(const LaneQuestion& question) const;
-  // Where nothing was found, but an approach came near, as for questions without a preference.
+  // More starts if nothing was found but a start came near, as for queries without a preference.
   int MoreStartsFor(int question) const;
 
   const Chain& chain_;

@@ -40,8 +40,8 @@ INSTANTIATE_TEST_SUITE_P(
                                      "<joint axis='0 0 1'/>",
                                      "<joint type='slide' axis='1 0 0' range='-.5 .5'/>")));
 
-// What a reach map gives a place. From the first starts most of what lies behind the base, where
-// the range of its joint begins and ends, was missed.
+// The number of starts that a reach map gives a place. From the first starts alone, most places
+// behind the base, at the ends of its joint's range, were missed.
 TEST_P(ArmOfFewJoints, ReachesFromNineStartsWhatItReaches) {
   const auto [joints, base] = GetParam();
   Rng rng = Rng::Stream(1, "few joints", joints);

@@ -94,7 +94,7 @@ TEST(IkNearMiss, SolvesAsManyPosesInCornersWithAPreference) {
   EXPECT_GE(solved, 0.995 * kTargets * kChains);
 }
 
-// Steps of a question, on the mean.
+// Mean number of steps of a query.
 double StepsOf(const Chain& chain, const std::vector<Pose>& targets, int max_restarts) {
   const IkBatchResult found = IkBatch(chain, targets, {}, {.ik = {.max_restarts = max_restarts}});
   return std::accumulate(found.iterations.begin(), found.iterations.end(), 0.0) / found.size;

@@ -1,6 +1,6 @@
-// What holds for every question that asks for more or less than a pose: random chains of 2 to 12
-// joints with slides, tiny limits and locked joints, seeds inside and outside of the limits. The
-// judge is the engine, with formulas of its own.
+// Properties of every query with more or less than a pose: random chains of 2 to 12 joints with
+// slides, tiny limits and locked joints, seeds inside and outside of the limits. The judge is the
+// engine, with its own formulas.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ struct Objective {
   IkOptions options;
 };
 
-// What the filters keep: about four of five configurations.
+// The filters keep about four of five configurations.
 bool FilterKeeps(std::span<const double> q) { return std::sin(3 * q[0] + 2 * q[1]) > -0.8; }
 
 class IkObjectives : public testing::TestWithParam<std::tuple<int, Joints>> {

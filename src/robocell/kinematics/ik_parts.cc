@@ -19,8 +19,8 @@ constexpr double kMostTurns = 1e5;
 constexpr double kLessThanHalfATurn = 3;  // rad
 
 constexpr int kRestartsWhenTooFar = 8;
-// Of targets that can be reached, nine in ten of those that all restarts miss are missed by less;
-// of those inside the reach that cannot be, one in eleven.
+// Nine in ten of the reachable targets that all restarts miss are missed by less than this, and one
+// in eleven of the unreachable ones inside the reach.
 constexpr double kNearMiss = 0.01;
 constexpr int kRestartsAfterANearMiss = 400;
 
@@ -37,7 +37,7 @@ bool MayExceedReach(const ChainModel& chain, const LockedJoints& locked) {
   return false;
 }
 
-// Of a vector whose square may be too large for a number.
+// Length of a vector whose square may overflow.
 double Length(const Eigen::Vector3d& v) {
   const double square = v.squaredNorm();
   return square > 1e-200 && square < 1e200 ? std::sqrt(square) : v.stableNorm();
@@ -55,11 +55,11 @@ Transform TipAt(const Chain& chain, const JointVector& q) {
 
 bool IsInside(const FoldedJoint& joint, double q) { return q >= joint.lower && q <= joint.upper; }
 
-// Of where a hinge can be whole turns away, in the limits, the nearest to the seed.
+// Returns the position within the limits, whole turns away from q, that is nearest to the seed.
 double TurnedTowards(double seed, double q, const FoldedJoint& joint) {
   double turns = std::round((seed - q) / kTurn);
   if (!(std::abs(turns) <= kMostTurns)) turns = 0;
-  // As the seed is in the limits, what is nearest of all is at most half a turn beyond.
+  // Because the seed is within the limits, the nearest position is at most half a turn beyond.
   const double nearest = q + turns * kTurn;
   if (nearest > joint.upper) turns -= 1;
   if (nearest < joint.lower) turns += 1;

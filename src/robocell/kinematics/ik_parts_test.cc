@@ -1,4 +1,4 @@
-// What searches share, against trying everything.
+// Compares the common parts of searches with exhaustive search.
 #include "robocell/kinematics/ik_parts.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 namespace robocell {
 namespace {
 
-// Of all whole turns that stay in the limits, by trying them.
+// Tries all whole turns within the limits.
 double NearestByTrying(const FoldedJoint& joint, double seed, double q) {
   double nearest = q;
   for (int turns = -12; turns <= 12; ++turns) {

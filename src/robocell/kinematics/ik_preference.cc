@@ -12,7 +12,7 @@ namespace robocell {
 namespace {
 
 constexpr double kPart = 0.3;
-// Of the gradient of the logarithm of manipulability: how far uphill a goal is set, and at most,
+// Factor of the gradient of log manipulability that sets the next goal, and the largest step to it,
 // rad or lengths of the chain.
 constexpr double kUphill = 0.3, kFarthestUphill = 0.5;
 

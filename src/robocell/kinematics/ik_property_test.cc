@@ -1,6 +1,6 @@
-// What holds for every question about every chain, asked alone and in batches: random chains of 1
-// to 12 joints with slides, tiny limits, limits of a turn and more, and without limits; questions
-// of every kind. The judge is the engine.
+// Properties of every query of every chain, alone and in batches: random chains of 1 to 12 joints
+// with slides, tiny limits, limits of a turn and more, and without limits; queries of every kind.
+// The judge is the engine.
 #include <gtest/gtest.h>
 
 #include <algorithm>

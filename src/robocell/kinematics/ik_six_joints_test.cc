@@ -185,7 +185,7 @@ TEST_P(ArmOfSixJoints, PrefersTheVeryNearestToTheSeedOrPosture) {
   EXPECT_LE(farther, 2);
 }
 
-// A solution that is met again is a little nearer each other time, by rounding: no reason to go on.
+// A solution that is found again is sometimes a little nearer, by rounding: no reason to continue.
 TEST_P(ArmOfSixJoints, CountsFromTheStartThatFirstLedToThePreferredSolution) {
   int same = 0;
   for (const Pose& target : Reached(100)) {

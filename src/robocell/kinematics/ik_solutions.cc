@@ -119,8 +119,8 @@ void GoOn(const Chain& chain, const IkOptions& options, double separation, Every
 std::vector<IkResult> IkSolutions(const Chain& chain, const Pose& tip_in_base,
                                   const IkOptions& options, double separation,
                                   const std::function<void()>& poll) {
-  CheckIkTarget(tip_in_base, "target");
-  CheckIkOptions(chain, options);
+  RequireIkTarget(tip_in_base, "target");
+  RequireIkOptions(chain, options);
   if (!(separation > 0 && std::isfinite(separation))) {
     throw ArgumentError(
         fmt::format("inverse kinematics: separation is {}; it must be more than 0", separation));

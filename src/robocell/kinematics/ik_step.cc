@@ -7,8 +7,8 @@
 namespace robocell {
 namespace {
 
-// Where the search from the present joint values fails, others begin; where the target is out of
-// reach, that should not take long.
+// If the search from the present joint values fails, others begin; for an unreachable target that
+// should not take long.
 constexpr int kOtherStarts = 32;
 
 bool IsNear(const ChainModel& chain, std::span<const double> q, std::span<const double> from,

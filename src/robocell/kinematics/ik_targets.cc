@@ -12,7 +12,7 @@ using RowMajor = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
 // Products of a few rotations are no farther from one than this.
 constexpr double kRounding = 1e-14;
 
-// Whether a matrix is a rigid transform to rounding. False for what is not finite.
+// Returns true if a matrix is a rigid transform to rounding, false if it is not finite.
 bool IsRigid(const double* m) {
   const double* x = m;  // rows
   const double* y = m + 4;

@@ -47,7 +47,7 @@ Eigen::Vector3d SwingBetween(const Eigen::Vector3d& from, const Eigen::Vector3d&
   return angle < 1 ? sine : Eigen::Vector3d(from.unitOrthogonal() * angle);
 }
 
-void CheckWeights(std::string_view what, const Weights& weights) {
+void RequireWeights(std::string_view what, const Weights& weights) {
   for (const double w : weights) {
     if (w >= 0 && std::isfinite(w)) continue;
     throw ArgumentError(fmt::format(
@@ -99,14 +99,15 @@ IkTask::Errors IkTask::ErrorsOf(const Transform& target, const Transform& tip) c
   return errors;
 }
 
-void CheckIkTask(const IkOptions& options) {
+void RequireIkTask(const IkOptions& options) {
   if (IsPlain(options) && options.cone == 0) return;
-  CheckWeights("position_weights", options.position_weights);
-  CheckWeights("rotation_weights", options.rotation_weights);
+  RequireWeights("position_weights", options.position_weights);
+  RequireWeights("rotation_weights", options.rotation_weights);
   const bool weighs = !IsWhole(options.rotation_weights);
   if (CountZeros(options.position_weights) == 3 &&
       (options.position_only || CountZeros(options.rotation_weights) == 3)) {
-    throw ArgumentError("inverse kinematics: all weights are 0; nothing is asked for");
+    throw ArgumentError(
+        "inverse kinematics: all weights are 0, so that the target has no residual");
   }
   if (options.position_only && (weighs || options.axis)) {
     throw ArgumentError(

@@ -46,6 +46,6 @@ struct IkTask {
 };
 
 // ArgumentError for weights, axes and cones that make no sense.
-void CheckIkTask(const IkOptions& options);
+void RequireIkTask(const IkOptions& options);
 
 }  // namespace robocell

@@ -85,8 +85,8 @@ class DampedSearch {
 }  // namespace
 
 IkResult IkTowards(const Chain& chain, const Pose& tip_in_base, std::span<const double> from) {
-  chain.CheckJointValues("inverse kinematics towards a pose", from);
-  CheckIkTarget(tip_in_base, "inverse kinematics towards a pose");
+  chain.RequireJointValues("inverse kinematics towards a pose", from);
+  RequireIkTarget(tip_in_base, "inverse kinematics towards a pose");
   DampedSearch search(chain, tip_in_base, from);
   const double enough = (1 - kShareInAll) * DifferenceTo(chain, from, tip_in_base).size;
   IkResult result{.q = JointVector(from)};

@@ -1,4 +1,4 @@
-// What a chain keeps for solvers that work on many lanes; made when it is first asked for.
+// The data of a chain for solvers that work on many lanes; made on first use.
 #pragma once
 
 #include <atomic>
@@ -20,7 +20,7 @@ class LaneChain {
 
   const FoldedChain& folded() const { return folded_; }
   const PoseTable& poses() const { return poses_; }
-  // Where searches without a seed begin.
+  // Start of searches without a seed.
   const JointVector& middle() const { return middle_; }
   const StartTable& starts(const ChainModel& chain) const {
     if (const StartTable* ready = ready_.load(std::memory_order_acquire)) return *ready;

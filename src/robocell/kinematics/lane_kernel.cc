@@ -21,7 +21,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 // While one group waits for its divisions, the processor works on the next.
 constexpr int kGroups = 2;
-// Lanes for one question. More find its answer hardly sooner.
+// Lanes for one query. More lanes hardly find a solution sooner.
 constexpr int kMostOfOneQuestion = 4;
 
 // Damping = kDamping * |error|^2 + kLeastDamping: bold far away would overshoot, cautious near the
@@ -51,8 +51,8 @@ template <class D>
 struct LaneStep {
   using V = hn::Vec<D>;
   static constexpr D d = {};
-  // One question waits for each number that its next one is made of. There a branch that is
-  // foreseen is not waited for; of several lanes one goes the other way too often.
+  // A single query waits for each number that the next one depends on. A predicted branch costs no
+  // waiting there; with several lanes one of them often takes the other side.
   static constexpr bool kAlone = hn::MaxLanes(D()) == 1;
 
   static HWY_INLINE V Load(const double* p) { return hn::Load(d, p); }
@@ -90,7 +90,7 @@ struct LaneStep {
     Turn(Number(joint.cos_twist), Number(joint.sin_twist), &f->y, &f->z);
   }
 
-  // What a step needs of one joint.
+  // The data of one joint that a step needs.
   struct Axis {
     V3 direction, point;
   };
@@ -149,7 +149,7 @@ struct LaneStep {
     }
   }
 
-  // Of a screw along its axis.
+  // Shift of a screw along its axis.
   static HWY_INLINE V ShiftOf(const FoldedChain& chain, int i, const V* q) {
     const FoldedJoint& joint = chain.joints[i];
     const V shift = Number(joint.shift);
@@ -197,7 +197,7 @@ struct LaneStep {
     *turn2 = hn::IfThenElse(lanes, tangent2, *turn2);
   }
 
-  // What is left to turn: 2 tan(angle / 2) axis, and its squared length, which grows beyond all
+  // The remaining rotation as 2 tan(angle / 2) axis, and its squared length, which grows beyond all
   // bounds at half a turn.
   static HWY_INLINE void TurnLeft(const Frame& f, const V3& x, const V3& y, const V3& z,
                                   V3* angular, V* turn2) {
@@ -265,7 +265,7 @@ struct LaneStep {
             Dot(Load3(rows + 6, lane), v)};
   }
 
-  // What is left of the way to where the tip shall be, and the cost of what is left.
+  // The pose error of the tip, and its cost.
   struct Way {
     V3 linear, angular;
     V3 about;  // of a swing
@@ -302,7 +302,7 @@ struct LaneStep {
     return way;
   }
 
-  // Tells what was measured, and keeps the best.
+  // Stores the measured errors, and keeps the best.
   static HWY_INLINE void Note(const Way& way, int n, const V* q, int lane, LaneState* state) {
     hn::Store(way.distance2, d, state->distance2 + lane);
     hn::Store(way.turn2, d, state->turn2 + lane);
@@ -334,8 +334,8 @@ struct LaneStep {
     V a[kEntries], b[6];
   };
 
-  // What the joints do: columns of the Jacobian, a wish of their own, how easily they are moved.
-  // Slides move by lengths of the chain, as damping knows no metres.
+  // The joints: columns of the Jacobian, a secondary objective, and how easily they move. Slides
+  // move by lengths of the chain, because damping has no metres.
   template <int N, bool kTask>
   struct Moves {
     static constexpr int kMost = kMostJoints<N>;

@@ -1,5 +1,5 @@
-// One damped least-squares step for many inverse kinematics questions at once: every lane of a
-// vector register works on its own question, with the widest registers this processor has.
+// One damped least-squares step for many inverse kinematics queries at once: every lane of a vector
+// register works on its own query, with the widest registers of this processor.
 //
 // Lanes never mix: what happens in one depends on its own numbers alone, so that an answer does not
 // depend on its neighbours. Other instruction sets round differently.
@@ -17,19 +17,19 @@ namespace robocell::internal {
 // The most lanes that any instruction set uses.
 inline constexpr int kMaxLanes = 16;
 
-// What the lanes work on; one column per lane. Without values at first: clearing all of it would
-// take a tenth of the time of an easy question. What lanes are stepped beside is to have some.
+// The state of the lanes, one column per lane. It is not initialised: clearing all of it would take
+// a tenth of the time of an easy query. Lanes that are stepped beside others must have values.
 struct LaneState {
   alignas(64) double q[kMaxChainJoints][kMaxLanes];
   // By so much hinges whose limits hold a whole turn may pass them: 0 or infinity. What is found
   // beyond is as many turns off.
   alignas(64) double roam[kMaxLanes];
-  // Where the last screw's frame shall be, in the frame of the first: x, y and z axis; and where
-  // the tip shall be.
+  // Target of the last screw's frame, in the frame of the first: x, y and z axis; and target of the
+  // tip.
   alignas(64) double axes[9][kMaxLanes];
   alignas(64) double position[3][kMaxLanes];
-  // Of the q before the step: squared distance of the tip, and squared 2 tan(angle / 2) for the
-  // rotation left, which is never less than the angle.
+  // Errors of the q before the step: squared distance of the tip, and squared 2 tan(angle / 2) of
+  // the remaining rotation, which is never less than the angle.
   alignas(64) double distance2[kMaxLanes];
   alignas(64) double turn2[kMaxLanes];
   // The q with the least sum of both since it was last set to infinity.
@@ -42,24 +42,24 @@ struct LaneOptions {
   bool locked[kMaxChainJoints] = {};
 };
 
-// For questions that ask for more or less than a pose. What is left of the way is then measured by
-// the rows: distance2 and turn2 are of what they make of it.
+// For queries with more or less than a pose. The pose error is then measured by the rows: distance2
+// and turn2 are those of the rows.
 struct LaneTask {
-  // Of the rotation only this axis, in the frame of the last screw, has to point where that of the
-  // wanted frame points, or may be off by an angle of which this is tan(angle / 2).
+  // Of the rotation only this axis, in the frame of the last screw, must point where the target's
+  // axis points, or be off by an angle at most; this is tan(angle / 2).
   bool swing = false;
   double axis[3] = {};
   double cone = 0;
-  // 1 where the step is to the axis itself, so that a narrow cone is met as an axis is; 0 where it
-  // is to the border of the cone and no farther. Either way the lane arrives in the cone.
+  // 1 if the step goes to the axis itself, so that a narrow cone is reached like an axis; 0 if it
+  // goes to the border of the cone and no farther. Either way the lane arrives in the cone.
   alignas(64) double to_axis[kMaxLanes] = {};
   // Joints take part in a step in proportion to this.
   double share[kMaxChainJoints] = {};
-  // What a redundant joint moves in a step: this part of the way to its goal. Where redundant joints
-  // move, the others make up for it in proportion to `ease`, which compares a radian with a length.
+  // The part of the distance to its goal that a redundant joint moves in a step. The other joints
+  // compensate in proportion to `ease`, which compares a radian with a length.
   double part[kMaxChainJoints] = {}, ease[kMaxChainJoints] = {};
 
-  // Three rows each, of what is left to move and to turn; one column per lane.
+  // Three rows each of the remaining translation and rotation; one column per lane.
   alignas(64) double linear[9][kMaxLanes] = {};
   alignas(64) double angular[9][kMaxLanes] = {};
   alignas(64) double goal[kMaxChainJoints][kMaxLanes] = {};
@@ -69,8 +69,8 @@ struct LaneTask {
 
 // Lanes of this processor's kernel: a multiple of its registers' width, at most kMaxLanes.
 int LaneCount();
-// The lanes below this number are for one question: stepping some of them costs as much as all, and
-// less than a group of all lanes. Lane 0 alone, without a task, costs less again.
+// The lanes below this number are for one query: stepping some of them costs as much as all, and
+// less than a group of all lanes. Lane 0 alone, without a task, costs even less.
 int LanesOfOneQuestion();
 
 // Measures the busy lanes (bits), and moves those that have not arrived one step. Returns the lanes

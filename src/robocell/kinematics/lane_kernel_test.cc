@@ -1,5 +1,5 @@
-// What a step of all lanes measures is what scalar kinematics says; lanes do not mix; limits and
-// locks hold.
+// A step of all lanes measures the same as scalar kinematics; lanes do not mix; limits and locks
+// hold.
 #include "robocell/kinematics/lane_kernel.h"
 
 #include <gtest/gtest.h>
@@ -78,7 +78,7 @@ TEST(LaneKernel, MeasuresWhatScalarKinematicsDoes) {
   }
 }
 
-// Where the rotation's axis is lost and its sine is 0.
+// At half a turn the rotation's axis is lost and its sine is 0.
 TEST(LaneKernel, HasNotArrivedHalfATurnAway) {
   Scene scene(7, 0);
   scene.options.distance2 = scene.options.turn2 = 1;
@@ -127,7 +127,7 @@ TEST(LaneKernel, LanesDoNotMix) {
   }
 }
 
-// Bit for bit: one question has shorter registers than many.
+// Bit for bit: one query uses shorter registers than many.
 TEST(LaneKernel, TakesTheSameStepsInFewLanes) {
   OnEveryInstructionSet([](const std::string& name) {
     for (const int joints : {6, 7, 9}) {

@@ -20,7 +20,7 @@ HWY_INLINE Quad QuadAt(const double* p) {
   for (int k = 0; k < kPartsOfFour; ++k) q.part[k] = hn::Load(kFours, p + k * kPartOfFour);
   return q;
 }
-// Of three numbers anywhere; the fourth is 0.
+// Loads three numbers from any address; the fourth is 0.
 HWY_INLINE Quad ThreeAt(const double* p) {
   if constexpr (kPartsOfFour == 1) {
     return {{hn::MaskedLoad(hn::FirstN(kFours, 3), kFours, p)}};

@@ -11,8 +11,8 @@
 namespace robocell::internal {
 namespace {
 
-// Where the seed is farther from the target than this (squared error), or has not arrived after so
-// many steps, others join it.
+// If the seed is farther from the target than this (squared error), or has not arrived after so
+// many steps, other starts join it.
 constexpr double kNearSeed = 0.25;
 constexpr int kStepsAlone = 8;
 
@@ -80,7 +80,7 @@ class LaneSearch {
     starts_.Begin(lane, &work_);
   }
 
-  // Whether an answer was found that no other can take the place of.
+  // Returns true if a solution was found that no other can replace.
   bool Step() {
     ++steps_;
     const uint32_t arrived = work_.Step(busy_);
@@ -102,7 +102,7 @@ class LaneSearch {
 
   bool IsAimed(int lane) const { return (aimed_ >> lane & 1) != 0; }
 
-  // Whether it has most likely arrived with this step, so that it is judged without another one.
+  // Returns true if the lane has most likely arrived with this step, so that it is judged at once.
   bool IsWorthATry(int lane) const {
     return (tried_ >> lane & 1) == 0 && age_[lane] < work_.options().max_iterations &&
            work_.IsLikelyThere(lane);

@@ -1,10 +1,9 @@
-// One inverse kinematics question in all lanes: each searches from a start of its own.
+// One inverse kinematics query in all lanes: each searches from its own start.
 //
-// A seed near the target searches alone for its first steps: one lane is cheaper than several.
-// Where it is far or slow others join it, but it has the last word until it is given up: what can
-// be answered from the seed alone is answered so. Otherwise the first lane to arrive has the answer
-// (of several, the one that began first). The same question has the same answer on the same
-// instruction set.
+// A seed near the target searches alone for its first steps, because one lane is cheaper than
+// several. If it is far or slow, others join it, but a solution from the seed takes precedence
+// until the seed is given up. Otherwise the first lane to arrive has the solution (of several, the
+// one that began first). The same query has the same solution on the same instruction set.
 #pragma once
 
 #include "robocell/kinematics/ik.h"

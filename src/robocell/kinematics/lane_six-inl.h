@@ -5,7 +5,7 @@ HWY_BEFORE_NAMESPACE();
 namespace robocell::internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Of a symmetric 6 x 6 matrix whose lower triangle is kept row by row.
+// Index of an entry of a symmetric 6 x 6 matrix whose lower triangle is stored row by row.
 HWY_INLINE constexpr int Entry(int row, int column) { return row * (row + 1) / 2 + column; }
 constexpr int kEntries = 21;
 
@@ -18,8 +18,8 @@ HWY_INLINE V SolveSix(V one, V* a, V* b) {
 #pragma GCC unroll 6
   for (int j = 0; j < 6; ++j) {
     determinant = Mul(determinant, a[Entry(j, j)]);
-    // Of every second entry of D the inverse is known with the one before: from the minor of both,
-    // so that two divisions are waited for as one.
+    // The inverses of two entries of D are computed together, from the minor of both, so that the
+    // two divisions wait as one.
     if (j % 2 == 0) {
       const V first = a[Entry(j, j)], between = a[Entry(j + 1, j)];
       const V minor = MulSub(first, a[Entry(j + 1, j + 1)], Mul(between, between));
@@ -40,7 +40,7 @@ HWY_INLINE V SolveSix(V one, V* a, V* b) {
 #pragma GCC unroll 6
   for (int j = 5; j >= 0; --j) {
     b[j] = Mul(b[j], inverse[j]);
-    // What is known last comes last: one question at a time waits for every sum.
+    // The value that is known last comes last, because a single query waits for every sum.
 #pragma GCC unroll 6
     for (int i = 5; i > j; --i) b[j] = NegMulAdd(a[Entry(i, j)], b[i], b[j]);
   }

@@ -15,7 +15,7 @@ namespace {
 // again. Where the goal lies across the way that is open, the last part takes longest: after 20
 // steps one in ten is still on its way.
 constexpr int kStepsToGoal = 40, kStepsBack = 12;
-// So often they are told where it is: what goes uphill finds it anew, which costs more than a step.
+// Number of steps between two computations of the goal, each of which costs more than a step.
 constexpr int kStepsAGoal = 8;
 // Joints that move less in the first step to it rest, rad or lengths of the chain.
 constexpr double kRest = 2e-4;
@@ -62,7 +62,7 @@ class LaneSolver {
   }
 
  private:
-  // Gives a lane its next question. False when there are no more.
+  // Gives a lane its next query. Returns false when there are no more.
   bool Ask(int k) {
     Lane& lane = lanes_[k];
     lane = {};
@@ -162,7 +162,7 @@ class LaneSolver {
 
   LaneWork work_;
   LaneQueue& queue_;
-  uint32_t busy_ = 0;  // a bit for each lane with a question
+  uint32_t busy_ = 0;  // a bit for each lane with a query
   std::array<Lane, kMaxLanes> lanes_;
   std::array<IkResult, kMaxLanes> unmoved_;  // of the lanes that settle
 };

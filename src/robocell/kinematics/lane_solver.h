@@ -1,8 +1,8 @@
-// Answers a queue of inverse kinematics questions, as many at a time as a processor core has lanes.
+// Solves a queue of inverse kinematics queries, as many at a time as a processor core has lanes.
 //
-// A lane whose question is answered takes the next one at once, so that hard questions hold up no
-// others; one that gets nowhere starts again elsewhere. What a question is answered depends on the
-// question alone.
+// A lane whose query is solved takes the next one at once, so that hard queries do not delay
+// others. A lane that makes no progress starts again elsewhere. The result depends on the query
+// alone.
 #pragma once
 
 #include <span>
@@ -19,12 +19,12 @@ struct LaneQuestion {
   // The starts that are tried: every `stride`-th from `first` on, at most `most` (-1: as many as
   // the options say).
   int first = 0, stride = 1, most = -1;
-  // Each is given the time of its place among all starts of the question, instead of among those
-  // tried here: more for most, for what is hard to find.
+  // Each start gets the time of its place among all starts of the query, instead of among those of
+  // this search: more for most, for solutions that are hard to find.
   bool patient = false;
 };
 
-// Where questions come from and answers go; called on the solving thread.
+// Source of queries and destination of results; called on the solving thread.
 class LaneQueue {
  public:
   virtual ~LaneQueue() = default;

@@ -1,9 +1,9 @@
-// Where the searches for one target begin, one after the other: at the seed if there is one, at
-// what the chain's table has near the target, then at points that fill the joint space. Where a
-// configuration is preferred: there, at the seed, and then also at points that fill a growing part
-// of the space around.
+// The starts of the searches for one target, one after the other: the seed if there is one, entries
+// of the chain's table near the target, then points that fill the joint space. With a preferred
+// configuration: that one, the seed, and then also points that fill a growing part of the space
+// around it.
 //
-// Several searches can share the starts of a question: each takes every so-manieth.
+// Several searches can share the starts of a query: each takes every stride-th.
 #pragma once
 
 #include <algorithm>
@@ -32,11 +32,11 @@ class LaneStarts {
     around_ = true;
   }
 
-  // Where locked joints are; what answers are near to where something is preferred.
+  // Values of locked joints; with a preference, what solutions should be near to.
   const JointVector& seed() const { return seed_; }
   // How many were begun.
   int begun() const { return begun_; }
-  // The present one's place among all of the question.
+  // Number of the present start among all of the query.
   int number() const { return next_ - stride_; }
 
   // The next starts up to this number will be wanted: looks for those near the target all at once.
@@ -99,14 +99,14 @@ class LaneStarts {
   }
 
   const Transform* tip_ = nullptr;
-  // What the table has near the pose, as far as it was looked for.
+  // Entries of the table near the pose, as far as they were searched.
   struct Near {
     StartTable::Aim aim;
     std::array<StartTable::Place, kNearby> places{};
   };
   std::optional<Near> near_;  // seeds that lead somewhere need none
   JointVector seed_;
-  std::span<const double> own_seed_;  // of a question that prefers something
+  std::span<const double> own_seed_;  // of a query with a preference
   bool seeded_ = false, around_ = false;
   int begun_ = 0, known_ = 0;
   int next_ = 0, stride_ = 1;

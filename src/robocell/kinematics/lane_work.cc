@@ -9,7 +9,7 @@ namespace {
 
 // The kernel's sums are rounded otherwise than the judge's.
 constexpr double kPartOfTolerance = 0.999;
-// Of the squared error before a step, in chain lengths and radians, this part is left.
+// Remaining part of the squared error after a step, in chain lengths and radians.
 constexpr double kLeftOfSquare = 0.5;
 // Steps that a start is given: few at first, as most get there in six; more where many failed.
 constexpr int StepsOf(int start) { return start < 4 ? 12 : start < 12 ? 20 : 40; }
@@ -99,7 +99,7 @@ void LaneWork::Clear(int first, int end) {
   // Not along an axis that may have any value.
   const double most = task_.whole_position ? kMostReaches * reach : kMostLengths;
   const double far = std::min(most, kMostLengths);
-  // Of numbers whose squares may be too large for one.
+  // The squares of the numbers may overflow.
   if (!(position.squaredNorm() <= far * far)) {
     const double distance = position.stableNorm();
     if (distance > far) position *= far / distance;
@@ -122,8 +122,8 @@ void LaneWork::AimTask(int lane, const Eigen::Matrix3d& target_axes) {
 
 void LaneWork::AskFor(int lane, int start) {
   if (task_.cone == 0) return;
-  // By turns, so that a cone is met wherever its axis is, and at its border too; that of a narrow
-  // one is hardly ever where it is met.
+  // Alternates, so that a cone is reached wherever its axis is reachable, and at its border too; a
+  // narrow cone is hardly ever reached only there.
   const bool to_axis = task_.cone <= kNarrowCone ? start % 4 != 3 : start % 2 == 1;
   lane_task_->to_axis[lane] = to_axis ? 1 : 0;
 }

@@ -18,22 +18,22 @@ class LaneWork {
   const ChainModel& chain() const { return chain_; }
   const IkOptions& options() const { return options_; }
   const IkPreference& preference() const { return preference_; }
-  // Whether arrived lanes have redundant joints that go somewhere.
+  // Returns true if arrived lanes have redundant joints that still move.
   bool settles() const { return settles_; }
 
   // The seed, or the middle of the limits without one; inside the limits but for locked joints.
   JointVector SeedOf(std::span<const double> seed) const;
   // Gives the lanes from one to another values, before any of them is stepped with others.
   void Clear(int first, int end);
-  // A new question for a lane; forgets the best of the last one.
+  // Sets a new query for a lane; forgets the best of the last one.
   void Aim(int lane, const Transform& tip_in_base);
-  // Where the lane starts, in the limits; the best there is until something better is met.
+  // Sets the start of the lane, within the limits; it is the best until a better one is found.
   template <class Number>  // double or float
   void Put(int lane, const Number* q);
   // From now on until something is put into the lane again, hinges whose limits hold a whole turn
   // are not held by them: the solution found is as many turns away.
   void LetRoam(int lane);
-  // What the start with this number (0, 1, ...) steps to where a cone is asked for.
+  // Sets the target of the start with this number (0, 1, ...) for a cone.
   void AskFor(int lane, int start);
   // Measures the busy lanes (bits) and moves them on; the bits of those that have arrived.
   uint32_t Step(uint32_t busy) {
@@ -55,16 +55,16 @@ class LaneWork {
   double best_cost(int lane) const { return state_.best_cost[lane]; }
   // Squared error before the last step.
   double cost(int lane) const { return state_.distance2[lane] + state_.turn2[lane]; }
-  // Whether the last step most likely has arrived: near a target, what is left after a step is a
-  // part of the square of what was left before it.
+  // Returns true if the last step has most likely arrived: near a target, the error after a step is
+  // a part of the square of the error before it.
   bool IsLikelyThere(int lane) const { return cost(lane) <= likely_cost_; }
 
-  // Whether the start with this number (0, 1, ...) that was measured `age` times in the lane is to
-  // be given up: it came too slowly, or took too long.
+  // Returns true if the start with this number (0, 1, ...), measured `age` times in the lane, is to
+  // be given up: it converged too slowly, or took too long.
   bool IsHopeless(int lane, int start, int age) const;
   // Starts that the table has for a target; null when it has none, as it knows no locked joints.
   const StartTable* table() const;
-  // What these are to be near to: of the target what is asked for.
+  // The part of the target that starts should be near to.
   StartTable::Aim AimOfStarts(const Transform& tip_in_base) const {
     return StartTable::At(tip_in_base, task_.position_only, task_.swing ? &task_.axis : nullptr);
   }
@@ -74,7 +74,7 @@ class LaneWork {
   int MoreRestartsFor(const Transform& tip_in_base, double best_cost) const;
 
  private:
-  // Of a step, what the joint takes of it: 1, or less where its limits are close together.
+  // The share of a step that the joint takes: 1, or less if its limits are close together.
   double ShareOf(int joint) const;
   void AimTask(int lane, const Eigen::Matrix3d& target_axes);
   JointVector Taken(const double (&rows)[kMaxChainJoints][kMaxLanes], int lane,

@@ -1,4 +1,4 @@
-// What link_kernel.h answers, as the other code of this folder knows it.
+// The result of link_kernel.h, for the other code of this folder.
 #pragma once
 
 #include "robocell/kinematics/link_kernel.h"

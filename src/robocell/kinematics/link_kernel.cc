@@ -2,8 +2,8 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "robocell/kinematics/link_kernel.cc"
-// As in lane_kernel.cc, and no AVX-512: alone it is hardly faster for so few links, and beside a
-// simulation it slows the engine's step by more than that.
+// The targets of lane_kernel.cc without AVX-512, which is hardly faster for so few links, and slows
+// the engine's step beside it by more than that.
 #define HWY_DISABLED_TARGETS \
   (HWY_SSSE3 | HWY_SSE4 | (HWY_AVX2 - 1) | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #include <hwy/foreach_target.h>
@@ -149,7 +149,7 @@ HWY_INLINE void MakeSteps(const LinkTable& t, const Values& q, Steps* steps) {
   }
 }
 
-// What follows on x, y, z, p: a rotation with these columns, and a translation.
+// A rotation with the columns x, y, z, and a translation p.
 struct Corner {
   Quad x, y, z, p;
 };
@@ -249,7 +249,7 @@ HWY_INLINE void GravityOf(const LinkTable& t, const Frames& frames, const double
   }
 }
 
-// What every link is made of and does, one row a number.
+// Properties and motion of every link, one row per number.
 struct LinkRows {
   alignas(64) Row unit[6];    // the joint's motion
   alignas(64) Row moment[3];  // of the link, about the origin; later of those behind it too

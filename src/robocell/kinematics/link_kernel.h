@@ -21,7 +21,7 @@ struct LinkQuery {
   const double* gravity = nullptr;
 };
 
-// What was asked for; the rest is not written to. Entries from n on have no meaning.
+// The requested results; the others are not written. Entries from n on have no meaning.
 struct LinkAnswer {
   // x, y, z axis and position of the tip in the base frame; the fourth number is 0.
   alignas(64) double tip[4][4];

@@ -79,7 +79,7 @@ void LogManipulabilityGradient(const ChainModel& chain, const double* q, double*
 }
 
 double Manipulability(const Chain& chain, std::span<const double> q) {
-  chain.CheckJointValues("manipulability: q", q);
+  chain.RequireJointValues("manipulability: q", q);
   return ManipulabilityOf(chain.model(), q.data());
 }
 

@@ -8,7 +8,7 @@ HWY_BEFORE_NAMESPACE();
 namespace robocell::internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// What a joint value does to the joint's frame.
+// The effect of a joint value on the joint's frame.
 struct Move {
   P sine, cosine;  // of a slide 0 and 1
   P shift;         // of a slide
@@ -51,7 +51,7 @@ class JointMoves {
   JointNumbers<3> values_;  // as a Move has them
 };
 
-// What a step consists of: as the table says, or as much as is known when it is compiled.
+// The parts of a step: as in the table, or as known at compile time.
 struct AnyStep {
   const PoseJoint& joint;
   HWY_INLINE PoseJoint::Twist twist() const { return joint.twist; }

@@ -68,7 +68,7 @@ HWY_NOINLINE void JacobiansOf(const Chain& chain, const JointMoves& moves, doubl
   jacobian.Write(6 * n, out);
 }
 
-// Of the largest on a diagonal.
+// Least pivot, relative to the largest on the diagonal.
 constexpr double kLeastPivot = 1e-20;
 
 // The lower triangle of the smaller of J J^T and J^T J; how many rows it has.
@@ -91,7 +91,7 @@ HWY_INLINE int SquaredOf(const JointNumbers<6>& columns, int n, P (*square)[6]) 
 HWY_INLINE P RootOfDeterminant(P (*a)[6], int rows) {
   P largest = hn::Zero(kPoses), product = All(1);
   for (int k = 0; k < rows; ++k) largest = hn::Max(largest, a[k][k]);
-  // What is divided by; where a pivot is below it the product is next to nothing, whatever follows.
+  // The least divisor; for a smaller pivot the product is next to nothing anyway.
   const P least = hn::Max(hn::Mul(All(kLeastPivot), largest), All(kLeastPivot));
   for (int k = 0; k < rows; ++k) {
     product = hn::Mul(product, hn::Max(a[k][k], hn::Zero(kPoses)));

@@ -4,7 +4,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "robocell/kinematics/pose_kernel.cc"
-// As in lane_kernel.cc.
+// The targets of lane_kernel.cc.
 #define HWY_DISABLED_TARGETS \
   (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #include <hwy/cache_control.h>
@@ -72,7 +72,7 @@ class LinesToWrite {
 // Few numbers are not held up for long.
 constexpr int kFewNumbers = 16;
 
-// Answers to as many questions as there are lanes.
+// Results of as many queries as there are lanes.
 template <class Chain>
 void ComputeLanes(const Chain& chain, PosePart part, const PoseQuery& query, std::size_t first,
                   double* out, double* tips) {

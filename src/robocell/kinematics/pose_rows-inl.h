@@ -122,7 +122,7 @@ template <int kMost>
 class Outputs {
  public:
   HWY_INLINE void Put(int k, P value) { hn::Store(value, kPoses, values_[k]); }
-  // Of all lanes.
+  // Writes the numbers of all lanes.
   HWY_INLINE void Write(int numbers, double* out) const {
     if (numbers == 1) return hn::StoreU(At(0), kPoses, out);
     if (numbers < kWidth) return WriteSquare<true>(0, numbers, numbers, out);

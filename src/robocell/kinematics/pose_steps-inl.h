@@ -125,7 +125,7 @@ HWY_INLINE void SeenFrom(const Step& step, const Move& move, Vec3<P>* v) {
   Reflect(move.cosine, move.sine, &v->x, &v->y);
 }
 
-// What is known in the frame of a joint, in that before.
+// Transforms values from the frame of a joint to the frame before.
 template <class Step>
 HWY_INLINE void Back(const Step& step, const Move& move, Vec3<P>* v) {
   Reflect(move.cosine, move.sine, &v->x, &v->y);
@@ -187,7 +187,7 @@ HWY_INLINE void ShiftZ(const Step& step, P s, RigidBody<P>* body) {
   Shift(step, s, &h.z, h.x, h.y, &m.xx, &m.yy, &m.xz, &m.yz);
 }
 
-// What moves with a joint and behind it. The mass stays what it is.
+// The inertia that moves with a joint and behind it. The mass does not change.
 template <class Step>
 HWY_INLINE void Back(const Step& step, const Move& move, RigidBody<P>* body) {
   Symmetric3<P>& m = body->inertia;

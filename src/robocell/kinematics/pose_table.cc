@@ -15,7 +15,7 @@ PoseJoint::Twist TwistOf(const Eigen::Matrix3d& rotation) {
   using enum PoseJoint::Twist;
   if (rotation.col(0) != Eigen::Vector3d::UnitX()) return kAny;
   if (rotation(2, 1) == 1 && rotation(1, 1) == 0) return kQuarter;
-  // Of a twist less than 1e-8 the cosine is 1 as well.
+  // For a twist below 1e-8 the cosine is 1 as well.
   return rotation(1, 1) == 1 && rotation(2, 1) == 0 ? kNone : kAboutX;
 }
 

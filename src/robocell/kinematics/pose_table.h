@@ -23,7 +23,7 @@ struct PoseJoint {
 
   Twist twist = Twist::kAny;
   bool slide = false;
-  // Whether these are not 0: the parts of the translation, and the sums behind the joint.
+  // True for values that are not 0: the parts of the translation, and the sums behind the joint.
   bool shifted[3] = {};
   bool heavy = false, weighs = false;
   double twist_cosine = 1, twist_sine = 0;  // not for kAny

@@ -36,7 +36,7 @@ TEST(PoseTable, IsPlainForHingesWhoseAxesAreParallelOrSquare) {
   }
 }
 
-// Their frames stay as they are (common_normal.h), and the cosine of such a twist may be 1.
+// Their frames stay as they are (normal_frames.h), and the cosine of such a twist may be 1.
 TEST(PoseTable, KeepsTwistsThatAreNextToNothing) {
   for (const double twist : {1e-13, 1e-9, 1e-8, 1e-3}) {
     ChainModel chain = ThreeHinges({0, 0, 1}, {1, 0, 0});

@@ -23,7 +23,7 @@ std::pair<double, double> Divide(double lower, double upper, double cell) {
   return {count, 0.5 * (lower + upper - (count - 1) * cell)};
 }
 
-void CheckReachMap(const ReachGrid& grid, const ReachMapOptions& options) {
+void RequireReachMap(const ReachGrid& grid, const ReachMapOptions& options) {
   if (!grid.lower.allFinite() || !grid.upper.allFinite() ||
       (grid.lower.array() > grid.upper.array()).any()) {
     Refuse(fmt::format(
@@ -60,7 +60,7 @@ Quaternion SpreadRotation(int k, int count) {
 }
 
 ReachMap MapReach(const Chain& chain, const ReachGrid& grid, const ReachMapOptions& options) {
-  CheckReachMap(grid, options);
+  RequireReachMap(grid, options);
   ReachMap map{.cell = grid.cell, .rotations = options.position_only ? 1 : options.rotations};
   double poses = map.rotations;
   for (int axis = 0; axis < 3; ++axis) {

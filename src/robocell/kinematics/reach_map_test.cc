@@ -139,7 +139,7 @@ TEST(ReachMap, HasNoHolesThatManyStartsFill) {
   }
 }
 
-// Where a configuration puts the tip, the map may not say that nothing reaches.
+// The map may not show a place as unreachable if a configuration puts the tip there.
 TEST(ReachMap, KnowsThePlacesThatRandomConfigurationsReach) {
   Rng rng = Rng::Stream(1, "reach map");
   const TestModel t = TestModel::FromXml(

@@ -1,5 +1,5 @@
-// What is asked of a chain is answered alike at every size of it, from watchmaker's to crane: a
-// slide's metre is no more and no less than the chain is long.
+// Results are alike at every size of a chain, from watchmaker's to crane: a metre of a slide counts
+// relative to the length of the chain.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kQuestionsOfASize = 300;
 
-// The same random chain with slides, and the same questions about it, at a size.
+// The same random chain with slides, and the same queries, at a size.
 struct Sized {
   Sized(int seed, int joints, double size)
       : size(size),
@@ -34,7 +34,8 @@ struct Sized {
     }
     return q;
   }
-  // Of few metres as good as of one; many are met as exactly, as far as numbers go.
+  // A chain of few metres is as accurate as one of one metre; long chains as accurate as numbers
+  // allow.
   double tolerance() const { return 1e-5 * std::min(1.0, size); }
 
   double size;
@@ -92,7 +93,7 @@ TEST(SizeOfChain, SlidesAreAsGoodForSolutionsAtEverySize) {
   }
 }
 
-// What is left to a preferred posture, on the mean: of radians and of lengths.
+// Mean distance to a preferred posture, of radians and of lengths.
 double OffThePosture(int seed, double size) {
   Sized s(seed, 9, size);
   const JointVector posture = RandomJoints(s.chain, &s.rng);

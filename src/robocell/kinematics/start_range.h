@@ -1,5 +1,5 @@
-// Where solvers and samplers of this folder start a joint from: its limits, or a sensible range
-// where it has none.
+// The range in which solvers and samplers of this folder start a joint: its limits, or a sensible
+// range without limits.
 #pragma once
 
 #include <algorithm>

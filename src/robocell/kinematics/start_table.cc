@@ -113,7 +113,7 @@ int StartTable::CellOf(const float* position) const {
   for (int axis = 0; axis < 3; ++axis) {
     const float at = (position[axis] - corner_[axis]) * per_edge_;
     const float last = static_cast<float>(cells_[axis] - 1);
-    // What is no number (an infinite position in a table of one place) is in the first cell.
+    // NaN (an infinite position in a table of one place) is in the first cell.
     cell = cell * cells_[axis] + (at > 0 ? static_cast<int>(std::min(at, last)) : 0);
   }
   return cell;
@@ -161,7 +161,7 @@ void StartTable::Score(const Aim& aim, int first, int count, float* scores) cons
     const float dx = x[e] - px, dy = y[e] - py, dz = z[e] - pz;
     float cosine = qw[e] * w + qx[e] * i + qy[e] * j + qz[e] * k;  // of half the angle
     if constexpr (kAnyTurn) {
-      // That of the nearest of all turns about the axis.
+      // The value of the nearest rotation about the axis.
       const float other = qw[e] * hw + qx[e] * hi + qy[e] * hj + qz[e] * hk;
       cosine = std::sqrt(cosine * cosine + other * other);
     }

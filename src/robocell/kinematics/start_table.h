@@ -28,7 +28,7 @@ class StartTable {
     bool any_turn = false;
     std::array<float, 4> half_turned{};
   };
-  // Of the rotation only where this axis, in the tip's frame, points counts; null: all of it.
+  // Of the rotation only the direction of this axis, in the tip's frame, counts; null: all of it.
   static Aim At(const Transform& tip_in_base, bool position_only,
                 const Eigen::Vector3d* axis = nullptr);
 
@@ -55,10 +55,10 @@ class StartTable {
   void MakeCells(const std::vector<std::array<float, kColumns>>& poses);
   void MakeDetours();
   int CellOf(const float* position) const;
-  // Of entries in a row: how far each is from the aim.
+  // Distances of consecutive entries from the aim.
   template <bool kAnyTurn>
   void Score(const Aim& aim, int first, int count, float* scores) const;
-  // Whether some joint is far from where it is in each of the others.
+  // Returns true if some joint is far from its position in each of the others.
   bool IsApart(const Place& place, std::span<const Place> others) const;
   // Calls visit(place) for each entry of the cells to look in for the aim, in their order.
   template <class Visit>

@@ -105,7 +105,7 @@ TEST_F(StartTableTest, AreAsNearHoweverTheTargetIsTurnedAboutItsFreeAxis) {
     EXPECT_EQ(table_.Next(StartTable::At(target, false, &axis), &turned), start);
     EXPECT_NEAR(turned.score, first.score, 1e-4);
   }
-  // What counts is how far the axis itself is off: 8 (1 - cos(angle / 2)) of that.
+  // The distance of the axis itself counts: 8 (1 - cos(angle / 2)) of that.
   const Transform tip = TipAt(start);
   const double off = std::acos(std::clamp((tip.rotation * axis).dot(there), -1.0, 1.0));
   target.translation = tip.translation;

@@ -38,7 +38,7 @@ int AwayFromStdio(int fd) {
   return moved;
 }
 
-// What the spawn calls need, released on every way out.
+// Resources of the spawn calls, released on every exit.
 struct SpawnSetup {
   posix_spawn_file_actions_t actions;
   posix_spawnattr_t attributes;

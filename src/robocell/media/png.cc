@@ -97,7 +97,7 @@ std::vector<uint8_t> Encode(Format format, const uint8_t* pixels, size_t row_byt
   return bytes;
 }
 
-void CheckPixels(int width, int height, int channels, size_t values) {
+void RequirePixels(int width, int height, int channels, size_t values) {
   const bool fits = width > 0 && height > 0 && values == size_t{1} * width * height * channels;
   if (fits) return;
   throw ArgumentError(
@@ -194,12 +194,12 @@ std::string_view AsText(const std::vector<uint8_t>& bytes) {
 }  // namespace
 
 std::vector<uint8_t> EncodePng(int width, int height, std::span<const uint8_t> rgb) {
-  CheckPixels(width, height, 3, rgb.size());
+  RequirePixels(width, height, 3, rgb.size());
   return Encode({width, height, 8, PNG_COLOR_TYPE_RGB}, rgb.data(), size_t{3} * width);
 }
 
 std::vector<uint8_t> EncodePng(int width, int height, std::span<const uint16_t> gray) {
-  CheckPixels(width, height, 1, gray.size());
+  RequirePixels(width, height, 1, gray.size());
   return Encode({width, height, 16, PNG_COLOR_TYPE_GRAY},
                 reinterpret_cast<const uint8_t*>(gray.data()), size_t{2} * width);
 }

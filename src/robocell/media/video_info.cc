@@ -119,7 +119,7 @@ uint64_t ChunkOffset(Bytes offsets, bool wide, uint32_t chunk) {
 
 // The file must be at least as long as all its frames together, and reach beyond the start of its
 // last chunk.
-void CheckSamplesFit(Bytes table, uint64_t file_size) {
+void RequireSamplesFit(Bytes table, uint64_t file_size) {
   const Bytes sizes = Child(table, "stsz");
   const uint64_t fixed = U32(sizes, 4);
   const uint32_t count = U32(sizes, 8);
@@ -148,7 +148,7 @@ VideoInfo Parse(Bytes moov, uint64_t file_size) {
   info.height = static_cast<int>(BigEndian(description, 8 + 34, 2));
   info.frames = U32(Child(table, "stsz"), 8);
   ReadRate(table, Timescale(track), info);
-  CheckSamplesFit(table, file_size);
+  RequireSamplesFit(table, file_size);
   return info;
 }
 

@@ -59,7 +59,7 @@ struct VideoReader::Impl {
   }
 
   // The decoder's last words count only at the end: an early stop of ours is no error.
-  void CheckEnd() {
+  void RequireCleanEnd() {
     if (!decoder) return;
     const int code = decoder->Wait();
     const std::string said = decoder->Errors();
@@ -75,7 +75,7 @@ struct VideoReader::Impl {
                        decoder->Errors()));
     }
     ++position;
-    if (position == info.frames) CheckEnd();
+    if (position == info.frames) RequireCleanEnd();
   }
 
   void RequireBuffer(VideoKind kind, size_t bytes) const {

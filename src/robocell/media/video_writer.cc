@@ -12,7 +12,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/media/child_process.h"
 #include "robocell/media/ffmpeg.h"
 #include "robocell/media/yuv420.h"
@@ -79,7 +79,7 @@ std::string OddSize(const std::string& name, int width, int height) {
 
 }  // namespace
 
-void CheckVideoOptions(const std::string& name, const VideoOptions& options) {
+void RequireVideoOptions(const std::string& name, const VideoOptions& options) {
   const int w = options.width;
   const int h = options.height;
   if (w < 1 || h < 1 || w > 16384 || h > 16384) {
@@ -113,7 +113,7 @@ void CheckVideoOptions(const std::string& name, const VideoOptions& options) {
 namespace {
 
 // Players and our own readers go by the ending.
-void CheckEnding(const std::string& name, const std::filesystem::path& path, VideoKind kind) {
+void RequireEnding(const std::string& name, const std::filesystem::path& path, VideoKind kind) {
   const char* ending = kind == VideoKind::kColour ? ".mp4" : ".mov";
   if (path.extension() == ending) return;
   throw ArgumentError(fmt::format("{}: {} videos are {} files; name it '{}'", name, KindName(kind),
@@ -187,7 +187,7 @@ struct VideoWriter::Impl {
     ++frames;
   }
 
-  void CheckResult() {
+  void RequireResult() {
     const VideoInfo info = ReadVideoInfo(partial);
     const int divisor = std::gcd(options.fps_num, options.fps_den);
     const bool same_rate = info.constant_rate && info.fps_num == options.fps_num / divisor &&
@@ -206,8 +206,8 @@ struct VideoWriter::Impl {
 VideoWriter::VideoWriter(std::filesystem::path path, const VideoOptions& options)
     : impl_(std::make_unique<Impl>()) {
   impl_->name = fmt::format("video '{}'", path.string());
-  CheckEnding(impl_->name, path, options.kind);
-  CheckVideoOptions(impl_->name, options);
+  RequireEnding(impl_->name, path, options.kind);
+  RequireVideoOptions(impl_->name, options);
   impl_->path = std::move(path);
   impl_->options = options;
   if (options.kind == VideoKind::kColour) impl_->convert.emplace(options.width, options.height);
@@ -236,7 +236,7 @@ void VideoWriter::Finish() {
   impl_->Guarded([&] {
     impl_->encoder->CloseStdin();
     if (impl_->encoder->Wait() != 0 || !impl_->encoder->Errors().empty()) impl_->EncoderFailed();
-    impl_->CheckResult();
+    impl_->RequireResult();
     std::error_code error;
     std::filesystem::rename(impl_->partial, impl_->path, error);
     if (error) impl_->Fail("cannot rename the finished file: " + error.message());

@@ -70,6 +70,6 @@ class VideoWriter {
 
 // ArgumentError unless the options describe a video that can be written; `name` is used in the
 // message. VideoWriter calls it; call it earlier to refuse a configuration before work begins.
-void CheckVideoOptions(const std::string& name, const VideoOptions& options);
+void RequireVideoOptions(const std::string& name, const VideoOptions& options);
 
 }  // namespace robocell

@@ -185,7 +185,7 @@ TEST(VideoWriter, WithoutFinishThereIsNoFileAndNoZombie) {
   ExpectNoChildLeft();
 }
 
-// What a killed process leaves is found and swept by its name.
+// The remains of a killed process are found and removed by their name.
 TEST(VideoWriter, WhileItIsWrittenItHasATemporaryName) {
   TempDir folder;
   const VideoWriter video(folder / "a.mp4", kSmall);

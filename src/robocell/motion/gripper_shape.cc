@@ -38,8 +38,8 @@ constexpr double kAskew = 0.99;  // cosine to an axis of the TCP
 // Jaws on a hinge: the direction in which they close turns, and an axis of the TCP is meant.
 constexpr double kTurned = 0.85;         // cosine to it where they meet what is held
 constexpr double kTurning = Radians(5);  // between open and there; parallel fingers do not
-// Between the pads, m, where jaws on a hinge are taken to meet what they hold: as wide as small
-// things. It is not critical, as only the axis counts that is nearest to how they close there.
+// Assumed gap between the pads, m, at which jaws on a hinge hold an object: the width of small
+// objects. It is not critical, because only the axis nearest to their closing direction counts.
 constexpr double kHeldGap = 0.02;
 
 SceneSpec RobotAlone(const RobotConfig& config, const SimOptions& options, double timestep) {

@@ -42,7 +42,7 @@ class GripperShape {
   static std::shared_ptr<const GripperShape> Of(const RobotConfig& config,
                                                 const SimOptions& options, double timestep);
 
-  // Whether a gripper can be measured: two fingers moved by actuators.
+  // Returns true if a gripper can be measured: two fingers moved by actuators.
   static bool Supports(const GripperGroup& gripper);
 
   // All joints of the hand, linkage included, without the robot's prefix.

@@ -63,7 +63,7 @@ TEST(PlanningScene, AgreesWithTheEnginesContacts) {
   EXPECT_EQ(planning.checks(), tries);
 }
 
-// With what is in the hand where the forward kinematics has it.
+// The object in the hand moves with the forward kinematics.
 TEST(PlanningScene, WhatIsHeldMovesWithTheHandAndMayTouchIt) {
   const PickScene pick = MakePickScene(ObjectOnTheTable("box"));
   PlanningScene planning = pick.planning();

@@ -11,8 +11,8 @@ namespace {
 
 using Rectangle = Eigen::AlignedBox2d;
 
-// Whether a rectangle turned by `yaw` and moved by `at` is apart from one that is not, by the
-// separating axes of both (Gottschalk, Lin and Manocha 1996).
+// Returns true if a rectangle turned by `yaw` and moved by `at` is apart from one that is not, by
+// the separating axes of both (Gottschalk, Lin and Manocha 1996).
 bool AreApart(const Rectangle& turned, const Eigen::Vector2d& at, double yaw,
               const Rectangle& still) {
   const Eigen::Rotation2Dd rotation(yaw);

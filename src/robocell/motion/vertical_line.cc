@@ -5,7 +5,7 @@
 namespace robocell {
 namespace {
 
-// Of any joint along the line, rad (m): a solution farther away is on another branch.
+// Largest motion of a joint along the line, rad (m): a solution farther away is on another branch.
 constexpr double kMostTurn = 1.2;
 
 }  // namespace

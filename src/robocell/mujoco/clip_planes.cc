@@ -8,7 +8,7 @@
 namespace robocell {
 namespace {
 
-void Check(double near_m, double far_m) {
+void RequireOrder(double near_m, double far_m) {
   if (!(near_m > 0 && near_m < far_m)) {
     throw ArgumentError(fmt::format(
         "clip planes: 0 < near < far is needed, got near {:g} m, far {:g} m", near_m, far_m));
@@ -27,12 +27,12 @@ ClipPlanes GetClipPlanes(const mjModel* model) {
 }
 
 void SetClipPlanes(mjModel* model, double near_m, double far_m) {
-  Check(near_m, far_m);
+  RequireOrder(near_m, far_m);
   Set(model->vis, model->stat.extent, near_m, far_m);
 }
 
 void SetClipPlanes(mjSpec* spec, double extent_m, double near_m, double far_m) {
-  Check(near_m, far_m);
+  RequireOrder(near_m, far_m);
   if (!(extent_m > 0))
     throw ArgumentError(fmt::format("clip planes: extent must be > 0, got {:g} m", extent_m));
   spec->stat.extent = extent_m;

@@ -12,10 +12,9 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
-#include "robocell/base/folder_names.h"
 #include "robocell/base/log.h"
-#include "robocell/base/names.h"
 #include "robocell/base/real_file.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/engine_exception.h"
 #include "robocell/mujoco/finite.h"
 #include "robocell/mujoco/guard.h"
@@ -52,7 +51,7 @@ std::string ModelsBeside(const Path& path) {
          DidYouMean(path.filename().string(), names);
 }
 
-void CheckReadable(const Path& path, std::string_view context) {
+void RequireReadableModel(const Path& path, std::string_view context) {
   std::error_code error;
   // A pipe or a device is not even opened: that may wait for ever.
   if (std::filesystem::exists(path, error) && !CanReadFile(path)) {
@@ -115,7 +114,7 @@ SpecPtr Parsed(Parse parse, const std::string& file, std::string_view context) {
 
 SpecPtr ParseXmlFile(const Path& path, std::string_view context, mjVFS* vfs) {
   const std::string file = path.string();
-  if (!vfs || !mj_containsFileVFS(vfs, "", file.c_str())) CheckReadable(path, context);
+  if (!vfs || !mj_containsFileVFS(vfs, "", file.c_str())) RequireReadableModel(path, context);
   return Parsed([&](char* error, int size) { return mj_parseXML(file.c_str(), vfs, error, size); },
                 file, context);
 }

@@ -150,7 +150,7 @@ TEST_F(Compiling, ANanInAModelIsRefusedWithItsPlace) {
                          "</worldbody></mujoco>";
   EXPECT_EQ(MessageOf<SpecError>([&] { (void)ParseXmlFile(file, "robot 'left'"); }),
             "robot 'left': " + file.string() +
-                ":3: mass=\"NaN\" is no number. Correct it there, or leave the attribute out to "
+                ":3: mass=\"NaN\" is not a number. Correct it there, or leave the attribute out to "
                 "have what MuJoCo takes without it");
   const std::filesystem::path around = folder_ / "cell.xml";
   std::ofstream(around) << "<mujoco><include file='arm.xml'/></mujoco>";

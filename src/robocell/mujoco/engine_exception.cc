@@ -12,7 +12,7 @@ namespace {
 
 thread_local EngineExceptions* innermost = nullptr;
 
-// What both of GCC's kinds of exceptions ("GNUCC++\0" and, rethrown, "GNUCC++\1") have in common.
+// Common part of both of GCC's kinds of exceptions ("GNUCC++\0" and, rethrown, "GNUCC++\1").
 constexpr uint64_t kOurRuntime = 0x474E5543432B2B00;
 bool IsOurRuntimes(_Unwind_Exception_Class kind) { return (kind & ~uint64_t{0xff}) == kOurRuntime; }
 

@@ -13,9 +13,9 @@ inline const mjtNum* EffectiveGravity(const mjModel* model) {
   return model->opt.disableflags & mjDSBL_GRAVITY ? kNone : model->opt.gravity;
 }
 
-// Whether bodies' `gravcomp` counts. It is a passive force, and the engine computes none where both
-// springs and dampers are off. Nor does it look at the numbers of a model that was compiled without
-// any, whatever was written to them since, unless the flag is raised too.
+// Returns true if bodies' `gravcomp` counts. It is a passive force, and the engine computes none
+// where both springs and dampers are off. Nor does it look at the numbers of a model that was
+// compiled without any, whatever was written to them since, unless the flag is raised too.
 inline bool CompensatesGravity(const mjModel* model) {
   constexpr int kPassive = mjDSBL_SPRING | mjDSBL_DAMPER;
   return model->flg_gravcomp && (model->opt.disableflags & kPassive) != kPassive;

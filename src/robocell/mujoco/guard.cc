@@ -84,7 +84,7 @@ void OnMessage(const mjLogMessage* message) {
 }
 
 bool Install() {
-  CheckEngineVersion();
+  RequireEngineVersion();
   mjLogConfig config = mju_getLogConfig();
   config.logto_file = 0;
   mju_setLogConfig(config);

@@ -61,8 +61,8 @@ TEST(Guard, VeryLongErrorTextIsCutNotOverrun) {
 TEST(Guard, NestedErrorsReachTheInnermostGuardAndTheOuterOneStillWorks) {
   const std::string text = MessageOf([] {
     Guarded("outer", [] {
-      // What an engine callback of ours would do. The string lives outside of the inner guard's
-      // frames only while the inner error is handled.
+      // Behaves like a callback of robocell's own in the engine. The string lives outside of the
+      // inner guard's frames only while the inner error is handled.
       const bool caught =
           MessageOf([] { Guarded("inner", [] { mju_error("first"); }); }) == "inner: first";
       mju_error(caught ? "second" : "inner error was lost");

@@ -9,8 +9,8 @@ namespace {
 
 using Flag = std::atomic<bool>;
 
-// Of the models that are watched. They live as long as the process: models may be freed when it
-// ends.
+// State of the watched models. It lives as long as the process, because models may be freed at its
+// end.
 struct Watched {
   std::mutex mutex;
   std::unordered_map<const mjModel*, std::weak_ptr<Flag>> flags;

@@ -16,7 +16,7 @@
 #include <system_error>
 #include <vector>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell {
 namespace {
@@ -45,8 +45,7 @@ Schema ReadSchema() {
   return schema;
 }
 
-// What may have been meant instead of a file that is not there, beside it: " Did you mean
-// 'assets.xml'?"
+// Suggests files beside a missing one: " Did you mean 'assets.xml'?"
 std::string FilesBeside(const std::string& model, const std::string& missing) {
   namespace fs = std::filesystem;
   const fs::path wanted = fs::path(model).parent_path() / missing;
@@ -127,7 +126,7 @@ bool IsName(const std::string& attribute) {
   return kNames.contains(attribute);
 }
 
-// Whether a text is a list of numbers, not all of them numbers.
+// Returns true if a text is a list of numbers, not all of them numbers.
 bool HasNan(const std::string& text) {
   bool found = false;
   std::istringstream words(text);
@@ -162,7 +161,7 @@ std::string NanProblem(const std::string& file) {
   for (std::sregex_iterator at(xml.begin(), xml.end(), attribute), end; at != end; ++at) {
     if (IsName((*at)[1]) || !HasNan((*at)[2])) continue;
     const auto line = 1 + std::count(xml.begin(), xml.begin() + at->position(), '\n');
-    return fmt::format("{}{}=\"{}\" is no number. {}", Place(file, std::to_string(line)),
+    return fmt::format("{}{}=\"{}\" is not a number. {}", Place(file, std::to_string(line)),
                        (*at)[1].str(), (*at)[2].str(), next);
   }
   return fmt::format("{}a number of the model, or of a file that it includes, is NaN. {}",

@@ -12,7 +12,7 @@ std::string VersionText(int version) {
          std::to_string(version % 1000);
 }
 
-void CheckVersions(int compiled, int loaded) {
+void RequireVersions(int compiled, int loaded) {
   if (compiled == loaded) return;
   const std::string want = VersionText(compiled);
   throw Error("robocell was built for MuJoCo " + want + " but MuJoCo " + VersionText(loaded) +
@@ -22,7 +22,7 @@ void CheckVersions(int compiled, int loaded) {
 
 }  // namespace version_internal
 
-void CheckEngineVersion() { version_internal::CheckVersions(mjVERSION_HEADER, mj_version()); }
+void RequireEngineVersion() { version_internal::RequireVersions(mjVERSION_HEADER, mj_version()); }
 
 std::string CompiledEngineVersion() { return version_internal::VersionText(mjVERSION_HEADER); }
 

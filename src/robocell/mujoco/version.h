@@ -8,7 +8,7 @@
 namespace robocell {
 
 // Throws Error naming both versions and the command that fixes it.
-void CheckEngineVersion();
+void RequireEngineVersion();
 
 // "4.0.0": the version this library was compiled for.
 std::string CompiledEngineVersion();
@@ -18,7 +18,7 @@ std::string LoadedEngineVersion();
 namespace version_internal {
 // 4000000 -> "4.0.0"
 std::string VersionText(int version);
-void CheckVersions(int compiled, int loaded);
+void RequireVersions(int compiled, int loaded);
 }  // namespace version_internal
 
 }  // namespace robocell

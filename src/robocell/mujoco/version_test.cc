@@ -10,14 +10,14 @@ namespace robocell {
 namespace {
 
 TEST(Version, TheLoadedEngineIsTheOneWeWereBuiltFor) {
-  CheckEngineVersion();
+  RequireEngineVersion();
   EXPECT_EQ(LoadedEngineVersion(), mj_versionString());
   EXPECT_EQ(CompiledEngineVersion(), LoadedEngineVersion());
 }
 
 TEST(Version, AnotherEngineIsRefusedAndBothVersionsAreNamed) {
   try {
-    version_internal::CheckVersions(4000000, 4001002);
+    version_internal::RequireVersions(4000000, 4001002);
     FAIL() << "accepted";
   } catch (const Error& error) {
     EXPECT_STREQ(

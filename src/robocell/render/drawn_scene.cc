@@ -56,7 +56,7 @@ void DrawnScene::SetModel(const mjModel* model) {
 }
 
 CameraModel DrawnScene::Update(const mjData* data, const RenderRequest& request) {
-  Check(data);
+  RequireFits(data);
   mjModel view = *model_;  // shallow; the engine does not update bodies that sleep, which in the
                            // scratch data are stale
   view.opt.enableflags &= ~mjENBL_SLEEP;
@@ -72,16 +72,16 @@ void DrawnScene::Add(std::span<const Marker> markers) {
 }
 
 // Reads nothing of the model before it is sure that it was not freed.
-void DrawnScene::Check(const mjData* data) const {
+void DrawnScene::RequireFits(const mjData* data) const {
   if (!model_) throw ArgumentError("renderer: no model; call SetModel before Render");
   if (watch_.gone()) {
     throw ArgumentError(
         "renderer: the model that it was given was freed; call SetModel after a scene was built "
-        "anew, or draw with a SceneRenderer");
+        "again, or draw with a SceneRenderer");
   }
   if (data->signature != signature_) {
     throw ArgumentError(
-        "renderer: the data belong to another model; call SetModel after a scene was built anew");
+        "renderer: the data belong to another model; call SetModel after a scene was built again");
   }
 }
 

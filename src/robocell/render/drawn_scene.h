@@ -54,7 +54,7 @@ class DrawnScene {
   std::span<const int32_t> BodyOfId();
 
  private:
-  void Check(const mjData* data) const;
+  void RequireFits(const mjData* data) const;
   void UpdatePoses(const mjModel& view, const mjData* data);
   void UpdateList(const mjModel& view, const CameraModel& camera);
 

@@ -105,7 +105,7 @@ struct Candidate {
   bool may_be_hardware = false;
 };
 
-// Whether a space-separated list of extensions has this one.
+// Returns true if a space-separated list of extensions has this one.
 bool HasExtension(const std::string& extensions, const std::string& name) {
   return (" " + extensions + " ").find(" " + name + " ") != std::string::npos;
 }

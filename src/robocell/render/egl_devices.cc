@@ -10,7 +10,7 @@
 #include <numeric>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell {
 namespace {
@@ -49,7 +49,7 @@ std::vector<int> CudaNumbers(std::string_view list) {
   return numbers;
 }
 
-// Empty where no device tells its number, or two tell the same.
+// Empty if no device reports its number, or two report the same.
 CudaMap MapOfCuda(std::span<const EglDevice> devices) {
   CudaMap map;
   for (size_t i = 0; i < devices.size(); ++i) {

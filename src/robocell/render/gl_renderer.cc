@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "robocell/base/error.h"
+#include "robocell/render/depth_conversion.h"
 #include "robocell/render/drawn_scene.h"
 #include "robocell/render/gl_context.h"
 #include "robocell/render/gl_drawing.h"
@@ -137,7 +138,7 @@ void GlRenderer::SetModel(const mjModel* model) {
 CameraModel GlRenderer::Render(const mjData* data, const RenderRequest& request,
                                const RenderOutputs& outputs) {
   Impl& r = *impl_;
-  CheckOutputs(request, outputs);
+  RequireOutputs(request, outputs);
   CameraModel camera = r.drawn.Update(data, request);
   GlContext::Current current(*r.context);
   const bool as_new = std::exchange(r.as_new, false);

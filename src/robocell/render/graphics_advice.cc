@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/render/egl_devices.h"
 
 namespace robocell {
@@ -97,7 +97,7 @@ std::string NvidiaRemedy(const GraphicsFacts& facts) {
   }
   if (!facts.nvidia_vendor_file) {
     return fmt::format(
-        "EGL is not told of the driver. Write {} with the text "
+        "EGL does not know the driver. Write {} with the text "
         R"({{"file_format_version": "1.0.0", "ICD": {{"library_path": "libEGL_nvidia.so.0"}}}})",
         kVendorFile);
   }

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kLargest = 16384;  // pixels a side
 
-void CheckSize(const char* image, size_t have, const RenderRequest& request, size_t per_pixel) {
+void RequireSize(const char* image, size_t have, const RenderRequest& request, size_t per_pixel) {
   const size_t want =
       static_cast<size_t>(request.width) * static_cast<size_t>(request.height) * per_pixel;
   if (have == 0 || have == want) return;
@@ -19,18 +19,18 @@ void CheckSize(const char* image, size_t have, const RenderRequest& request, siz
 
 }  // namespace
 
-void CheckImageSize(int width, int height) {
+void RequireImageSize(int width, int height) {
   if (width >= 1 && height >= 1 && width <= kLargest && height <= kLargest) return;
   throw ArgumentError(fmt::format("an image of {} x {} pixels; each side must be between 1 and {}",
                                   width, height, kLargest));
 }
 
-void CheckOutputs(const RenderRequest& request, const RenderOutputs& outputs) {
-  CheckImageSize(request.width, request.height);
-  CheckSize("rgb", outputs.rgb.size(), request, 3);
-  CheckSize("depth", outputs.depth.size(), request, 1);
-  CheckSize("depth_mm", outputs.depth_mm.size(), request, 1);
-  CheckSize("segmentation", outputs.segmentation.size(), request, 1);
+void RequireOutputs(const RenderRequest& request, const RenderOutputs& outputs) {
+  RequireImageSize(request.width, request.height);
+  RequireSize("rgb", outputs.rgb.size(), request, 3);
+  RequireSize("depth", outputs.depth.size(), request, 1);
+  RequireSize("depth_mm", outputs.depth_mm.size(), request, 1);
+  RequireSize("segmentation", outputs.segmentation.size(), request, 1);
 }
 
 }  // namespace robocell

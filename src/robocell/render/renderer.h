@@ -99,9 +99,9 @@ std::vector<std::string> RendererBackends();
 std::unique_ptr<Renderer> MakeRenderer(const RendererOptions& options = {});
 
 // ArgumentError for an image of no size, or of one that no back end draws.
-void CheckImageSize(int width, int height);
+void RequireImageSize(int width, int height);
 
 // ArgumentError unless each buffer is empty or holds exactly one image; for back ends.
-void CheckOutputs(const RenderRequest& request, const RenderOutputs& outputs);
+void RequireOutputs(const RenderRequest& request, const RenderOutputs& outputs);
 
 }  // namespace robocell

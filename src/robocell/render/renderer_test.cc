@@ -1,4 +1,4 @@
-// What every back end of renderer.h promises.
+// The promises of every back end of renderer.h.
 #include "robocell/render/renderer.h"
 
 #include <dlfcn.h>
@@ -251,12 +251,12 @@ TEST_P(Rendering, AModelThatWasCompiledAnewNeedsAnUpload) {
   const RenderRequest request{.camera = ModelCamera{0}, .width = kW, .height = kH};
   ExpectThrow<ArgumentError>(
       [&] { renderer_->Render(data.get(), request, {.rgb = rgb}); },
-      "the data belong to another model; call SetModel after a scene was built anew");
+      "the data belong to another model; call SetModel after a scene was built again");
   renderer_->SetModel(model.get());
   renderer_->Render(data.get(), request, {.rgb = rgb});
 }
 
-// What was freed is not read: the new model has the signature of the old one, and may even have its
+// Freed memory is not read: the new model has the signature of the old one, and may even have its
 // address.
 TEST_P(Rendering, AModelThatWasFreedIsToldThoughTheNextOneLooksTheSame) {
   std::vector<uint8_t> rgb(3 * kW * kH);
@@ -271,7 +271,7 @@ TEST_P(Rendering, AModelThatWasFreedIsToldThoughTheNextOneLooksTheSame) {
   const DataPtr data = MakeData(model.get());
   ExpectThrow<ArgumentError>(
       [&] { renderer_->Render(data.get(), request, {.rgb = rgb}); },
-      "the model that it was given was freed; call SetModel after a scene was built anew");
+      "the model that it was given was freed; call SetModel after a scene was built again");
   renderer_->SetModel(model.get());
   renderer_->Render(data.get(), request, {.rgb = rgb});
 }

@@ -43,7 +43,7 @@ class FollowingRenderer : public testing::Test {
                       {.rgb = out.rgb, .segmentation = out.ids});
     return out;
   }
-  // What one that was made now draws.
+  // Draws with a new renderer.
   View TakeAnew() const {
     View out;
     const auto renderer = MakeRenderer();
@@ -91,7 +91,7 @@ TEST_F(FollowingRenderer, WhatDoesNotFollowIsToldAndDrawsNothingThatWasFreed) {
   ExpectThrow<ArgumentError>(
       [&] { renderer->Render(scene_.data(), {.width = 64, .height = 48}, {.rgb = rgb}); },
       "renderer: the model that it was given was freed; call SetModel after a scene was built "
-      "anew, or draw with a SceneRenderer");
+      "again, or draw with a SceneRenderer");
 }
 
 TEST_F(FollowingRenderer, CamerasAreThoseOfTheSceneAsItIs) {

@@ -1,5 +1,5 @@
-// What the software renderer prepares of a model: meshes, planes, height fields, textures. Internal
-// to render/.
+// The assets of a model for the software renderer: meshes, planes, height fields, textures.
+// Internal to render/.
 #pragma once
 
 #include <mujoco/mujoco.h>
@@ -24,10 +24,10 @@ class SoftAssets {
   const SoftMesh* Mesh(int data) const;
   const SoftMesh* Plane(int data) const;
   const SoftMesh* HeightField(int data) const;
-  // That colours this; null for none.
+  // Texture of the geom; null for none.
   const SoftTexture* TextureOf(const mjvGeom& geom) const;
   const SoftTexture* Sky() const;
-  // Whether the texture of this is sized in metres, and how often it repeats.
+  // Returns true if the texture of the geom is sized in metres, and how often it repeats.
   bool TextureIsUniform(const mjvGeom& geom) const;
   void TextureRepeat(const mjvGeom& geom, float repeat[2]) const;
 

@@ -53,7 +53,7 @@ uint64_t KeyOf(const Eigen::Vector3f& p) {
   return key;
 }
 
-// Of an edge in one direction; the sum of both directions is 0.
+// Sum of an edge in one direction; the sum of both directions is 0.
 uint64_t EdgeSum(uint64_t from, uint64_t to) {
   const uint64_t key = Mixed(std::min(from, to) + Mixed(std::max(from, to)));
   return from < to ? key : uint64_t{0} - key;

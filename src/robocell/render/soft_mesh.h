@@ -9,7 +9,7 @@
 
 namespace robocell::internal {
 
-// What a visible triangle is coloured with; one line of the cache.
+// Data that colours a visible triangle; one line of the cache.
 struct alignas(64) SoftSurface {
   // The weight of the second corner at a point is to1 . p - at1, that of the third to2 . p - at2.
   float to1[3], at1, to2[3], at2;

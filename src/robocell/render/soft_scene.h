@@ -39,7 +39,7 @@ class SoftScene {
   void AddMarkers(const mjModel* model, const mjvScene& list, int first);
 
   const SoftView& view() const { return view_; }
-  // Of the present instances; valid until the next call.
+  // Picture of the present instances; valid until the next call.
   SoftPicture Picture() const;
   // Draws what the scene's one mirror shows into `reflection`. False where there is none in view.
   bool DrawReflection(SoftScratch* scratch, SoftReflection* reflection);
@@ -68,7 +68,7 @@ class SoftScene {
   SoftMaterial MaterialOf(const mjvGeom& geom, bool behind) const;
   SoftMesh* NextOwnMesh();
 
-  // What is drawn in one picture.
+  // The elements drawn in one picture.
   struct Elements {
     std::vector<SoftInstance> instances;
     std::vector<int32_t> instance_of_run;

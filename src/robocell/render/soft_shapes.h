@@ -9,7 +9,7 @@
 
 namespace robocell::internal {
 
-// Of unit size. Capsules are an open cylinder and two half spheres.
+// Shapes of unit size. Capsules are an open cylinder and two half spheres.
 struct SoftShapes {
   SoftMesh sphere, upper_half, lower_half;  // the halves are centred at z = 1 and z = -1
   SoftMesh cylinder, open_cylinder;         // from z = -1 to z = 1

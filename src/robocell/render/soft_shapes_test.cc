@@ -7,7 +7,7 @@
 namespace robocell::internal {
 namespace {
 
-// What the triangles enclose, by the divergence theorem: positive where they face outwards.
+// Volume that the triangles enclose, by the divergence theorem: positive if they face outwards.
 double VolumeOf(const SoftMesh& mesh) {
   double volume = 0;
   for (int t = 0; t < mesh.triangles; ++t) {

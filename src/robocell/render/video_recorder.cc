@@ -10,7 +10,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/function_name.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/names.h"
 
 namespace robocell {
@@ -81,7 +81,7 @@ const mjModel* VideoRecorder::Model() const {
   if (watch_.gone()) {
     throw ArgumentError(Place() +
                         ": the model that it was given was freed; call SetModel after a scene was "
-                        "built anew, or film with a SceneRecorder");
+                        "built again, or film with a SceneRecorder");
   }
   return model_;
 }

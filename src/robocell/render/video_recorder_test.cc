@@ -169,7 +169,7 @@ TEST_F(Recording, AModelThatWasFreedIsToldAndNotRead) {
   video.UseCamera("side");
   model.reset();
   const std::string freed =
-      "the model that it was given was freed; call SetModel after a scene was built anew";
+      "the model that it was given was freed; call SetModel after a scene was built again";
   ExpectThrow<ArgumentError>([&] { video.RecordFrame(data_.get()); }, "renderer: " + freed);
   const std::string place = "freed.mp4': " + freed;
   ExpectThrow<ArgumentError>([&] { video.UseCamera("side"); }, place);

@@ -37,7 +37,7 @@ class ViewCull {
 
   static Box MeshBox(const mjModel* model, int mesh);
   bool MayBeSeen(const CameraModel& camera, const mjvGeom& geom) const;
-  // Whether `box` is that of the geom: there is none for shapes without an end.
+  // Returns true if `box` is that of the geom: there is none for shapes without an end.
   bool BoxOf(const mjvGeom& geom, Box& box) const;
 
   std::vector<Box> meshes_;

@@ -30,7 +30,7 @@ class Addresses {
   const std::vector<int>& list() const { return list_; }
   size_t size() const { return list_.size(); }
   int operator[](size_t i) const { return list_[i]; }
-  // Where the first is, when the others follow it one by one; else null.
+  // Returns the address of the first if the others follow it contiguously, else null.
   const double* InARow(const double* array) const {
     return in_a_row_ && !list_.empty() ? array + first_ : nullptr;
   }

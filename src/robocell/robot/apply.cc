@@ -24,7 +24,8 @@ Values Clamped(Values q, const std::vector<Interval>& limits) {
   return q;
 }
 
-void CheckKind(const std::string& place, const GroupSlot& slot, const GroupCommand& command) {
+void RequireKindOfCommand(const std::string& place, const GroupSlot& slot,
+                          const GroupCommand& command) {
   const bool gripper = slot.own->group->kind() == MoveGroupKind::kGripper;
   if ((command.kind == GroupCommand::kOpening) == gripper) return;
   throw ArgumentError(place + (gripper ? " is a gripper: command it with an opening"
@@ -47,8 +48,8 @@ Values PoseTarget(const Pose& pose) {
 
 // The target for the slot's controller in the controller's own terms. Checks the values.
 Values JointTarget(const std::string& place, const GroupSlot& slot, const GroupCommand& command) {
-  CheckValues([&] { return place; }, "joint", command.values, slot.own->group->nq(),
-              slot.own->group->joint_names());
+  RequireValues([&] { return place; }, "joint", command.values, slot.own->group->nq(),
+                slot.own->group->joint_names());
   const bool relative = command.kind == GroupCommand::kRelativeJoints;
   const std::span<const double> now = slot.control->controller->commanded_joint_pos();
   switch (slot.control->controller->target_kind()) {
@@ -68,7 +69,7 @@ Values JointTarget(const std::string& place, const GroupSlot& slot, const GroupC
 }
 
 // A pose becomes joint positions for a controller that takes these.
-void CheckTakesPose(const std::string& place, const GroupSlot& slot) {
+void RequireTakesPose(const std::string& place, const GroupSlot& slot) {
   const TargetKind kind = slot.control->controller->target_kind();
   if (kind == TargetKind::kPose || kind == TargetKind::kJointPositions ||
       kind == TargetKind::kJointSteps)
@@ -89,8 +90,8 @@ Values DirectTarget(const std::string& place, const GroupSlot& slot, const Group
   const TargetKind kind = command.kind == GroupCommand::kTorques ? TargetKind::kJointTorques
                                                                  : TargetKind::kJointVelocities;
   if (slot.control->controller->target_kind() != kind) ThrowOtherKind(place, slot, kind);
-  CheckValues([&] { return place; }, "joint", command.values, slot.own->group->nv(),
-              slot.own->group->joint_names());
+  RequireValues([&] { return place; }, "joint", command.values, slot.own->group->nv(),
+                slot.own->group->joint_names());
   return command.values;
 }
 
@@ -104,14 +105,14 @@ Robot::ApplyResult Robot::Apply(const RobotAction& action) {
     GroupSlot& slot = state.Require(name);
     Controller& controller = state.RequireController(slot);
     const std::string place = state.place(slot);
-    CheckKind(place, slot, command);
+    RequireKindOfCommand(place, slot, command);
     if (command.kind == GroupCommand::kOpening) {
-      CheckValues([&] { return place; }, "opening", command.values, 1);
+      RequireValues([&] { return place; }, "opening", command.values, 1);
       targets.emplace_back(&controller, command.values);
     } else if (command.kind == GroupCommand::kBasePose) {
       targets.emplace_back(&controller, BaseTarget(place, slot, command));
     } else if (command.kind == GroupCommand::kPose) {
-      CheckTakesPose(place, slot);
+      RequireTakesPose(place, slot);
       if (!IsFinite(command.pose))
         throw ArgumentError(place + ": the target pose has a number that is not finite");
       if (controller.target_kind() == TargetKind::kPose) {

@@ -78,8 +78,8 @@ size_t ArmGroup::FindStrained(std::span<const double> torque, size_t from) const
   return torque.size();
 }
 
-// As if inside of TorqueLimit, without making that: where limits have nothing in common no torque
-// is inside of all.
+// Tests against TorqueLimit without computing it. If the limits have nothing in common, no torque
+// is inside.
 bool ArmGroup::IsInsideLimits(const mjModel* m, size_t joint, double torque) const {
   const int actuator = core().actuator_ids()[joint], id = core().joint_ids()[joint];
   const int input = m->actuator_ctrladr[actuator];

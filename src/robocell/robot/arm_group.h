@@ -36,9 +36,9 @@ class ArmGroup : public JointGroupOf<MoveGroup> {
   // Simulated seconds.
   double time() const { return core().scene().time(); }
   Eigen::Vector3d gravity_in_base() const { return core().gravity_in_base(); }
-  // What holds the joints at `q` against gravity, N m or N.
+  // Torques that hold the joints at `q` against gravity, N m or N.
   void GravityTorques(std::span<const double> q, std::span<double> out) const;
-  // What makes the joints at `q` that move at `qd` accelerate by `qdd`, gravity included, N m or N.
+  // Torques that accelerate joints at `q` and `qd` by `qdd`, including gravity, N m or N.
   void InverseDynamics(std::span<const double> q, std::span<const double> qd,
                        std::span<const double> qdd, std::span<double> out) const;
 
@@ -47,7 +47,7 @@ class ArmGroup : public JointGroupOf<MoveGroup> {
   void AddResistance(std::span<const double> q, std::span<const double> velocity,
                      std::span<double> torque) const;
 
-  // What the motor of a joint can push it with; +-infinity where nothing limits it.
+  // Torque range of a joint's motor; +-infinity without a limit.
   Interval torque_limit(size_t joint) const;
   // The first joint from `from` on whose motor cannot push with its `torque`, or may just not; nv()
   // when there is none. No allocation.
@@ -59,7 +59,7 @@ class ArmGroup : public JointGroupOf<MoveGroup> {
   // a switch, which stiff ones of light joints would go on throwing at every step.
   void CtrlForJointVel(std::span<const double> velocity, std::span<const double> now,
                        std::span<const double> torque, std::span<double> ctrl) const;
-  // Where position servos have to be sent to push with `torque` on joints at `q` that move at `v`.
+  // Targets at which position servos push with `torque` on joints at `q` that move at `v`.
   void JointPosForTorque(std::span<const double> q, std::span<const double> v,
                          std::span<const double> torque, std::span<double> out) const;
 

@@ -14,14 +14,14 @@ namespace robocell {
 class ArmPorts {
  public:
   void Resize(int nq, int nv);
-  // Of kJointPositions, kJointVelocities or kJointTorques.
+  // Returns the port of kJointPositions, kJointVelocities or kJointTorques.
   std::span<double> of(TargetKind kind);
-  // What is in the port from now on was commanded, even if it is what was there before.
+  // From now on the values of the port count as commanded, even if they did not change.
   void SetCommanded(TargetKind kind);
   // Gives the controller its port, which takes over the controller's numbers; but where something
   // was written while the port was not in use, the controller is driven to that.
   void Connect(Controller& controller);
-  // As in a copy that was made earlier, when `controller` used its port, if any did.
+  // Restores the port from an earlier copy, if `controller` used one.
   void PutBack(const ArmPorts& before, Controller* controller);
   // Forgets what was written into ports that are not in use: the positions are where the arm is,
   // velocities and torques 0.

@@ -17,7 +17,7 @@ namespace robocell {
 // Joints of one degree of freedom.
 std::vector<double> ArrivalTolerances(const Robot& robot, const std::string& group);
 
-// Whether each joint is within `times` its tolerance of its target. No allocation.
+// Returns true if each joint is within `times` its tolerance of its target. No allocation.
 bool AreWithin(std::span<const double> q, std::span<const double> target,
                std::span<const double> tolerances, double times = 1);
 

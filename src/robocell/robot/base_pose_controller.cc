@@ -13,7 +13,7 @@ std::unique_ptr<Controller> MakeBasePoseController(MoveGroup& group) {
 }
 
 void BasePoseController::SetTarget(std::span<const double> n) {
-  CheckValues([&] { return base_.place(); }, "pose", n, 7);
+  RequireValues([&] { return base_.place(); }, "pose", n, 7);
   try {
     base_.SetTarget(Pose({n[0], n[1], n[2]}, Quaternion{n[3], n[4], n[5], n[6]}));
   } catch (const ArgumentError& error) {

@@ -1,5 +1,5 @@
 // What happens to commands beyond a limit: the nearest value inside is used, and the first time the
-// log says so. Not for NaN and wrong sizes, which are refused (CheckValues).
+// log says so. Not for NaN and wrong sizes, which are refused (RequireValues).
 #pragma once
 
 #include <algorithm>
@@ -16,13 +16,13 @@ class BeyondLimits {
   // once in the life of this object. No allocation inside the range.
   template <class What>
   double Clamp(double value, const Interval& range, const What& what) {
-    Check(value, range, what);
+    Watch(value, range, what);
     return std::clamp(value, range.lower, range.upper);
   }
 
   // Only tells, for what something else cuts off.
   template <class What>
-  void Check(double value, const Interval& range, const What& what) {
+  void Watch(double value, const Interval& range, const What& what) {
     if (told_ || (value >= range.lower - kSlack && value <= range.upper + kSlack)) return;
     if (std::isnan(value)) return;
     told_ = true;

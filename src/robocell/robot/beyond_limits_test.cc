@@ -8,6 +8,7 @@
 
 #include <cmath>
 
+#include "robocell/base/files.h"
 #include "robocell/base/log.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/robot/testing/robots.h"
@@ -154,6 +155,45 @@ TEST_F(BeyondLimitsTest, AnOpeningInPercentIsTold) {
   robot.Apply({{"gripper", GroupCommand::Opening(-2)}});
   EXPECT_EQ(robot.gripper().ctrl()[0], robot.gripper().ctrl_for_opening(0));
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("group 'gripper': opening is commanded to -2")));
+}
+
+// At run time too: a servo that is sent beyond its ctrlrange, a motor beyond its force.
+TEST(BeyondLimits, CommandsThatAServoCutsOffAreToldOnce) {
+  ModelFolder folder;
+  const std::string model = folder.Write("bar", R"(<compiler angle="radian"/><worldbody>
+<body name="post" pos="0 0 1"><geom size="0.02" pos="0 0 -0.5"/><body name="bar">
+<joint name="hip" axis="0 1 0" range="-2 2"/><geom type="capsule" size="0.02"
+fromto="0.02 0 0 0.48 0 0" mass="1"/><site name="tip" pos="0.5 0 0"/></body></body></worldbody>
+<actuator><position name="drive" joint="hip" kp="2000" kv="100" ctrlrange="-1 1"
+forcerange="-30 30"/></actuator>)");
+  const std::string file = (folder.path() / "bar.yaml").string();
+  AtomicWrite(file, fmt::format("name: bar\nmodel: {}\nmove_groups:\n"
+                                "  arm: {{kind: arm, joints: [hip], leaf: {{site: tip}}}}\n",
+                                model));
+  Robot robot = RobotAlone(RobotConfig::Load(file));
+  std::vector<std::string> lines;
+  const ScopedLogSink sink([&](LogLevel, std::string_view text) { lines.emplace_back(text); });
+  for (int i = 0; i < 3; ++i) {
+    robot.SetJntPosCmd(std::vector<double>{1.5});
+    robot.Update();
+  }
+  EXPECT_EQ(robot.arm().ctrl()[0], 1);
+  EXPECT_THAT(lines,
+              ElementsAre("robot 'bar' / group 'arm': actuator 'drive', by its ctrlrange, is "
+                          "commanded to 1.5, beyond [-1, 1]; the nearest value inside is "
+                          "used (said once)"));
+  lines.clear();
+  robot.set_ctrl_mode(CtrlMode::kTorque);
+  for (int i = 0; i < 3; ++i) {
+    robot.SetJntTrqCmd(std::vector<double>{-500});
+    robot.Update();
+    ASSERT_TRUE(robot.Step().ok());
+  }
+  EXPECT_NEAR(robot.jnt_trq_msr()[0], -30, 1e-9);
+  EXPECT_THAT(lines,
+              ElementsAre("robot 'bar' / group 'arm': the torque of joint 'hip' is commanded "
+                          "to -500, beyond [-30, 30]; the nearest value inside is used (said "
+                          "once)"));
 }
 
 }  // namespace

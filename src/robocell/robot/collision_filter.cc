@@ -64,7 +64,7 @@ std::optional<Scene> CollisionFilter::scene_of_sole_handle() const {
 int CollisionFilter::n_joints() const { return state_->scratch.robot().chain().n_joints(); }
 
 bool CollisionFilter::State::IsFree(std::span<const double> q) {
-  scratch.robot().chain().CheckJointValues("collision filter: q", q);
+  scratch.robot().chain().RequireJointValues("collision filter: q", q);
   scratch.SetArm(q);
   if (!scratch.FindTouches()) return false;  // what is missing may be in the way
   const auto is_fine = [&](const ScratchRobot::Touch& touch) {

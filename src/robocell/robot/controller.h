@@ -105,8 +105,8 @@ class Controller {
 // Checks that there are `expected` finite values. `place()` says what is being told, and is called
 // only for an error; `what` is "joint", "opening" ...; `names` are those of the values, if any.
 template <class Place>
-void CheckValues(const Place& place, std::string_view what, std::span<const double> values,
-                 int expected, const std::vector<std::string>& names = {}) {
+void RequireValues(const Place& place, std::string_view what, std::span<const double> values,
+                   int expected, const std::vector<std::string>& names = {}) {
   bool good = values.size() == static_cast<size_t>(expected);
   for (const double v : values) good &= std::isfinite(v);
   if (!good) ThrowBadValues(place(), what, values, expected, names);

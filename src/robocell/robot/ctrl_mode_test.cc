@@ -1,5 +1,4 @@
-// Position, velocity and torque mode: what holds, what moves, what is left of the servos, and
-// switching.
+// Position, velocity and torque mode: holding, moving, inactive servos, and switching.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -104,7 +103,7 @@ TEST_P(Modes, EveryJointReachesItsVelocityAndTheOthersStandStill) {
   }
 }
 
-// What the arm's actuators have to push with so that its joints keep the velocities that they have.
+// Forces of the arm's actuators at which the joints keep their velocities.
 std::vector<double> EngineTorques(const Robot& robot) {
   const Scene scene = robot.scene();
   mjData* d = scene.data();
@@ -317,7 +316,7 @@ TEST(CtrlMode, CommandsAreThoseOfTheController) {
       },
       "its controller 'joint_torque' takes joint torques, not joint positions; command it with "
       "those, or choose another controller");
-  // Before inverse kinematics: whether the pose is in reach is not the question.
+  // The error comes before inverse kinematics, so the reach does not matter.
   for (const double x : {0.3, 9.0}) {
     ExpectThrow<ArgumentError>(
         [&] {
@@ -397,7 +396,7 @@ TEST(CtrlMode, OfASceneThatIsGoneIsNotThatOfTheNextOnItsModel) {
   EXPECT_EQ(Robot::Of(Scene::FromCompiled(compiled), "rc7").ctrl_mode(), kPosition);
 }
 
-// Of motors; throws when it is to compute.
+// A controller of motors that throws in Compute.
 class CannotCompute : public Controller {
  public:
   explicit CannotCompute(const MoveGroup& group) : torque_(static_cast<size_t>(group.nv())) {}

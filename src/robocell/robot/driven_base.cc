@@ -143,13 +143,13 @@ Pose DrivenBase::target() const {
 }
 
 void DrivenBase::SetTarget(const Pose& pose) {
-  CheckTarget(pose);
+  RequireTarget(pose);
   Bind();
   FollowOthers();
   target_ = ToTarget(pose);
 }
 
-void DrivenBase::CheckTarget(const Pose& pose) const {
+void DrivenBase::RequireTarget(const Pose& pose) const {
   const double most = pose.translation().cwiseAbs().maxCoeff();
   if (most <= kFarthestTarget) return;
   throw ArgumentError(fmt::format(
@@ -173,7 +173,7 @@ void DrivenBase::Advance() {
   Bind();
   FollowOthers();
   const Pose goal = target();
-  CheckTarget(goal);
+  RequireTarget(goal);
   const double now = core().data()->time;
   const double seconds =
       std::clamp(now - time_, 0.0, std::max<double>(kLongestTick, core().model()->opt.timestep));

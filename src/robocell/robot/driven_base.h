@@ -57,7 +57,7 @@ class DrivenBase : public JointGroupOf<BaseGroup> {
   void FollowOthers() const;
   void HoldAt(const Pose& pose) const;
   void WriteMocap(const Pose& pose) const;
-  void CheckTarget(const Pose& pose) const;  // ArgumentError for one that is nowhere
+  void RequireTarget(const Pose& pose) const;  // ArgumentError for one that is nowhere
 
   std::string target_body_, weld_;
   BaseSpeeds speeds_;

@@ -1,4 +1,4 @@
-// A driven base: it goes where it is told, within its limits, and the hand on it carries a cube.
+// A driven base moves to its target within its limits, and the hand on it carries a cube.
 #include "robocell/robot/driven_base.h"
 
 #include <fmt/format.h>
@@ -122,7 +122,7 @@ TEST_P(CarriedCube, StaysWithoutDrift) {
   EXPECT_TRUE(robot.gripper().is_grasping("cube"));
 }
 
-// What a teleported hand did, and does: the cube stays.
+// A teleported hand leaves the cube behind.
 TEST_P(CarriedCube, IsLeftBehindByATeleportWhichSaysSo) {
   for (const BaseKind kind : {BaseKind::kMocap, BaseKind::kDriven}) {
     std::vector<std::string> warnings;
@@ -331,7 +331,7 @@ TEST_P(DrivenHand, AStateAndAPoseThatAreSetForgetATargetThatNothingMovedToYet) {
     scene.SetBodyPose("h_base_target", here);
     stays();
   }
-  // What happens to another body is none of its business.
+  // Moving another body does not affect the base.
   const Pose away = Pose(Eigen::Vector3d(0.1, 0, 0)) * base.pose();
   base.SetTarget(away);
   scene.SetBodyPose("cube", Pose(Eigen::Vector3d(1, 1, 0.02)));

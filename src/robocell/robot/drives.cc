@@ -37,8 +37,9 @@ bool AllGroupsAreTaken(const mjModel* m) {
   return taken.size() >= static_cast<size_t>(kLastActuatorGroup);
 }
 
-// Whether groups that the engine can switch hold these actuators and no others; why not, else "".
-// They are several where the last joint is apart from the others (Limb::may_end_in_finger).
+// Returns the reason why the engine cannot switch these actuators in groups of their own, "" if it
+// can. There are several groups if the last joint is apart from the others
+// (Limb::may_end_in_finger).
 std::string WhyNotSwitchable(const mjModel* m, const std::vector<int>& ids) {
   if (ids.empty()) return "it has no actuators";
   std::set<int> groups;
@@ -98,7 +99,7 @@ std::string WhatItHas(const mjModel* m, const std::vector<std::string>& actuator
   return "";
 }
 
-// What to do about an arm whose actuators are of kind `native`, without any of `mode`.
+// Advice for an arm whose actuators are of kind `native`, without any of `mode`.
 std::string HowToGet(const std::string& group, CtrlMode mode, CtrlMode native, Origin origin) {
   const char* word = ActuatorWord(mode);
   const bool torque = native == CtrlMode::kTorque;

@@ -18,7 +18,8 @@ struct Drives {
   std::array<std::shared_ptr<MoveGroup>, kCtrlModes> groups = {};
   std::array<std::string, kCtrlModes> why_none = {};
 
-  // What the arm's own actuators are; nothing without, or when they are of no kind or of several.
+  // Mode of the arm's own actuators; empty without actuators, or if they are of no kind or of
+  // several.
   std::optional<CtrlMode> native = {};
 
   MoveGroup* of(CtrlMode mode) const { return groups[static_cast<size_t>(mode)].get(); }

@@ -44,7 +44,8 @@ class FilteredServo : public ::testing::TestWithParam<const char*> {
     robot.scene().Forward();
     return robot.arm().joint_torque()[0];
   }
-  // Where the engine takes an arm that starts at `q` with its servo sent there for long.
+  // Position after some steps of an arm that starts at `q` and whose servo has long had that
+  // target.
   static double EngineAfter(const Robot& robot, double q, int steps) {
     const mjModel* m = robot.scene().model();
     const DataPtr d = MakeData(m);

@@ -120,7 +120,7 @@ std::vector<int> SideOf(const mjModel* m, int hand, int body) {
   return geoms;
 }
 
-// Of a finger, to another.
+// The nearest point of a finger to another.
 struct NearestPoint {
   double distance = kFarthest;
   mjtNum point[3] = {};

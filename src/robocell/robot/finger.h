@@ -45,13 +45,13 @@ struct Jaw {
 };
 std::optional<Jaw> FindJaw(const mjModel* model, const FingerPair& pair);
 
-// Whether the distance of the two, where it is greatest within the jaw's range, is that of points
-// near the hinge, so that it says little of how far the tips open. Other joints are where `qpos`
-// (nq) has them. EngineError when the model is too large for another mjData.
+// Returns true if the largest distance of the two within the jaw's range is that of points near the
+// hinge, so that it says little about the tips. Other joints are at `qpos` (nq). EngineError if the
+// model is too large for another mjData.
 bool IsMeasuredAtItsHinge(const mjModel* model, std::span<const double> qpos,
                           const FingerPair& pair, const Jaw& jaw);
 
-// What to do about that: "'jaw' turns about a hinge in 'hand', ...: name the tips of both ...".
+// Advice: "'jaw' turns about a hinge in 'hand', ...: name the tips of both ...".
 std::string HowToNameTips(const mjModel* model, const FingerPair& pair, const Jaw& jaw);
 
 // Metres; 0 when they overlap. Needs data at position stage. No allocation.

@@ -280,7 +280,8 @@ TEST_F(FtSensorTest, AFileIsToldWithLineAndColumn) {
       "sensor 'f' (ft_sensors[1]): name 'f' is also that of ft_sensors[0]; each needs its own");
 }
 
-// Whether the gripper leans on the arm, so that not all of its weight hangs from the sensor.
+// Returns true if the gripper leans on the arm, so that not all of its weight hangs from the
+// sensor.
 bool GripperLeans(const Scene& scene) {
   const std::vector<Contact> contacts = scene.contacts("base_link");
   return std::any_of(contacts.begin(), contacts.end(), [](const Contact& c) {

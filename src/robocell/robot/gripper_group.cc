@@ -8,12 +8,12 @@
 #include <set>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/scene/element_lookup.h"
 #include "robocell/scene/servo_stability.h"
-#include "robocell/spec/split_place.h"
+#include "robocell/spec/locations.h"
 
 namespace robocell {
 namespace {
@@ -25,7 +25,7 @@ constexpr double kMeetsFrom = 0.2;     // of the way from closed to open: sooner
 constexpr double kParted = 0.02;       // of the travel, from which on fingers are apart
 constexpr double kSqueeze = 0.05;  // the openings in which fingers that met are pressed together
 
-// Whether a geom of the finger's side is in contact with a geom on a body that `accept` takes.
+// Returns true if a geom of the finger's side touches a geom on a body that `accept` takes.
 template <class Accept>
 bool Touches(const mjModel* m, const mjData* d, const Finger& finger, const Accept& accept) {
   const auto on_side = [&](int geom) {
@@ -73,7 +73,7 @@ std::string FingerHint(const mjModel* m, const RobotRecord& robot, const std::ve
 // No finger's mesh is larger, m; those drawn in millimetres are a thousand times too large.
 constexpr double kLargestMesh = 2;
 
-// That the mesh of a finger is too large to be in metres; "" when none is.
+// Hint that the mesh of a finger is too large to be in metres; "" if none is.
 std::string MillimetresHint(const mjModel* m, const FingerPair& pair) {
   for (const Finger& finger : pair.fingers) {
     for (const int g : finger.geoms) {
@@ -103,8 +103,8 @@ double At(const GripperCtrl& ctrl, double share) {
   return ctrl.closed + (ctrl.open - ctrl.closed) * share;
 }
 
-// The gains that a simulation of these robots cannot follow, as the scene's warnings tell them with
-// their places; "" without.
+// The gains that a simulation of these robots cannot follow, from the scene's warnings with their
+// places; "" for none.
 std::string WhyUnstable(const Scene& scene) {
   std::string why;
   for (const RobotRecord& robot : scene.compiled()->robots()) {
@@ -381,7 +381,7 @@ bool ActuatedGripper::is_grasping(const std::string& body) const {
   return Touches(m, d, pair.fingers[0], is_wanted) && Touches(m, d, pair.fingers[1], is_wanted);
 }
 
-// Both fingers touch parts of one thing that can move and is not the robot.
+// Returns true if both fingers touch parts of one body that can move and is not the robot.
 bool ActuatedGripper::IsGraspingAnything() const {
   const mjModel* m = core().model();
   const mjData* d = core().data();

@@ -1,7 +1,7 @@
 // ActuatedGripper: a gripper moved by actuators, each of whose raw control runs from one value
 // (open) to another (closed), with two fingers: parallel slides and linkages alike.
 //
-// What the configuration leaves out is found when it is first needed. Fingers: the bodies of the
+// Values that the configuration leaves out are determined on first use. Fingers: the bodies of the
 // group's joints, when these are two, or what grips at the ends of their linkages. Control: the
 // actuator's range, open being the end at which the fingers are farther apart; of several actuators
 // each has its own range and its own open end. Distance: measured (gripper_range.h).
@@ -49,7 +49,7 @@ class ActuatedGripper : public JointGroupOf<GripperGroup> {
   // its distances. ArgumentError when the fingers do not move or do not come to rest, or when
   // the configured open and closed are swapped.
   GripperRange Measure() const;
-  // What to do about fingers that do not come back from the first controls to the second.
+  // Advice for fingers that do not return from the first controls to the second.
   std::string WhyTheyStay(const std::array<std::vector<double>, 2>& ctrl, double distance) const;
   std::string WhyTheyJam(const std::array<std::vector<double>, 2>& ctrl) const;
 
@@ -61,8 +61,8 @@ class ActuatedGripper : public JointGroupOf<GripperGroup> {
   std::array<double, 2> Settled(const std::array<std::vector<double>, 2>& ctrl) const;
   // Control ends of each actuator, before measuring shows whether all are swapped.
   std::vector<GripperCtrl> Ends() const;
-  // Of several actuators: which end of each brings the fingers farther apart, the others at home.
-  // One that moves neither finger goes the way of the first that does.
+  // Determines for several actuators which end of each opens the fingers farther, with the others
+  // at home. An actuator that moves neither finger follows the first that does.
   void Orient(std::vector<GripperCtrl>& ends) const;
   double CheckedOpening(double opening) const;
   // How far the controls are from closed (0) to open (1) at an opening.

@@ -363,8 +363,8 @@ TEST(Gripper, FingersThatDoNotComeToRestAreNoNumber) {
   }
 }
 
-// Fingers with a servo each, whose ranges are mirrored, and a thumb that no finger distance tells
-// of: it goes the way of the first servo. `first` and `second` are the slides' ranges.
+// Fingers with a servo each, whose ranges are mirrored, and a thumb that does not change the finger
+// distance: it follows the first servo. `first` and `second` are the slides' ranges.
 RobotConfig WithTwoServos(ModelFolder& folder, const char* first_axis, const char* first,
                           const char* second_axis, const char* second) {
   const std::string hand = fmt::format(
@@ -406,7 +406,7 @@ TEST(Gripper, AnOpeningIsOfTheMeasuredRangeWhereFingersMeetHalfWay) {
     robot.Apply({{"gripper", GroupCommand::Opening(opening)}});
     Simulate(robot, 1);
     EXPECT_NEAR(gripper.opening(), opening, 0.05);
-    // What is read back from a control is the opening that it was sent for.
+    // The opening read back from a control is the commanded one.
     robot.controller("gripper").Reset();
     EXPECT_NEAR(robot.controller("gripper").target()[0], opening, 1e-6);
   }

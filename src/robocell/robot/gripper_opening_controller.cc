@@ -14,7 +14,7 @@ GripperOpeningController::GripperOpeningController(GripperGroup& group)
 }
 
 void GripperOpeningController::SetTarget(std::span<const double> target) {
-  CheckValues([&] { return group_.place(); }, "opening", target, 1);
+  RequireValues([&] { return group_.place(); }, "opening", target, 1);
   opening_ = beyond_.Clamp(target[0], {0, 1}, [&] { return group_.place() + ": opening"; });
   // At once, so that whoever commands last is obeyed: the group's own SetOpening writes there too.
   group_.SetOpening(opening_);

@@ -31,7 +31,7 @@ class GripperOpeningController : public Controller {
   void Compute(std::span<double> ctrl) override;
 
  private:
-  // What the first actuator's control was sent for.
+  // The opening that belongs to a control of the first actuator.
   double OpeningFor(double ctrl) const;
 
   GripperGroup& group_;

@@ -73,8 +73,8 @@ bool HasFriction(const mjModel* m, int hand) {
   return false;
 }
 
-// What dry friction holds creeps on steadily, for in the engine friction is soft: that counts as
-// rest too, or the fingers would be waited for until they are where friction keeps them from.
+// Fingers held by dry friction creep on steadily, because friction is soft in the engine. This
+// counts as rest, or the measurement would wait until they are where friction keeps them from.
 double SettledDistance(const mjModel* m, mjData* d, const GripperParts& parts,
                        const std::vector<double>& ctrl) {
   const auto width = [](const Interval& passed) { return passed.upper - passed.lower; };

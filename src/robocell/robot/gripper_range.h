@@ -12,7 +12,7 @@
 
 namespace robocell {
 
-// What a gripper does at the two ends of its control.
+// The behaviour of a gripper at the two ends of its control.
 struct GripperRange {
   std::vector<GripperCtrl> ctrl;  // of each actuator
   GripperDistance distance;
@@ -21,7 +21,7 @@ struct GripperRange {
   double meets = 0;
 };
 
-// What moves and what is measured, as ids in the scene's present model.
+// The moving and the measured parts, as ids in the scene's present model.
 struct GripperParts {
   int robot_body = -1;  // the robot is this body's subtree
   std::vector<int> ctrl_addresses;
@@ -41,8 +41,8 @@ struct GripperParts {
 std::array<double, 2> SettledFingerDistances(const Scene& scene, const GripperParts& parts,
                                              const std::array<std::vector<double>, 2>& ctrl);
 
-// What touches the fingers at the end of that: "'forearm' and 'left_finger'", names of bodies; of
-// each pair once. Measures anew, for messages.
+// Contacts of the fingers at the end of that: "'forearm' and 'left_finger'", names of bodies, each
+// pair once. Measures again, for messages.
 std::vector<std::string> TouchingFingers(const Scene& scene, const GripperParts& parts,
                                          const std::array<std::vector<double>, 2>& ctrl);
 

@@ -18,7 +18,7 @@
 
 namespace robocell {
 
-// What the keys of all controls begin with (ControlledGroup::control_key()).
+// Prefix of the keys of all controls (ControlledGroup::control_key()).
 inline constexpr std::string_view kControlKey = "control:";
 
 // A group, what it can be driven by, and the chain to its leaf.
@@ -30,7 +30,7 @@ class ControlledGroup {
 
   // Reads the chain anew, with what hangs on it at `qpos` or, without, at the reference.
   void RemakeChain(const mjModel* model, std::span<const double> qpos = {});
-  // Whether the model was written to since the chain was read from it.
+  // Returns true if the model was written to since the chain was read from it.
   bool is_stale(const mjModel* model) const { return source_.IsStale(model); }
   bool refreshed() const { return refreshed_; }  // the chain is not that of the reference
   // Names the actuators; "" for those of a group that shares no control.
@@ -50,8 +50,8 @@ class ControlledGroup {
   std::vector<std::shared_ptr<void>> companions_;  // of chains that were, see Chain::companion()
 };
 
-// What drives a group, and the buffer that carries the control to the engine. The scene knows those
-// that are shared, as observers of nothing, by their key.
+// The controller of a group, and the buffer that carries the control to the engine. The scene knows
+// the shared ones by their key, as observers of nothing.
 struct GroupControl : SceneObserver {
   ArmPorts ports;
   std::shared_ptr<ControlledGroup> of;     // whose group the controller works on
@@ -86,7 +86,7 @@ struct GroupControl : SceneObserver {
   void Put(std::shared_ptr<Controller> next, std::shared_ptr<ControlledGroup> group,
            MoveGroup& its_drive);
 
-  // What drives the group, to be put back when something else cannot.
+  // The controller of the group, to be restored if another one cannot drive it.
   struct Driven {
     ArmPorts ports;
     std::shared_ptr<ControlledGroup> of;

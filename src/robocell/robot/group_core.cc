@@ -107,8 +107,9 @@ void GroupCore::ThrowWrongSize(size_t got, int expected, const char* what) const
       fmt::format("{}: expected {} {} values, got {}", place(), expected, what, got));
 }
 
-void GroupCore::CheckFinite(std::span<const double> values,
-                            const std::vector<std::string>& element_names, const char* kind) const {
+void GroupCore::RequireFiniteValues(std::span<const double> values,
+                                    const std::vector<std::string>& element_names,
+                                    const char* kind) const {
   if (AllFinite(values.data(), values.size())) return;
   for (size_t i = 0; i < values.size(); ++i) {
     if (std::isfinite(values[i])) continue;
@@ -122,25 +123,25 @@ void GroupCore::CheckFinite(std::span<const double> values,
 
 void GroupCore::GetJointPos(std::span<double> out) const {
   Bind();
-  CheckSize(out.size(), nq(), "joint");
+  RequireSize(out.size(), nq(), "joint");
   qpos_addresses_.Gather(data()->qpos, out);
 }
 
 void GroupCore::GetJointVel(std::span<double> out) const {
   Bind();
-  CheckSize(out.size(), nv(), "joint velocity");
+  RequireSize(out.size(), nv(), "joint velocity");
   dof_addresses_.Gather(data()->qvel, out);
 }
 
 void GroupCore::GetJointTorque(std::span<double> out) const {
   Bind();
-  CheckSize(out.size(), nv(), "joint torque");
+  RequireSize(out.size(), nv(), "joint torque");
   dof_addresses_.Gather(data()->qfrc_actuator, out);
 }
 
 void GroupCore::GetCtrl(std::span<double> out) const {
   Bind();
-  CheckSize(out.size(), nu(), "control");
+  RequireSize(out.size(), nu(), "control");
   ctrl_addresses_.Gather(data()->ctrl, out);
 }
 
@@ -151,23 +152,23 @@ void GroupCore::SetJointPos(std::span<const double> q) const {
 
 void GroupCore::WriteJointPos(std::span<const double> q) const {
   Bind();
-  CheckSize(q.size(), nq(), "joint");
-  CheckFinite(q, names_.joints, "joint");
+  RequireSize(q.size(), nq(), "joint");
+  RequireFiniteValues(q, names_.joints, "joint");
   qpos_addresses_.Scatter(q, data()->qpos);
   Scene(scene_).PosesChanged();
 }
 
 void GroupCore::SetJointVel(std::span<const double> v) const {
   Bind();
-  CheckSize(v.size(), nv(), "joint velocity");
-  CheckFinite(v, names_.joints, "joint");
+  RequireSize(v.size(), nv(), "joint velocity");
+  RequireFiniteValues(v, names_.joints, "joint");
   dof_addresses_.Scatter(v, data()->qvel);
 }
 
 void GroupCore::SetCtrl(std::span<const double> ctrl) const {
   Bind();
-  CheckSize(ctrl.size(), nu(), "control");
-  CheckFinite(ctrl, names_.actuators, "actuator");
+  RequireSize(ctrl.size(), nu(), "control");
+  RequireFiniteValues(ctrl, names_.actuators, "actuator");
   ctrl_addresses_.Scatter(ctrl, data()->ctrl);
 }
 
@@ -180,7 +181,7 @@ std::vector<Interval> GroupCore::joint_pos_limits() const {
 
 void GroupCore::GetJointPosLimits(std::span<Interval> out) const {
   Bind();
-  CheckSize(out.size(), nq(), "joint");
+  RequireSize(out.size(), nq(), "joint");
   const mjModel* m = model();
   Interval* limits = out.data();
   for (const int id : joint_ids_) {
@@ -206,7 +207,7 @@ std::vector<Interval> GroupCore::ctrl_limits() const {
 
 void GroupCore::NoopCtrl(std::span<double> out) const {
   Bind();
-  CheckSize(out.size(), nu(), "control");
+  RequireSize(out.size(), nu(), "control");
   scene_.SyncPoses();
   const mjModel* m = model();
   mjData* d = data();
@@ -233,8 +234,8 @@ std::optional<double> GroupCore::RestingCtrlFor(size_t actuator, std::span<const
 
 void GroupCore::CtrlForJointPos(std::span<const double> q, std::span<double> ctrl) const {
   Bind();
-  CheckSize(q.size(), nq(), "joint");
-  CheckSize(ctrl.size(), nu(), "control");
+  RequireSize(q.size(), nq(), "joint");
+  RequireSize(ctrl.size(), nu(), "control");
   const mjModel* m = model();
   for (size_t i = 0; i < actuator_ids_.size(); ++i) {
     const std::optional<double> rest = RestingCtrlFor(i, q);
@@ -258,7 +259,7 @@ void GroupCore::CtrlForJointPos(std::span<const double> q, std::span<double> ctr
 
 void GroupCore::SettleFilters(std::span<const double> q) const {
   Bind();
-  CheckSize(q.size(), nq(), "joint");
+  RequireSize(q.size(), nq(), "joint");
   const mjModel* m = model();
   for (size_t i = 0; i < actuator_ids_.size(); ++i) {
     const int id = actuator_ids_[i], joint = driven_[i];
@@ -286,8 +287,8 @@ std::optional<CutCtrl> GroupCore::FindCutCtrl(std::span<const double> q,
 
 void GroupCore::Integrate(std::span<double> q, std::span<const double> v) const {
   Bind();
-  CheckSize(q.size(), nq(), "joint");
-  CheckSize(v.size(), nv(), "joint velocity");
+  RequireSize(q.size(), nq(), "joint");
+  RequireSize(v.size(), nv(), "joint velocity");
   size_t iq = 0, iv = 0;
   for (const int id : joint_ids_) {
     const int type = model()->jnt_type[id];
@@ -324,7 +325,7 @@ Eigen::Vector3d GroupCore::gravity_in_base() const {
 
 void GroupCore::Jacobian(Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out) const {
   Bind();
-  CheckSize(static_cast<size_t>(out.cols()), nv(), "Jacobian column");
+  RequireSize(static_cast<size_t>(out.cols()), nv(), "Jacobian column");
   scene_.SyncPoses();
   const mjModel* m = model();
   const mjData* d = data();

@@ -112,12 +112,12 @@ class GroupCore {
   FrameId Find(const FrameName& frame, const std::string& where) const;
   Pose FramePose(FrameId& frame) const;
   std::optional<double> RestingCtrlFor(size_t actuator, std::span<const double> q) const;
-  void CheckSize(size_t got, int expected, const char* what) const {
+  void RequireSize(size_t got, int expected, const char* what) const {
     if (got != static_cast<size_t>(expected)) ThrowWrongSize(got, expected, what);
   }
   [[noreturn]] void ThrowWrongSize(size_t got, int expected, const char* what) const;
-  void CheckFinite(std::span<const double> values, const std::vector<std::string>& element_names,
-                   const char* kind) const;
+  void RequireFiniteValues(std::span<const double> values,
+                           const std::vector<std::string>& element_names, const char* kind) const;
 
   // What every tick needs, side by side.
   Scene scene_;

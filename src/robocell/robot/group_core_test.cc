@@ -1,4 +1,4 @@
-// What groups read and write, for joints and actuators of every kind.
+// Reading and writing of groups, for joints and actuators of every kind.
 #include "robocell/robot/group_core.h"
 
 #include <gtest/gtest.h>

@@ -28,7 +28,7 @@ struct MadeGroup {
 // place in the robot's file.
 std::vector<MadeGroup> MakeGroups(const Scene& scene, const RobotRecord& robot);
 
-// What is under a robot whose configuration names no base group.
+// The base group of a robot whose configuration names none.
 MadeGroup MakeImplicitBase(const Scene& scene, const RobotRecord& robot);
 
 // An arm over the given joints, driven by the actuators found on them, likewise, for robots without

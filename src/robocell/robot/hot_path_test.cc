@@ -1,4 +1,4 @@
-// What runs every control tick allocates nothing.
+// Code that runs every control tick allocates nothing.
 #include <gtest/gtest.h>
 
 #include "robocell/robot/testing/robots.h"

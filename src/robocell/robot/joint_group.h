@@ -14,8 +14,7 @@
 
 namespace robocell {
 
-// What such groups say of their limits and of the controls that they made, and where their servos
-// begin; see GroupCore.
+// Interface of groups with limits, controls and the start of their servos; see GroupCore.
 class ServoGroup {
  public:
   // joint_pos_limits(), without allocation.

@@ -28,7 +28,8 @@ JointPositionController::JointPositionController(MoveGroup& group)
 }
 
 void JointPositionController::SetTarget(std::span<const double> target) {
-  CheckValues([&] { return group_.place(); }, "joint", target, target_size(), group_.joint_names());
+  RequireValues([&] { return group_.place(); }, "joint", target, target_size(),
+                group_.joint_names());
   std::copy(target.begin(), target.end(), target_.begin());
   commanded_ = true;
 }
@@ -57,8 +58,8 @@ bool JointPositionController::GetSteadyTarget(std::span<const double> q, std::sp
 
 void JointPositionController::Compute(std::span<double> ctrl) {
   // The port is written to without a check.
-  CheckValues([&] { return group_.place(); }, "joint", target_.get(), target_size(),
-              group_.joint_names());
+  RequireValues([&] { return group_.place(); }, "joint", target_.get(), target_size(),
+                group_.joint_names());
   // Somebody may have written to the model.
   if (servos_) {
     servos_->GetJointPosLimits(limits_);
@@ -68,7 +69,7 @@ void JointPositionController::Compute(std::span<double> ctrl) {
   for (size_t i = 0; i < target_.size(); ++i) {
     within_[i] = std::clamp(target_[i], limits_[i].lower, limits_[i].upper);
     if (within_[i] == target_[i] || !IsCommanded(i)) continue;
-    beyond_.Check(target_[i], limits_[i], [&] {
+    beyond_.Watch(target_[i], limits_[i], [&] {
       const std::vector<std::string>& names = group_.joint_names();
       return group_.place() + ": joint " +
              (names.size() == target_.size() ? "'" + names[i] + "'" : std::to_string(i));
@@ -82,7 +83,7 @@ void JointPositionController::TellCutCtrl(std::span<const double> ctrl) {
   for (auto cut = servos_->FindCutCtrl(within_, ctrl, 0); cut;
        cut = servos_->FindCutCtrl(within_, ctrl, cut->actuator + 1)) {
     if (!IsCommanded(cut->joint)) continue;
-    beyond_.Check(cut->wanted, cut->range, [&] {
+    beyond_.Watch(cut->wanted, cut->range, [&] {
       return group_.place() + ": actuator '" + group_.actuator_names()[cut->actuator] +
              "', by its ctrlrange,";
     });

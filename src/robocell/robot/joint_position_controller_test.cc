@@ -158,7 +158,7 @@ TEST_F(GripperOpening, CommandedAtTheGroupIsTakenOver) {
   EXPECT_DOUBLE_EQ(Target(), 0.7);
 }
 
-// Also when it asks for what the actuator is told already.
+// The last command counts even if it equals the actuator's present control.
 TEST_F(GripperOpening, WhoeverCommandsLastIsObeyed) {
   robot.gripper().Open();
   robot.Update();

@@ -21,8 +21,8 @@ double DamperTorque(double linear, const mjtNum* high, double v) {
   return v * (linear + speed * (high[0] + speed * high[1]));
 }
 
-// Of a friction constraint of the engine per rad/s, while the joint keeps its speed: stiffness of
-// the constraint times how fast it brakes (mj_makeImpedance, mj_referenceConstraint).
+// Slope of a friction constraint of the engine per rad/s, while the joint keeps its speed:
+// stiffness of the constraint times how fast it brakes (mj_makeImpedance, mj_referenceConstraint).
 double FrictionSlope(const mjModel* m, int dof) {
   const mjtNum *solref = m->dof_solref + mjNREF * dof, *solimp = m->dof_solimp + mjNIMP * dof;
   const auto impedance = [](double x) { return std::clamp<double>(x, mjMINIMP, mjMAXIMP); };

@@ -1,4 +1,4 @@
-// What joints push back with when they are moved: their springs, dampers and friction.
+// Resistance of joints to motion: their springs, dampers and friction.
 #pragma once
 
 #include <span>

@@ -26,7 +26,7 @@ JointTorqueController::JointTorqueController(ArmGroup& arm)
 }
 
 void JointTorqueController::SetTarget(std::span<const double> torque) {
-  CheckValues([&] { return arm_.place(); }, "joint", torque, target_size(), arm_.joint_names());
+  RequireValues([&] { return arm_.place(); }, "joint", torque, target_size(), arm_.joint_names());
   std::copy(torque.begin(), torque.end(), torque_.begin());
   commanded_ = true;
 }
@@ -40,8 +40,8 @@ void JointTorqueController::Reset() {
 
 void JointTorqueController::Compute(std::span<double> ctrl) {
   // The port is written to without a check.
-  CheckValues([&] { return arm_.place(); }, "joint", torque_.get(), target_size(),
-              arm_.joint_names());
+  RequireValues([&] { return arm_.place(); }, "joint", torque_.get(), target_size(),
+                arm_.joint_names());
   arm_.GetJointPos(q_);
   if (!beyond_.told()) TellStrained();
   arm_.CtrlForJointTorque(torque_.get(), ctrl);
@@ -52,7 +52,7 @@ void JointTorqueController::TellStrained() {
   for (size_t i = arm_.FindStrained(torque_.get(), 0); i < torque_.size();
        i = arm_.FindStrained(torque_.get(), i + 1)) {
     if (!IsCommanded(i)) continue;
-    beyond_.Check(torque_[i], arm_.torque_limit(i), [&] {
+    beyond_.Watch(torque_[i], arm_.torque_limit(i), [&] {
       return fmt::format("{}: the torque of joint '{}'", arm_.place(), arm_.joint_names()[i]);
     });
   }

@@ -30,7 +30,7 @@ JointVelocityController::JointVelocityController(ArmGroup& arm)
 }
 
 void JointVelocityController::SetTarget(std::span<const double> velocity) {
-  CheckValues([&] { return arm_.place(); }, "joint", velocity, target_size(), arm_.joint_names());
+  RequireValues([&] { return arm_.place(); }, "joint", velocity, target_size(), arm_.joint_names());
   std::copy(velocity.begin(), velocity.end(), velocity_.begin());
 }
 
@@ -62,8 +62,8 @@ std::span<const double> JointVelocityController::Driven() {
 
 void JointVelocityController::Compute(std::span<double> ctrl) {
   // The port is written to without a check.
-  CheckValues([&] { return arm_.place(); }, "joint", velocity_.get(), target_size(),
-              arm_.joint_names());
+  RequireValues([&] { return arm_.place(); }, "joint", velocity_.get(), target_size(),
+                arm_.joint_names());
   arm_.GetJointPos(q_);
   arm_.GetJointVel(qd_);
   arm_.InverseDynamics(q_, qd_, still_, feedforward_);

@@ -40,7 +40,7 @@ class JointVelocityController : public Controller {
   void Compute(std::span<double> ctrl) override;
 
  private:
-  // What the joints are driven at now.
+  // The present velocity targets of the joints.
   std::span<const double> Driven();
 
   ArmGroup& arm_;

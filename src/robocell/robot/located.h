@@ -4,8 +4,8 @@
 #include <string>
 
 #include "robocell/base/error.h"
+#include "robocell/spec/locations.h"
 #include "robocell/spec/robot_config.h"
-#include "robocell/spec/split_place.h"
 
 namespace robocell {
 

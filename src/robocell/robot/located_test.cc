@@ -7,8 +7,8 @@
 #include <regex>
 
 #include "robocell/base/files.h"
-#include "robocell/robot/check_config.h"
 #include "robocell/robot/testing/robots.h"
+#include "robocell/robot/validate_config.h"
 #include "robocell/testing/expect_throw.h"
 
 namespace robocell {
@@ -62,7 +62,7 @@ TEST_F(LocatedRobot, AWrongDistanceThatCannotBeMeasuredHasOnePlace) {
            "  gripper: {kind: gripper, joints: [g_s1, g_s2], actuators: g_grip,\n"
            "            distance: {closed: 0, open: 0.1}, ctrl: {open: 0, closed: 0.03}}\n");
   Problems problems(robot.config().locations);
-  CheckConfig(robot, problems);
+  ValidateConfig(robot, problems);
   const std::string text = problems.Text("arm.yaml");
   EXPECT_THAT(text, HasSubstr("is not valid: " + file_ + ":7:53: robot 'arm' / group 'gripper'"));
   EXPECT_EQ(text.find(file_), text.rfind(file_)) << text;

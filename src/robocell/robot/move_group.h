@@ -105,9 +105,9 @@ class GripperGroup : public MoveGroup {
   virtual void SetOpening(double opening) = 0;
   void Open() { SetOpening(1); }
   void Close() { SetOpening(0); }
-  // Of the first actuator; the others' are the same unless CtrlForOpening says otherwise.
+  // Control of the first actuator; the others have the same unless CtrlForOpening says otherwise.
   virtual double ctrl_for_opening(double opening) const = 0;
-  // Of each actuator (nu values).
+  // Control of each actuator (nu values).
   virtual void CtrlForOpening(double opening, std::span<double> ctrl) const;
   // Free distance between the fingers, metres; its range is {closed, open}, measured once when not
   // configured.
@@ -125,24 +125,24 @@ struct BaseSpeeds {
   bool operator==(const BaseSpeeds&) const = default;
 };
 
-// What the robot stands on.
+// The base that the robot stands on.
 class BaseGroup : public MoveGroup {
  public:
-  // Of the pedestal's bottom, of the mocap, free, planar or driven body, or else of the robot's
-  // root.
+  // Pose of the pedestal's bottom, of the mocap, free, planar or driven body, or else of the
+  // robot's root.
   virtual Pose pose() const = 0;
   // Puts the base there at once and stops it: a teleport, which carries nothing that the robot
   // holds; the log says so. An ArgumentError for a fixed base, and for a pose outside a planar
   // base's plane.
   virtual void SetPose(const Pose& pose_in_world) = 0;
-  // Whether it can drive, or fly, by itself: free, planar and driven bases.
+  // Whether the base can move by itself: free, planar and driven bases.
   virtual bool is_mobile() const = 0;
 
   // Whether the base moves to a target by itself, as BaseKind::kDriven does. The functions below
   // are ArgumentErrors for other bases.
   virtual bool is_driven() const { return false; }
-  // Where the base is being driven to. Robot::Update() moves it there, no faster than max_speeds()
-  // and with what the robot holds. A reset and SetPose() put the target where the base is.
+  // Target of the driven base. Robot::Update() moves the base there within max_speeds() and with
+  // what the robot holds. A reset and SetPose() put the target where the base is.
   virtual Pose target() const;
   virtual void SetTarget(const Pose& pose_in_world);
   // At first those of the robot's BaseConfig.

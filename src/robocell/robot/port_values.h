@@ -1,5 +1,4 @@
-// What a controller is driving to, for controllers whose numbers may stand in a port of the robot's
-// (Controller::UsePort).
+// The target of a controller whose numbers may be in a port of the robot (Controller::UsePort).
 #pragma once
 
 #include <algorithm>

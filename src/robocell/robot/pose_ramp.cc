@@ -6,8 +6,8 @@
 namespace robocell {
 namespace {
 
-// Of the acceleration, how much a motion that brakes on time needs; the rest corrects the speed
-// where ticks are long.
+// Share of the acceleration that planned braking uses; the rest corrects the speed if ticks are
+// long.
 constexpr double kPlannedBraking = 0.7;
 constexpr double kNothing = 1e-12;  // m or rad; rounding
 

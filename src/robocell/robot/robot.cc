@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/kinematics/reach.h"
 #include "robocell/mujoco/gravity.h"
 #include "robocell/robot/measurement_cache.h"
@@ -18,7 +18,7 @@ namespace robocell {
 namespace {
 
 // A gripper that is no GripperGroup could not be used as one.
-void CheckInterface(const MoveGroup* group) {
+void RequireInterface(const MoveGroup* group) {
   if (!group) throw ArgumentError("a robot's group cannot be null");
   const std::string place = "group '" + group->name() + "'";
   if (group->kind() == MoveGroupKind::kGripper && !dynamic_cast<const GripperGroup*>(group)) {
@@ -88,7 +88,7 @@ BaseGroup& Robot::base() const {
 }
 
 void Robot::SetGroup(std::shared_ptr<MoveGroup> group) {
-  CheckInterface(group.get());
+  RequireInterface(group.get());
   MadeGroup made{std::move(group)};
   const GroupSlot* old = open().Find(made.group->name());
   const bool same_arm = old && old->own->tip && made.group->kind() == MoveGroupKind::kArm &&
@@ -220,8 +220,8 @@ std::span<double> Robot::Port(TargetKind kind, const char* name, CtrlMode mode) 
 
 void Robot::WritePort(TargetKind kind, std::span<double> port, std::span<const double> values) {
   GroupSlot& slot = open().RequireKind(MoveGroupKind::kArm);
-  CheckValues([&] { return open().place(slot); }, "joint", values, static_cast<int>(port.size()),
-              joint_names());
+  RequireValues([&] { return open().place(slot); }, "joint", values, static_cast<int>(port.size()),
+                joint_names());
   std::copy(values.begin(), values.end(), port.begin());
   slot.control->ports.SetCommanded(kind);
 }

@@ -80,7 +80,7 @@ class Robot {
   // The same, keeping the robot and the group alive, in use or not.
   std::shared_ptr<MoveGroup> shared_group(const std::string& name) const;
   MoveGroup& arm() const;
-  // That of the first arm, see gripper_of().
+  // The gripper of the first arm, see gripper_of().
   GripperGroup& gripper() const;
   bool has_gripper() const;
   bool has_arm() const;
@@ -94,7 +94,7 @@ class Robot {
   // nobody else keeps it.
   void SetGroup(std::shared_ptr<MoveGroup> group);
 
-  // Whether the group has a controller, which Update() runs.
+  // Returns true if the group has a controller, which Update() runs.
   bool is_driven(const std::string& group) const;
   // NotFoundError says why a group has none.
   Controller& controller(const std::string& group) const;
@@ -114,9 +114,9 @@ class Robot {
     SetController(group, std::move(made));
     return *known;
   }
-  // What the arm is driven by, and switching it: puts in the port's controller (joint_position,
-  // joint_velocity, joint_torque) unless it is there. Forces do not jump: torques start with what
-  // holds the arm against gravity, servos where they push as the motors did. Takes effect at once.
+  // The mode that drives the arm. Setting it installs the port's controller (joint_position,
+  // joint_velocity, joint_torque) unless it is there. Forces do not jump: torques start with those
+  // that hold the arm against gravity, servos push as the motors did. Takes effect at once.
   // ArgumentError for a mode that the arm does not have (RobotSpec::control_modes), Error on a
   // frozen model.
   CtrlMode ctrl_mode() const;
@@ -203,8 +203,8 @@ class Robot {
   std::vector<std::string> ft_sensor_names() const;
   Wrench ft_sensor(const std::string& name) const;
   Pose ft_sensor_frame(const std::string& name) const;  // of the reading, in the world
-  // What the sensor reads now, as the last step or Forward() left it, is taken off its readings
-  // until the next reset.
+  // Subtracts the present reading, of the last step or Forward(), from later readings until the
+  // next reset.
   void TareFtSensor(const std::string& name);
   // Farthest the TCP gets from the root body, metres: configured, else measured once.
   double reach() const;
@@ -213,8 +213,8 @@ class Robot {
   // pedestal.
   const std::vector<int>& body_ids() const;
   const std::vector<int>& geom_ids() const;
-  // Of these geoms the ones that stand for the robot where it is asked whether it would collide:
-  // the configuration's `collision_geoms` and the pedestal, or all without that field.
+  // Geoms that represent the robot in collision checks: the configuration's `collision_geoms` and
+  // the pedestal, or all without that field.
   const std::vector<int>& collision_geom_ids() const;
 
  private:

@@ -11,7 +11,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/function_name.h"
 #include "robocell/base/log.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/scene/actuator_kind.h"
@@ -48,13 +48,13 @@ std::vector<double> TakeOver(const ControlledGroup& group, Controller& controlle
   return servos;
 }
 
-// What is taken over are the forces at the present place: after a teleport without a step they may
-// still be those of the place before.
+// Takes over the forces at the present place. After a teleport without a step they may still be
+// those of the old place.
 void BringForces(Scene scene, const GroupControl& control) {
   if (control.may_have_forces_of_before(scene.time())) scene.Forward();
 }
 
-// What the model of an arm that is to be driven in a mode may have.
+// The actuators that the model of an arm may have for a mode.
 std::string ActuatorsFor(CtrlMode mode) {
   const std::string servos = std::string(ActuatorWord(CtrlMode::kPosition)) + "s";
   return mode == CtrlMode::kPosition ? servos
@@ -186,7 +186,7 @@ void Robot::State::FindCollisionGeoms() {
   std::erase_if(collision_geoms, [&](int g) { return !chosen.contains(g); });
 }
 
-// What they were tared by stays.
+// Tares are kept.
 void Robot::State::FindFtSensors() {
   std::vector<FtReading> found;
   for (const ForceTorqueSensorSpec& spec : record.config.ft_sensors) {

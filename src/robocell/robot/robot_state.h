@@ -81,7 +81,7 @@ class Robot::State : public SceneObserver {
   void RefreshChains();
   // State of the arm into the ports, and readings of the force-torque sensors.
   void ReadPorts();
-  // Where a teleport puts the arm beyond its limits the log says so, the first time.
+  // Logs, the first time, that a teleport puts the arm beyond its limits.
   void TellBeyondLimits(const ArmGroup& arm, std::span<const double> q);
   // ClosedError when its bodies were removed with an object of the scene.
   void RequireBodies() const {
@@ -97,7 +97,7 @@ class Robot::State : public SceneObserver {
 
   bool is_of_chain() const { return !tip_body.empty(); }
 
-  // Of every tick, side by side.
+  // Data of every tick, side by side.
   Scene scene;
   std::vector<std::shared_ptr<GroupSlot>> slots;
   std::vector<double> pos, vel, trq;  // the arm's measurement ports
@@ -106,7 +106,7 @@ class Robot::State : public SceneObserver {
   bool paused = false, told_beyond_limits = false;
 
  private:
-  // Of the slots, which hold them: what every tick would find by way of several pointers.
+  // Pointers into the slots, which own them, so that a tick does not follow several pointers.
   MoveGroup* arm_ = nullptr;
   std::vector<GroupControl*> controls_;
 
@@ -138,14 +138,14 @@ class Robot::State : public SceneObserver {
   // Gives a new slot its control; ArgumentError when `controller` cannot drive its group, or an arm
   // of other joints drives some of its actuators.
   void Drive(GroupSlot& slot, const std::string& controller, bool configured);
-  // What drives the actuators of that key; null while nothing does.
+  // Returns the control of the actuators of that key; null without one.
   std::shared_ptr<GroupControl> FindControl(const std::string& key) const;
   // ArgumentError when the group's actuators are not all its own to drive.
   void RequireUndriven(const GroupSlot& slot) const;
   // A controller of the slot's group in the place of one of the same mode, driven to the same.
   void PutInstead(GroupSlot& slot, const std::string& controller);
-  // With what hangs on it where it is weighed: where it is now if it was refreshed, else at the
-  // reference.
+  // Reads the chain with everything attached to it: at its present place if it was refreshed, else
+  // at the reference.
   void ReadChainAgain(ControlledGroup& group) const;
   // Calls `visit` with each group whose chain is asked: the slots' own, and those that drive their
   // actuators.
@@ -159,7 +159,7 @@ class Robot::State : public SceneObserver {
   std::vector<GroupSlot*> OfKind(MoveGroupKind kind) const;
   // The body that the arm's last joint moves; -1 when it has no joints of the model.
   int LastLink(const GroupSlot& arm) const;
-  // Whether one of the gripper's joints hangs on the arm's last link.
+  // Returns true if one of the gripper's joints hangs on the arm's last link.
   bool Carries(const GroupSlot& arm, const GroupSlot& gripper) const;
   // The first arm that carries it; null for none.
   GroupSlot* CarrierOf(const GroupSlot& gripper) const;

@@ -17,7 +17,7 @@ namespace {
 
 bool IsStill(const mjModel* m, int body) { return m->body_dofnum[m->body_weldid[body]] == 0; }
 
-// Whether the engine looks for contacts of two geoms (its filters of mj_collision).
+// Returns true if the engine looks for contacts of two geoms (its filters of mj_collision).
 bool MayCollide(const mjModel* m, int a, int b) {
   if (!(m->geom_contype[a] & m->geom_conaffinity[b]) &&
       !(m->geom_contype[b] & m->geom_conaffinity[a]))
@@ -113,7 +113,7 @@ void ScratchRobot::State::PairBox(int own) {
   }
 }
 
-// Of boxes that are apart, contacts of a margin tell other distances, or are missing.
+// Contacts with a margin report wrong distances of separated boxes, or miss them.
 void ScratchRobot::State::MeasureBoxes() {
   const double horizon = model.opt.o_margin;
   mjData* d = data.get();

@@ -23,8 +23,8 @@ namespace robocell {
 
 class ScratchRobot {
  public:
-  // What comes nearer than `horizon` metres is found. `remedy` ends the message after objects were
-  // added to the scene or removed: what to do then.
+  // Finds contacts nearer than `horizon` metres. `remedy` ends the message after objects were added
+  // to the scene or removed.
   ScratchRobot(const Robot& robot, double horizon, std::string_view remedy);
   ~ScratchRobot();
 

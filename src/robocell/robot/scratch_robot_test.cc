@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kHorizon = 0.2;
 
-// The built-in robot, of boxes, cylinders and a capsule, beside one thing.
+// The built-in robot, made of boxes, cylinders and a capsule, beside one geom.
 Scene Beside(const std::string& geom) {
   const TempDir folder;
   std::ofstream(folder / "thing.xml")

@@ -1,5 +1,5 @@
-// Where one arm and its gripper are used, as in environments and pick tasks, a robot of several
-// has others that are not.
+// Finds the groups of a robot that are not used where one arm and its gripper are, as in
+// environments and pick tasks.
 #pragma once
 
 #include <string>

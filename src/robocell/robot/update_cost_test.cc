@@ -1,4 +1,4 @@
-// That the control loop's cost did not collapse: far from how fast it is, which benchmarks/ tells.
+// Checks that the control loop did not become many times slower; benchmarks/ measures its speed.
 #include "robocell/robot/testing/update_cost.h"
 
 #include <gtest/gtest.h>

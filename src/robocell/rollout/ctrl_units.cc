@@ -23,7 +23,7 @@ std::string LengthUnit(const mjModel* m, int actuator) {
   return m->jnt_type[id] == mjJNT_HINGE ? "rad" : "";
 }
 
-// Of an actuator that drives to its control, or to the integral of it.
+// Unit of an actuator that drives to its control, or to the integral of it.
 std::string UnitOf(const mjModel* m, int actuator) {
   const std::string length = LengthUnit(m, actuator);
   const int dynamics = m->actuator_dyntype[actuator];

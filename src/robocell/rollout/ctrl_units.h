@@ -1,4 +1,4 @@
-// What the engine's controls are measured in.
+// Units of the engine's controls.
 #pragma once
 
 #include <string>
@@ -8,7 +8,8 @@
 
 namespace robocell {
 
-// Of each control (nu), in the engine's order: of position servos "rad" or "m", of velocity servos
+// Returns the unit of each control (nu), in the engine's order: of position servos "rad" or "m", of
+// velocity servos
 // "rad/s" or "m/s", of motors "N m" or "N". "actuator" where the number has a meaning of the
 // actuator's own: with a gear or gain other than 1 (a gripper's 0..255), at fixed tendons, at
 // sites and bodies, for muscles.

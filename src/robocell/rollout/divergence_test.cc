@@ -140,8 +140,8 @@ TEST_F(DivergenceTest, UnstableModelsEndEpisodeAfterEpisodeAndSpoilNoLaterOne) {
   Runner runner(run, parts);
   const std::vector<PlanItem> plan = MakePlan(run);
   for (int i = 0; i < 2; ++i) {
-    const EpisodeReport report = runner.Run(plan[i]);
-    EXPECT_THAT(report.failures, ElementsAre(Pair("diverged", run.max_attempts)));
+    const ItemResult result = runner.Run(plan[i]);
+    EXPECT_THAT(result.failures, ElementsAre(Pair("diverged", run.max_attempts)));
     const Episode episode(folder / "stormy" / EpisodeId(run, plan[i], 0));
     EXPECT_EQ(episode.end_reason(), "diverged");
     EXPECT_TRUE(episode.terminated());
@@ -167,9 +167,9 @@ TEST_F(DivergenceTest, APoisonedStateIsForgottenByTheNextAttemptOfTheSameRunner)
   Runner spared(idle, AtFirst([] { return std::make_shared<Standing>(); }));
   const std::vector<PlanItem> plan = MakePlan(poisoned);
   for (int i = 0; i < 2; ++i) {
-    const EpisodeReport report = hit.Run(plan[i]);
-    EXPECT_EQ(report.failures.contains("diverged"), i == 0);
-    EXPECT_TRUE(report.success && spared.Run(plan[i]).success);
+    const ItemResult result = hit.Run(plan[i]);
+    EXPECT_EQ(result.failures.contains("diverged"), i == 0);
+    EXPECT_TRUE(result.success && spared.Run(plan[i]).success);
     const std::string steps = plan[i].id + "/steps.h5";
     EXPECT_EQ(ReadFile(folder / "poisoned" / steps), ReadFile(folder / "idle" / steps));
   }

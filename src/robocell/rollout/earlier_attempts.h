@@ -1,6 +1,5 @@
-// What became of the attempts at an item before the one that an episode is of: a part of its
-// metadata. An attempt that was refused leaves nothing else, and with `keep: successes` neither
-// does one that failed.
+// The results of earlier attempts at an episode's item: a part of its metadata. A refused attempt
+// leaves nothing else, and with `keep: successes` neither does a failed one.
 //
 //   "earlier_attempts": [{"object_kind": "mug", "refused": "too far"},
 //                        {"object_kind": "cup", "failed": "dropped"}]
@@ -22,7 +21,7 @@ inline constexpr const char* kEarlierAttempts = "earlier_attempts";
 
 // A JSON list.
 std::string ToJson(const EarlierAttempts& earlier);
-// Of an episode's metadata; none when it says nothing about them. IoError for what is none of this.
+// Reads them from an episode's metadata; none if there are none. IoError for invalid metadata.
 EarlierAttempts EarlierAttemptsIn(const std::string& metadata_json);
 
 }  // namespace robocell

@@ -19,7 +19,7 @@ const char* SolverName(int solver) {
   return solver == mjSOL_PGS ? "pgs" : solver == mjSOL_CG ? "cg" : "newton";
 }
 
-// What an episode says of its engine.
+// The engine's part of an episode's metadata.
 struct EngineText {
   std::string jacobian;
   bool is_guarded = false;

@@ -54,10 +54,10 @@ TEST(EngineRecord, IsRestoredWithAnyEngine) {
   EXPECT_EQ(Restored(R"({"engine": {"jacobian": "dense", "guards": ["sparse_newton"]}})"),
             JacobianKind::kDense);
   EXPECT_EQ(Restored(R"({"engine": {"jacobian": "auto", "guards": []}})"), std::nullopt);
-  // What a user wrote into the model.
+  // The user wrote this into the model.
   EXPECT_EQ(Restored(R"({"engine": {"jacobian": "sparse", "guards": []}})"), JacobianKind::kSparse);
   EXPECT_EQ(Restored(R"({"engine": {"jacobian": "dense", "guards": []}})"), JacobianKind::kDense);
-  // Of an episode that is older than the guard.
+  // An episode that is older than the guard.
   EXPECT_EQ(Restored("{}"), JacobianKind::kAuto);
   SceneSpec own = ManyBoxes(10);
   own.options.jacobian = JacobianKind::kSparse;

@@ -10,7 +10,6 @@
 #include <nlohmann/json.hpp>
 
 #include "robocell/assets/model_files.h"
-#include "robocell/assets/portable_name.h"
 #include "robocell/assets/resolve.h"
 #include "robocell/assets/scene_models.h"
 #include "robocell/base/error.h"
@@ -32,7 +31,7 @@ Json EnvironmentOf(const Episode& episode) {
   if (IsOfEnv(episode)) return Json::parse(episode.metadata_json()).at("environment");
   throw ArgumentError(
       fmt::format("{} was not recorded in an environment; generated ones are replayed by "
-                  "CheckReplay, and robocell.envs.from_dataset makes an environment of their run",
+                  "VerifyReplay, and robocell.envs.from_dataset makes an environment of their run",
                   PlaceOfEpisode(episode)));
 }
 
@@ -122,7 +121,7 @@ class ActionReplay {
     AddFinalObservation();
   }
 
-  ReplayReport Run() {
+  ReplayResult Run() {
     report_.episode = episode_.id();
     env_.SetState(EnvState::FromNumbers(episode_.Read<double>(std::string(kEnvStateColumn))),
                   options_.frame);
@@ -223,7 +222,7 @@ class ActionReplay {
   const EnvReplayOptions& options_;
   std::vector<double> seen_, actions_, rewards_, times_;
   std::vector<int64_t> ticks_;
-  ReplayReport report_;
+  ReplayResult report_;
 };
 
 }  // namespace
@@ -250,7 +249,7 @@ std::unique_ptr<Env> EnvOfEpisode(const Episode& episode, bool images, const Dat
   return std::make_unique<Env>(std::move(config), Scene::Build(RecordedScene(episode), factory));
 }
 
-ReplayReport ReplayActions(Env& env, const Episode& episode, const EnvReplayOptions& options) {
+ReplayResult ReplayActions(Env& env, const Episode& episode, const EnvReplayOptions& options) {
   if (!(options.tolerance >= 0)) {
     throw ArgumentError(fmt::format(
         "tolerance {} is not at least 0; 0 takes no difference for none", options.tolerance));

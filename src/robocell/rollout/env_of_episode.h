@@ -3,10 +3,10 @@
 //
 //   const Episode episode("out/teleop/episode-000003");
 //   const std::unique_ptr<Env> env = EnvOfEpisode(episode);
-//   const ReplayReport report = ReplayActions(*env, episode);
+//   const ReplayResult report = ReplayActions(*env, episode);
 //   if (!report.ok()) LogWarn(report.Text());
 //
-// CheckReplay (replay.h) asks less: whether the recorded controls give the recorded states, without
+// VerifyReplay (replay.h) asks less: whether the recorded controls give the recorded states, without
 // the environment and its task.
 #pragma once
 
@@ -52,6 +52,6 @@ struct EnvReplayOptions {
 // what was recorded than the tolerance; row rows() is what the last action led to. With
 // StateFrame::kRoot, for a rig that stands elsewhere, it needs one. ArgumentError for an episode of
 // another configuration, before anything changes.
-ReplayReport ReplayActions(Env& env, const Episode& episode, const EnvReplayOptions& options = {});
+ReplayResult ReplayActions(Env& env, const Episode& episode, const EnvReplayOptions& options = {});
 
 }  // namespace robocell

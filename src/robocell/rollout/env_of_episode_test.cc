@@ -80,7 +80,7 @@ class EnvOfEpisodeTest : public ::testing::Test {
 TEST_F(EnvOfEpisodeTest, GivesTheSameToTheBitInEveryEnvironmentOfItsConfiguration) {
   const Episode episode = Record(Rc7WithCube());
   Env other(Rc7WithCube());
-  const ReplayReport report = ReplayActions(other, episode);
+  const ReplayResult report = ReplayActions(other, episode);
   EXPECT_TRUE(report.ok()) << report.Text();
   EXPECT_EQ(report.rows, 3);
   EXPECT_EQ(report.ticks, static_cast<int64_t>(episode.ValueCount("control/time")));
@@ -94,7 +94,7 @@ TEST_F(EnvOfEpisodeTest, GivesTheSameToTheBitInEveryEnvironmentOfItsConfiguratio
 TEST_F(EnvOfEpisodeTest, SaysWhatCameOutOtherwise) {
   const Episode episode = Record(Rc7WithCube());
   Env env(Rc7WithCube());
-  ReplayReport report = ReplayActions(env, Changed(episode, "observation/robot/joints", 7 + 3, 1));
+  ReplayResult report = ReplayActions(env, Changed(episode, "observation/robot/joints", 7 + 3, 1));
   EXPECT_EQ(report.rows, 0);
   ASSERT_TRUE(report.first);
   EXPECT_EQ(report.first->row, 1);
@@ -117,10 +117,10 @@ TEST_F(EnvOfEpisodeTest, SaysWhatCameOutOtherwise) {
 TEST_F(EnvOfEpisodeTest, InARigThatStandsElsewhere) {
   const Episode episode = Record(Rc7WithCube());
   Env there(Rc7WithCube(kElsewhere));
-  const ReplayReport report =
+  const ReplayResult report =
       ReplayActions(there, episode, {.frame = StateFrame::kRoot, .tolerance = 1e-6});
   EXPECT_TRUE(report.ok()) << report.Text();
-  const ReplayReport world = ReplayActions(there, episode, {.tolerance = 1e-6});
+  const ReplayResult world = ReplayActions(there, episode, {.tolerance = 1e-6});
   ASSERT_TRUE(world.first);
   EXPECT_EQ(world.first->row, 0);
   EXPECT_EQ(world.first->column, "observation/objects/cube/tquat");
@@ -185,7 +185,7 @@ TEST_F(EnvOfEpisodeTest, OfASavedSceneNeedsItsFile) {
   ExpectThrow<ArgumentError>([&] { EnvOfEpisode(episode); },
                              "its scene was a saved file (saved_scene), which the dataset does not "
                              "keep; replay it in an environment of that file");
-  ExpectThrow<ArgumentError>([&] { CheckReplay(episode); }, "its scene was a saved file");
+  ExpectThrow<ArgumentError>([&] { VerifyReplay(episode); }, "its scene was a saved file");
 }
 
 TEST_F(EnvOfEpisodeTest, NamesModelsAsEveryMachineKnowsThem) {

@@ -10,14 +10,14 @@
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
-#include "robocell/base/folder_names.h"
+#include "robocell/base/files.h"
 #include "robocell/base/io_error.h"
 #include "robocell/base/log.h"
 #include "robocell/base/ratio.h"
 #include "robocell/data/dataset.h"
+#include "robocell/data/dataset_folder.h"
 #include "robocell/data/dataset_lock.h"
 #include "robocell/data/episode_files.h"
-#include "robocell/data/require_dataset.h"
 #include "robocell/features/chosen_features.h"
 #include "robocell/rollout/engine_record.h"
 #include "robocell/rollout/env_of_episode.h"

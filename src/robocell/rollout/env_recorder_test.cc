@@ -46,13 +46,13 @@ std::vector<double> NumbersOf(std::span<const double> numbers) {
 
 // What a dataset must be, whatever was recorded: whole, and the same again to the bit.
 void ExpectSound(const fs::path& dataset, size_t episodes) {
-  const VerifyReport report = Verify(dataset);
+  const VerifyResult report = Verify(dataset);
   EXPECT_THAT(report.problems, IsEmpty());
   const Dataset all(dataset);
   EXPECT_EQ(all.size(), episodes);
   for (const Episode& episode : all)
-    EXPECT_TRUE(CheckReplay(episode, {.tolerance = 0}).ok())
-        << CheckReplay(episode, {.tolerance = 0}).Text();
+    EXPECT_TRUE(VerifyReplay(episode, {.tolerance = 0}).ok())
+        << VerifyReplay(episode, {.tolerance = 0}).Text();
 }
 
 TEST(EnvRecorders, SaveAnEpisodeAtEachReset) {

@@ -36,8 +36,8 @@ class EpisodeCameras {
   std::vector<Stream> streams_;  // of each image
 };
 
-// What body ids of the scene's segmentation show: the name of each body, and the object or robot
-// that it belongs to.
+// Labels of the body ids in the scene's segmentation: the name of each body, and its object or
+// robot.
 std::vector<SegmentLabel> SegmentLabelsOf(const Scene& scene);
 
 }  // namespace robocell

@@ -9,7 +9,7 @@
 #include <functional>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/rollout/ctrl_units.h"
 
@@ -25,7 +25,7 @@ std::string OneOrAll(const std::vector<std::string>& units) {
 }
 
 // Experts without names of phases are in phase 0 throughout.
-void CheckPhase(int phase, const std::vector<std::string>& names) {
+void RequirePhase(int phase, const std::vector<std::string>& names) {
   if (phase >= 0 && phase < std::max(1, static_cast<int>(names.size()))) return;
   const std::string allowed =
       names.empty() ? "phase_names() is empty, so it must be 0"
@@ -111,7 +111,7 @@ ColumnId OutcomeColumns::AddLabel(EpisodeSchema& schema, ColumnSpec column) {
 }
 
 void OutcomeColumns::PutPhase(EpisodeWriter& writer, int phase) {
-  CheckPhase(phase, phases_);
+  RequirePhase(phase, phases_);
   writer.Put(phase_, static_cast<int32_t>(phase));
 }
 

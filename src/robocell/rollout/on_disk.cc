@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
-#include "robocell/base/shell_word.h"
+#include "robocell/base/paths.h"
 #include "robocell/data/episode_state.h"
 #include "robocell/rollout/earlier_attempts.h"
 #include "robocell/rollout/run_origin.h"

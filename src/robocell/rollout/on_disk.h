@@ -1,5 +1,5 @@
-// What the disk says about the items of a plan: the one place that decides what is made and what
-// is left to do. Success is counted from the disk.
+// Looks up the items of a plan on the disk: the one place that decides which exist and which are
+// still missing. Success is counted from the disk.
 //
 //   const ItemOnDisk found = LookForItem(run, item);
 //   if (!found.broken.empty()) ...        // name it: neither count it nor write over it
@@ -15,8 +15,8 @@
 
 namespace robocell {
 
-// Where an attempt is kept. With failures kept, the attempts of an item stand side by side:
-// "s0003_e0001_a02".
+// Returns the episode id of an attempt. If failures are kept, the attempts of an item have separate
+// ids: "s0003_e0001_a02".
 std::string EpisodeId(const RunConfig& run, const PlanItem& item, int attempt);
 
 // Only episodes of the run itself count: made with the same fields, models and versions. One that

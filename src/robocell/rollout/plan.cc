@@ -4,19 +4,12 @@
 
 #include <algorithm>
 #include <charconv>
-#include <numeric>
 
 #include "robocell/base/error.h"
+#include "robocell/scenes/scene_source.h"
 #include "robocell/spec/yaml.h"
 
 namespace robocell {
-
-std::vector<int> SceneIndices(const RunConfig& run) {
-  if (!run.scenes.houses.empty()) return run.scenes.houses.values;
-  std::vector<int> all(run.scenes.count());
-  std::iota(all.begin(), all.end(), 0);
-  return all;
-}
 
 namespace {
 

@@ -26,9 +26,6 @@ struct PlanItem {
 // plan: the ids and seeds of the others stay. SpecError for more than ten million episodes.
 std::vector<PlanItem> MakePlan(const RunConfig& run);
 
-// The scenes of a run by their numbers in the source, in the order of `scenes.houses`.
-std::vector<int> SceneIndices(const RunConfig& run);
-
 // The items with index % count == shard. ArgumentError unless 0 <= shard < count.
 std::vector<PlanItem> Shard(const std::vector<PlanItem>& plan, int shard, int count);
 // "i/N" as on the command line.

@@ -23,10 +23,11 @@
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_reader.h"
 #include "robocell/data/model_store.h"
-#include "robocell/rollout/check_run.h"
-#include "robocell/rollout/lost_manifest.h"
 #include "robocell/rollout/run_inputs.h"
-#include "robocell/spec/split_place.h"
+#include "robocell/rollout/run_origin.h"
+#include "robocell/rollout/run_renderer.h"
+#include "robocell/rollout/validate_run.h"
+#include "robocell/spec/locations.h"
 
 namespace robocell {
 namespace {
@@ -39,15 +40,17 @@ constexpr int kLockTries = 10;
 constexpr std::chrono::milliseconds kLockPause(100);
 
 std::string Manifest(const RunConfig& run, const RunInputs& inputs) {
-  return Json{{"format", "robocell-dataset"},
-              {"run", run.run},
-              {"seed", run.seed},
-              {"task", run.task.kind()},
-              {"identity", inputs.identity},
-              {"versions", inputs.versions},
-              {"files", inputs.files}}
-             .dump(2) +
-         "\n";
+  Json manifest{{"format", "robocell-dataset"},
+                {"run", run.run},
+                {"seed", run.seed},
+                {"task", run.task.kind()},
+                {"identity", inputs.identity},
+                {"versions", inputs.versions},
+                {"files", inputs.files}};
+  if (const std::string backend = BackendToBeginWith(run); !backend.empty()) {
+    manifest["renderer"] = backend;
+  }
+  return manifest.dump(2) + "\n";
 }
 
 // Throws Json::exception for a manifest of another making.
@@ -229,9 +232,9 @@ void RestoreModels(const RunConfig& run) {
 
 void PrepareDataset(const RunConfig& run, const PrepareOptions& options) {
   RequireOutput(run);
-  if (options.check_run) {
+  if (options.validate) {
     for (const std::string& warning :
-         CheckRun(run, {.scripted_expert = false, .on_this_machine = false}))
+         ValidateRun(run, {.scripted_expert = false, .on_this_machine = false}))
       LogWarn(fmt::format("run '{}': {}", run.run, warning));
   }
   const RunInputs inputs = InputsOf(run);
@@ -240,7 +243,7 @@ void PrepareDataset(const RunConfig& run, const PrepareOptions& options) {
   RestoreModels(run);
 }
 
-void CheckDataset(const RunConfig& run) {
+void ValidateDataset(const RunConfig& run) {
   RequireOutput(run);
   std::error_code error;
   if (fs::exists(run.output, error)) MustBegin(run, InputsOf(run));

@@ -99,7 +99,7 @@ TEST(PrepareDataset, IsNotDisturbedByWhoeverTidiesUp) {
   });
   for (int i = 0; i < 10; ++i) {
     std::filesystem::remove(folder / "out/dataset.json");
-    EXPECT_NO_THROW(PrepareDataset(run, {.check_run = false}));
+    EXPECT_NO_THROW(PrepareDataset(run, {.validate = false}));
   }
   done = true;
   sweeper.join();
@@ -121,11 +121,11 @@ TEST(PrepareDataset, RefusesAnotherConfigurationAndShowsWhatDiffers) {
   RunConfig run = Demo(folder / "out");
   PrepareDataset(run);
   Occupy(run);
-  run.task.As<PickTaskConfig>().base_distance = {0.2, 0.5};
+  run.start.base_distance = {0.2, 0.5};
   const std::string text =
       ExpectThrow<SpecError>([&] { PrepareDataset(run); }, "was begun differently");
-  EXPECT_THAT(text, HasSubstr("/demo.yaml:15:9: run 'demo': the dataset '"));
-  EXPECT_THAT(text, HasSubstr("/demo.yaml:4:35: task.base_distance: [0.3, 0.55] then, [0.2, 0.5] "
+  EXPECT_THAT(text, HasSubstr("/demo.yaml:16:9: run 'demo': the dataset '"));
+  EXPECT_THAT(text, HasSubstr("/demo.yaml:5:24: start.base_distance: [0.3, 0.55] then, [0.2, 0.5] "
                               "now\nChange these back"));
   EXPECT_THAT(text, HasSubstr(run.output));
   EXPECT_THAT(text, Not(HasSubstr("base_height")));
@@ -142,8 +142,8 @@ TEST(PrepareDataset, NamesTheOptionThatReplacedANumberOfAList) {
   Occupy(run);
   ExpectThrow<SpecError>([&] { PrepareDataset(with("robot.home.arm[1]=0.3")); },
                          "\n  --set robot.home.arm[1]=0.3: robot.home.arm: [");
-  ExpectThrow<SpecError>([&] { PrepareDataset(with("task.base_distance=[0.2, 0.5]")); },
-                         "\n  --set task.base_distance=[0.2, 0.5]: task.base_distance: [");
+  ExpectThrow<SpecError>([&] { PrepareDataset(with("start.base_distance=[0.2, 0.5]")); },
+                         "\n  --set start.base_distance=[0.2, 0.5]: start.base_distance: [");
 }
 
 TEST(PrepareDataset, LeavesOtherFoldersAlone) {
@@ -151,7 +151,7 @@ TEST(PrepareDataset, LeavesOtherFoldersAlone) {
   AtomicWrite(folder / "thesis.txt", "years of work");
   EXPECT_THAT(ExpectThrow<SpecError>([&] { PrepareDataset(Demo(folder.path())); },
                                      "holds 'thesis.txt' and is no dataset"),
-              HasSubstr("/demo.yaml:15:9: run 'demo': output: the folder"));
+              HasSubstr("/demo.yaml:16:9: run 'demo': output: the folder"));
   EXPECT_FALSE(ReadManifest(folder.path()));
 }
 
@@ -174,7 +174,7 @@ TEST(PrepareDataset, SaysWhichFolderCannotBeWritten) {
 TEST(PrepareDataset, AsksForAnOutput) {
   EXPECT_THAT(ExpectThrow<SpecError>([] { PrepareDataset(Demo("")); },
                                      "output: where should the dataset go?"),
-              HasSubstr("/demo.yaml:15:9: run 'demo': "));
+              HasSubstr("/demo.yaml:16:9: run 'demo': "));
 }
 
 TEST(PrepareDataset, NamesADamagedManifest) {
@@ -194,7 +194,7 @@ TEST(PrepareDataset, BeginsAnewWhatHasNoEpisodes) {
   std::filesystem::create_directory(folder / "out/.logs");
   run.seed = 7;
   ExpectThrow<SpecError>([&] { RequireSameRun(run); }, "seed: 0 then, 7 now");
-  EXPECT_NO_THROW(CheckDataset(run));
+  EXPECT_NO_THROW(ValidateDataset(run));
   PrepareDataset(run);
   EXPECT_NO_THROW(RequireSameRun(run));
 }
@@ -232,12 +232,12 @@ TEST(PrepareDataset, ChecksTheRunFirst) {
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
 }
 
-TEST(CheckDataset, WritesNothing) {
+TEST(ValidateDataset, WritesNothing) {
   TempDir folder;
-  CheckDataset(Demo(folder / "out"));
+  ValidateDataset(Demo(folder / "out"));
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
   AtomicWrite(folder / "thesis.txt", "years of work");
-  ExpectThrow<SpecError>([&] { CheckDataset(Demo(folder.path())); }, "is no dataset");
+  ExpectThrow<SpecError>([&] { ValidateDataset(Demo(folder.path())); }, "is no dataset");
 }
 
 }  // namespace

@@ -8,12 +8,11 @@
 #include <nlohmann/json.hpp>
 
 #include "robocell/assets/model_files.h"
-#include "robocell/assets/portable_name.h"
 #include "robocell/assets/resolve.h"
 #include "robocell/assets/scene_models.h"
 #include "robocell/base/error.h"
 #include "robocell/base/file_set.h"
-#include "robocell/base/shell_word.h"
+#include "robocell/base/paths.h"
 #include "robocell/data/model_store.h"
 #include "robocell/rollout/engine_record.h"
 #include "robocell/spec/yaml.h"

@@ -37,8 +37,7 @@ RunConfig OwnRun(const fs::path& folder) {
   RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
   run.cameras.streams = {};
   run.robot.config.source_dir = (folder / "robot").string();
-  run.scenes.source = SceneSourceKind::kFiles;
-  run.scenes.files = {(folder / "table.xml").string()};
+  run.scenes = FilesScenes{.files = {(folder / "table.xml").string()}};
   run.output = (folder / "out").string();
   return run;
 }
@@ -62,9 +61,9 @@ TEST_F(RecordedSceneTest, AnEpisodeIsReplayedWhereItsModelsNeverWere) {
   fs::rename(machine / "out", other);
   fs::remove_all(machine);
   const Episode episode = Dataset(other).Open("s0000_e0000");
-  const ReplayReport report = CheckReplay(episode, {.tolerance = 0});
-  EXPECT_TRUE(report.ok()) << report.Text();
-  EXPECT_GT(report.rows, 20);
+  const ReplayResult result = VerifyReplay(episode, {.tolerance = 0});
+  EXPECT_TRUE(result.ok()) << result.Text();
+  EXPECT_GT(result.rows, 20);
   EXPECT_TRUE(Verify(other).ok()) << Verify(other).Text();
 }
 
@@ -100,7 +99,7 @@ TEST_F(RecordedSceneTest, AnEpisodeAloneFindsModelsThatEverybodyHas) {
   fs::create_directory(other);
   fs::rename(machine / "out/s0000_e0000", other / "s0000_e0000");
   const Episode episode = Dataset(other).Open("s0000_e0000");
-  EXPECT_TRUE(CheckReplay(episode, {.tolerance = 0}).ok());
+  EXPECT_TRUE(VerifyReplay(episode, {.tolerance = 0}).ok());
 }
 
 TEST_F(RecordedSceneTest, AnEpisodeWithoutItsOwnModelsSaysWhatIsMissing) {
@@ -196,7 +195,7 @@ TEST_F(RecordedSceneTest, AMeshOfAnIncludedFileIsKeptAndItsChangeIsSeen) {
   ExpectThrow<SpecError>([&] { PrepareDataset(run); }, "meshes/s.obj: changed since then");
   fs::rename(machine / "out", other);
   fs::remove_all(machine);
-  EXPECT_TRUE(CheckReplay(Dataset(other).Open("s0000_e0000"), {.tolerance = 0}).ok());
+  EXPECT_TRUE(VerifyReplay(Dataset(other).Open("s0000_e0000"), {.tolerance = 0}).ok());
 }
 
 }  // namespace

@@ -116,7 +116,7 @@ class Replay {
     for (const Robot& robot : RobotsOf(scene_)) AddRobot(robot, "qvel");
   }
 
-  ReplayReport Run() {
+  ReplayResult Run() {
     report_.episode = episode_.id();
     report_.versions = VersionsThatChanged(episode_);
     scene_.SetState(episode_.Read<double>("initial_state"));
@@ -302,12 +302,12 @@ class Replay {
   std::vector<double> times_, ctrl_;
   std::vector<int64_t> first_ticks_;  // of each row, and where the last one ends
   std::vector<Quantity> quantities_;
-  ReplayReport report_;
+  ReplayResult report_;
 };
 
 }  // namespace
 
-std::string ReplayReport::Text() const {
+std::string ReplayResult::Text() const {
   if (ok()) return fmt::format("{}: {} rows, {} control ticks: the same", episode, rows, ticks);
   const ReplayDifference& d = *first;
   std::string text = fmt::format(
@@ -319,7 +319,7 @@ std::string ReplayReport::Text() const {
   return versions.empty() ? text : text + "\n" + versions;
 }
 
-ReplayReport CheckReplay(const Episode& episode, const ReplayOptions& options) {
+ReplayResult VerifyReplay(const Episode& episode, const ReplayOptions& options) {
   if (!(options.tolerance >= 0)) {
     throw ArgumentError(fmt::format(
         "tolerance {} is not at least 0; 0 takes no difference for none", options.tolerance));

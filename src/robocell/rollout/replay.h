@@ -2,8 +2,8 @@
 // start, lets nothing but the recorded controls act, tick by tick, and compares what comes out with
 // what was recorded.
 //
-//   const ReplayReport report = CheckReplay(Episode("out/pick_v1/s0000_e0003"));
-//   if (!report.ok()) std::cerr << report.Text() << '\n';
+//   const ReplayResult result = VerifyReplay(Episode("out/pick_v1/s0000_e0003"));
+//   if (!result.ok()) std::cerr << result.Text() << '\n';
 //
 // Not for: playing an episode to somebody, nor whether its bytes are intact (data/verify.h).
 #pragma once
@@ -34,7 +34,7 @@ struct ReplayDifference {
   int others = 0;  // further values that differ in this row
 };
 
-struct ReplayReport {
+struct ReplayResult {
   std::string episode;
   int64_t rows = 0, ticks = 0;  // compared without a difference
   std::optional<ReplayDifference> first = {};
@@ -49,6 +49,6 @@ struct ReplayReport {
 // that diverges differs. ArgumentError when the episode does not say what it was made in (those of
 // runs and environments do), SpecError when the scene has other controls or another state than was
 // recorded, errors of building a scene, IoError.
-ReplayReport CheckReplay(const Episode& episode, const ReplayOptions& options = {});
+ReplayResult VerifyReplay(const Episode& episode, const ReplayOptions& options = {});
 
 }  // namespace robocell

@@ -75,12 +75,12 @@ class ReplayTest : public ::testing::Test {
 
 TEST_F(ReplayTest, AnEpisodeFollowsFromItsControlsToTheLastBit) {
   const Episode episode = Record();
-  const ReplayReport report = CheckReplay(episode, {.tolerance = 0});
-  EXPECT_TRUE(report.ok()) << report.Text();
-  EXPECT_EQ(report.rows, episode.rows());
-  EXPECT_EQ(report.ticks, episode.rows("control"));
-  EXPECT_GT(report.rows, 20);
-  EXPECT_THAT(report.Text(), HasSubstr("control ticks: the same"));
+  const ReplayResult result = VerifyReplay(episode, {.tolerance = 0});
+  EXPECT_TRUE(result.ok()) << result.Text();
+  EXPECT_EQ(result.rows, episode.rows());
+  EXPECT_EQ(result.ticks, episode.rows("control"));
+  EXPECT_GT(result.rows, 20);
+  EXPECT_THAT(result.Text(), HasSubstr("control ticks: the same"));
 }
 
 TEST_F(ReplayTest, APushedObjectIsNamedWithTheRowAfterThePush) {
@@ -90,18 +90,18 @@ TEST_F(ReplayTest, APushedObjectIsNamedWithTheRowAfterThePush) {
     scene.SetBodyPose(body,
                       Pose(pose.translation() + Eigen::Vector3d(0.002, 0, 0), pose.quaternion()));
   });
-  const ReplayReport report = CheckReplay(episode);
-  ASSERT_FALSE(report.ok());
-  EXPECT_EQ(report.first->row, 8);
-  EXPECT_EQ(report.first->tick, 8 * run.rates.control_ticks());
-  EXPECT_EQ(report.first->what, "object 'target' x");
-  EXPECT_EQ(report.first->column, "objects/target/pose");
-  EXPECT_NEAR(report.first->recorded - report.first->replayed, 0.002, 5e-4);
-  EXPECT_EQ(report.rows, 8);
-  EXPECT_THAT(report.Text(), StartsWith("e: differs first in row 8 (control tick 264, t = 0.528"));
-  EXPECT_THAT(report.Text(), HasSubstr("object 'target' x: "));
-  EXPECT_EQ(report.first->units, "m") << "the value's, not the column's";
-  EXPECT_THAT(report.Text(), HasSubstr(" m recorded, "));
+  const ReplayResult result = VerifyReplay(episode);
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.first->row, 8);
+  EXPECT_EQ(result.first->tick, 8 * run.rates.control_ticks());
+  EXPECT_EQ(result.first->what, "object 'target' x");
+  EXPECT_EQ(result.first->column, "objects/target/pose");
+  EXPECT_NEAR(result.first->recorded - result.first->replayed, 0.002, 5e-4);
+  EXPECT_EQ(result.rows, 8);
+  EXPECT_THAT(result.Text(), StartsWith("e: differs first in row 8 (control tick 264, t = 0.528"));
+  EXPECT_THAT(result.Text(), HasSubstr("object 'target' x: "));
+  EXPECT_EQ(result.first->units, "m") << "the value's, not the column's";
+  EXPECT_THAT(result.Text(), HasSubstr(" m recorded, "));
 }
 
 TEST_F(ReplayTest, AForceOnTheArmIsSeenInItsFirstJointThatMoved) {
@@ -110,30 +110,30 @@ TEST_F(ReplayTest, AForceOnTheArmIsSeenInItsFirstJointThatMoved) {
     scene.SetBodyWrench(ElementName(scene.model(), mjOBJ_BODY, robot.body_ids().back()), {0, 20, 0},
                         {0, 0, 0});
   });
-  const ReplayReport report = CheckReplay(episode);
-  ASSERT_FALSE(report.ok());
-  EXPECT_EQ(report.first->row, 4);
-  EXPECT_THAT(report.first->what, StartsWith("joint 'robot_0/"));
-  EXPECT_THAT(report.first->what, HasSubstr(" of rc7/arm"));
-  EXPECT_EQ(report.first->units, "rad");
-  EXPECT_GT(report.first->others, 0);
+  const ReplayResult result = VerifyReplay(episode);
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.first->row, 4);
+  EXPECT_THAT(result.first->what, StartsWith("joint 'robot_0/"));
+  EXPECT_THAT(result.first->what, HasSubstr(" of rc7/arm"));
+  EXPECT_EQ(result.first->units, "rad");
+  EXPECT_GT(result.first->others, 0);
 }
 
 TEST_F(ReplayTest, ALeapOfTheClockIsSeenInItsTick) {
   const Episode episode = Record(5, [](Scene scene) { scene.data()->time += 0.01; });
-  const ReplayReport report = CheckReplay(episode);
-  ASSERT_FALSE(report.ok());
-  EXPECT_EQ(report.first->tick, 5 * run.rates.control_ticks());
-  EXPECT_EQ(report.first->what, "the clock");
+  const ReplayResult result = VerifyReplay(episode);
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.first->tick, 5 * run.rates.control_ticks());
+  EXPECT_EQ(result.first->what, "the clock");
 }
 
 TEST_F(ReplayTest, WhatIsBelowTheToleranceIsNoDifference) {
   const Episode episode = Record(7, [](Scene scene) { scene.data()->qvel[0] += 1e-13; });
-  EXPECT_TRUE(CheckReplay(episode, {.tolerance = 1e-3}).ok());
-  EXPECT_FALSE(CheckReplay(episode, {.tolerance = 0}).ok());
-  ExpectThrow<ArgumentError>([&] { CheckReplay(episode, {.tolerance = -1}); },
+  EXPECT_TRUE(VerifyReplay(episode, {.tolerance = 1e-3}).ok());
+  EXPECT_FALSE(VerifyReplay(episode, {.tolerance = 0}).ok());
+  ExpectThrow<ArgumentError>([&] { VerifyReplay(episode, {.tolerance = -1}); },
                              "tolerance -1 is not at least 0");
-  ExpectThrow<ArgumentError>([&] { CheckReplay(episode, {.tolerance = NAN}); },
+  ExpectThrow<ArgumentError>([&] { VerifyReplay(episode, {.tolerance = NAN}); },
                              "tolerance nan is not at least 0");
 }
 
@@ -145,7 +145,7 @@ TEST_F(ReplayTest, AnEpisodeThatDoesNotSayItsSceneIsRefused) {
   writer.EndRow();
   writer.Commit({.success = true});
   ExpectThrow<ArgumentError>(
-      [&] { CheckReplay(Episode(folder / "other")); },
+      [&] { VerifyReplay(Episode(folder / "other")); },
       "its metadata has no scene_spec; episodes that robocell generated have one");
 }
 

@@ -41,7 +41,7 @@ struct RolloutOptions {
   std::string metadata_json;  // what is known before the rollout: seeds, attempt, identity
   bool keep_failures = false;
   Renderer* renderer = nullptr;  // needed when the run has streams
-  StopCheck stop = {};
+  StopRequest stop = {};
   std::function<void()> before_commit = {};  // what it throws leaves nothing on the disk
 };
 

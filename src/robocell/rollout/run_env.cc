@@ -8,10 +8,11 @@
 #include "robocell/base/error.h"
 #include "robocell/env/stepper.h"
 #include "robocell/render/renderer.h"
-#include "robocell/rollout/check_run.h"
 #include "robocell/rollout/plan.h"
+#include "robocell/rollout/run_renderer.h"
+#include "robocell/rollout/validate_run.h"
+#include "robocell/task/sampler_kind.h"
 #include "robocell/task/task_features.h"
-#include "robocell/task/task_kind.h"
 
 namespace robocell {
 namespace {
@@ -56,19 +57,17 @@ struct RunEnv::State {
 };
 
 RunEnv::RunEnv(RunConfig run) : state_(std::make_unique<State>()) {
-  CheckRunFields(run);
+  ValidateRunFields(run);
   state_->run = std::move(run);
-  state_->sampler = FindTaskKind(state_->run.task.kind())->MakeSampler(state_->run);
-  if (!state_->run.cameras.streams.empty())
-    state_->renderer = MakeRenderer(
-        {.backend = state_->run.cameras.renderer, .quality = state_->run.cameras.quality});
+  state_->sampler = MakeSampler(state_->run);
+  if (!state_->run.cameras.streams.empty()) state_->renderer = MakeRendererOf(state_->run);
 }
 RunEnv::~RunEnv() = default;
 RunEnv::RunEnv(RunEnv&&) noexcept = default;
 
 const RunConfig& RunEnv::run() const { return state_->run; }
 
-void RunEnv::Reset(int index, const StopCheck& stop) {
+void RunEnv::Reset(int index, const StopRequest& stop) {
   if (index < 0)
     throw ArgumentError(fmt::format("the start of an episode is a number from 0, got {}", index));
   const RunConfig& run = state_->run;
@@ -81,7 +80,7 @@ void RunEnv::Reset(int index, const StopCheck& stop) {
     Rng rng = AttemptStream(run, item, attempt, "start");
     SampleResult sample = state_->sampler->Sample({item.scene, item.episode, attempt, stop}, rng);
     if (!sample.start) {
-      ++reasons[sample.refusal.reason];
+      ++reasons[sample.refusal.counted_as()];
       continue;
     }
     sample.start->task->Begin(sample.start->scene);

@@ -47,7 +47,7 @@ class RunEnv {
   const RunConfig& run() const;
   // To start `index`; the first of its attempts that is accepted. Error with the reasons when none
   // of max_attempts is.
-  void Reset(int index, const StopCheck& stop = {});
+  void Reset(int index, const StopRequest& stop = {});
   // What is recorded of the present state; images are drawn by the first call in a state.
   CellRow Row();
   RunStep Act(const std::map<std::string, std::vector<double>>& actions);

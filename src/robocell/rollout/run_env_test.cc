@@ -28,8 +28,8 @@ TEST(RunEnv, TheActionsOfAnEpisodeGiveItsRows) {
   Runner runner(run);
   RunEnv env(run);
   for (const PlanItem& item : MakePlan(run)) {
-    const EpisodeReport report = runner.Run(item);
-    ASSERT_TRUE(report.success);
+    const ItemResult result = runner.Run(item);
+    ASSERT_TRUE(result.success);
     const Episode episode(std::filesystem::path(run.output) / item.id);
     env.Reset(item.index);
     const std::vector<double> arm = episode.Read<double>("robots/rc7/action/arm");
@@ -74,10 +74,11 @@ TEST(RunEnv, EndsInTimeAndThenWantsAReset) {
 TEST(RunEnv, AStartThatCannotBeIsToldWithTheReasons) {
   const TempDir folder;
   RunConfig run = WithoutImages(folder);
-  run.task.As<PickTaskConfig>().base_height_offset = -5;
+  run.start.base_height_offset = -5;
   run.max_attempts = 3;
   RunEnv env(run);
-  ExpectThrow<Error>([&] { env.Reset(7); }, "none of 3 attempts at start 7 was accepted: no base");
+  ExpectThrow<Error>([&] { env.Reset(7); },
+                     "none of 3 attempts at start 7 was accepted: base: no base");
   ExpectThrow<ArgumentError>([&] { env.Reset(-1); }, "a number from 0, got -1");
 }
 

@@ -40,7 +40,7 @@ class RunFilesWatchTest : public ::testing::Test {
     run.cameras.streams = {};
     run.robot.config.source_dir = folder.string();
     run.output = (folder / "out").string();
-    PrepareDataset(run, {.check_run = false});
+    PrepareDataset(run, {.validate = false});
     return run;
   }
   fs::path model() const { return temp_ / "cell/rc7.xml"; }
@@ -99,12 +99,12 @@ TEST_F(RunFilesWatchTest, VerifyNamesEpisodesOfAModelThatChanged) {
   WriteManifest(run_.output, other.dump());
   Runner(run_).Run(plan[1]);
   WriteManifest(run_.output, manifest);
-  const VerifyReport report = Verify(run_.output);
-  EXPECT_THAT(report.good, ElementsAre(plan[0].id));
-  EXPECT_THAT(report.bad, ElementsAre(plan[1].id));
-  EXPECT_THAT(report.Text(), HasSubstr(plan[1].id + ": it was made with another 'rc7.xml' (models/"
+  const VerifyResult result = Verify(run_.output);
+  EXPECT_THAT(result.good, ElementsAre(plan[0].id));
+  EXPECT_THAT(result.bad, ElementsAre(plan[1].id));
+  EXPECT_THAT(result.Text(), HasSubstr(plan[1].id + ": it was made with another 'rc7.xml' (models/"
                                                     "rc7-"));
-  EXPECT_THAT(report.Text(), HasSubstr("than the one that dataset.json lists: the file was changed "
+  EXPECT_THAT(result.Text(), HasSubstr("than the one that dataset.json lists: the file was changed "
                                        "while the run went on, or the episode was copied from "
                                        "another dataset. `robocell verify --repair` sets it "
                                        "aside, `robocell generate` makes it again"));
@@ -138,7 +138,7 @@ TEST_F(RunFilesWatchTest, AnEpisodeThatWasCopiedFromARunOfAnotherModelDoesNotCou
   }
   EXPECT_THAT(Verify(here).bad, ElementsAre(plan[1].id)) << "it says the same";
   fs::remove(here / "dataset.json");
-  ExpectThrow<SpecError>([&] { PrepareDataset(run_, {.check_run = false}); },
+  ExpectThrow<SpecError>([&] { PrepareDataset(run_, {.validate = false}); },
                          "model file rc7.xml: changed since then");
 }
 

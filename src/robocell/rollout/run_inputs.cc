@@ -4,6 +4,7 @@
 #include <mujoco/mujoco.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <set>
 #include <utility>
@@ -13,11 +14,13 @@
 #include "robocell/assets/scene_models.h"
 #include "robocell/base/file_set.h"
 #include "robocell/base/hash.h"
+#include "robocell/base/plugin.h"
 #include "robocell/base/version.h"
 #include "robocell/expert/expert_kind.h"
 #include "robocell/features/own_features.h"
 #include "robocell/rollout/plan.h"
 #include "robocell/scenes/scene_source.h"
+#include "robocell/task/sampler_kind.h"
 #include "robocell/task/task_kind.h"
 
 namespace robocell {
@@ -27,18 +30,27 @@ using Texts = std::map<std::string, std::string>;
 
 namespace fs = std::filesystem;
 
-// What defines the run's task, features and expert, when a user wrote them.
-std::vector<fs::path> CodeOf(const RunConfig& run) {
+// What defines the run's task, expert, scenes, sampler and features, when a user wrote them.
+std::vector<fs::path> CodeOf(const RunConfig& run, bool with_expert) {
+  std::vector<fs::path> files;
+  const auto add = [&](const std::vector<std::string>& more) {
+    for (const std::string& file : more) {
+      if (std::ranges::find(files, fs::path(file)) == files.end()) files.emplace_back(file);
+    }
+  };
+  const auto add_kind = [&](const auto& kind) {
+    add(kind->CodeFiles());
+    const std::string plugin = PluginOf(*kind);
+    if (!plugin.empty()) add({plugin});
+  };
   const std::shared_ptr<const TaskKind> task = FindTaskKind(run.task.kind());
-  std::vector<std::string> files = task->CodeFiles();
+  add_kind(task);
   const std::string expert = run.expert.empty() ? task->expert() : run.expert;
-  if (!expert.empty()) {
-    const std::vector<std::string> more = FindExpertKind(expert)->CodeFiles();
-    files.insert(files.end(), more.begin(), more.end());
-  }
-  const std::vector<std::string> features = CodeOfFeatures(run.features.names);
-  files.insert(files.end(), features.begin(), features.end());
-  return {files.begin(), files.end()};
+  if (with_expert && !expert.empty()) add_kind(FindExpertKind(expert));
+  add(CodeOfFeatures(run.features.names));
+  add_kind(FindSceneSourceKind(run.scenes.kind()));
+  if (!run.sampler.empty()) add_kind(FindSamplerKind(run.sampler));
+  return files;
 }
 
 // Names begin with the folder of the model, so they are the same on every machine. Files that would
@@ -57,7 +69,7 @@ std::map<std::string, fs::path> FilesOf(const RunConfig& run) {
       add(inside.lexically_normal().generic_string(), file);
     }
   }
-  for (const fs::path& file : CodeOf(run)) add("code/" + file.filename().string(), file);
+  for (const fs::path& file : CodeOf(run, true)) add("code/" + file.filename().string(), file);
   return named;
 }
 
@@ -137,7 +149,8 @@ std::vector<std::string> ModelsOf(const RunConfig& run) {
   for (const SceneObject& object : FindTaskKind(run.task.kind())->Contents(run))
     contents.objects.push_back(object);
   add(contents);
-  for (const int scene : SceneIndices(run)) add(MakeBaseScene(run, scene));
+  const std::shared_ptr<SceneSource> source = MakeSceneSource(run);
+  for (const int scene : SceneIndices(run)) add(MakeBaseScene(run, *source, scene));
   return paths;
 }
 
@@ -153,15 +166,13 @@ RunInputs InputsOf(const RunConfig& run) {
 }
 
 std::vector<std::string> CodeChanges(const RunInputs& then, const RunConfig& run) {
-  std::vector<std::string> files = FindTaskKind(run.task.kind())->CodeFiles();
-  for (const std::string& file : CodeOfFeatures(run.features.names)) files.push_back(file);
   std::set<std::string> known;
   for (const auto& [name, hash] : then.files) {
     if (name.starts_with("code/")) known.insert(hash);
   }
   std::vector<std::string> changes;
-  for (const std::string& file : files) {
-    if (!known.contains(Sha256File(file))) changes.push_back(file);
+  for (const fs::path& file : CodeOf(run, false)) {
+    if (!known.contains(Sha256File(file))) changes.push_back(file.string());
   }
   return changes;
 }

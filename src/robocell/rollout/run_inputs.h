@@ -1,5 +1,5 @@
-// What the episodes of a run are made from: its configuration, the files of its models, and the
-// versions that compute them. A dataset remembers them and refuses to become a mixture.
+// The inputs of a run's episodes: its configuration, the files of its models, and the versions that
+// compute them. A dataset remembers them and never becomes a mixture.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,7 @@ struct RunInputs {
   std::string identity;                         // RunIdentity
   std::map<std::string, std::string> versions;  // "mujoco" -> "4.0.0"
   std::map<std::string, std::string> files;     // "rc7/rc7.xml" -> SHA-256
-  // Where these lie here; no part of what is compared.
+  // Paths of the models on this machine; not compared.
   std::map<std::string, std::filesystem::path> paths = {};
 };
 
@@ -23,15 +23,15 @@ struct RunInputs {
 // may use. NotFoundError for models that are not there.
 std::vector<std::string> ModelsOf(const RunConfig& run);
 
-// Of robocell and MuJoCo, here and now.
+// The present versions of robocell and MuJoCo.
 std::map<std::string, std::string> VersionsNow();
 
 // The files are those of ModelsOf.
 RunInputs InputsOf(const RunConfig& run);
 
-// What differs, one line each: "task.base_distance: [0.3, 0.55] then, [0.2, 0.5] now",
-// "mujoco: 3.9.0 then, 4.0.0 now", "model file rc7/rc7.xml: changed since then". Empty when nothing
-// does. The folder that a model lies in may be called otherwise than then.
+// Returns the differences, one line each: "task.base_distance: [0.3, 0.55] then, [0.2, 0.5] now",
+// "mujoco: 3.9.0 then, 4.0.0 now", "model file rc7/rc7.xml: changed since then". Empty without any.
+// The folder of a model may have another name than then.
 std::vector<std::string> Differences(const RunInputs& then, const RunInputs& now);
 
 // Source files of the run's task and features, as they are here, whose content is none of those that

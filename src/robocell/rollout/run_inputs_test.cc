@@ -47,14 +47,14 @@ TEST(RunInputs, AreTheSameForOtherWorkersOutputsAndMoreEpisodes) {
 TEST(RunInputs, ADifferentFieldIsToldByItsPathWithBothValues) {
   RunConfig run = DemoRun();
   const RunInputs before = InputsOf(run);
-  run.task.As<PickTaskConfig>().base_distance = {0.2, 0.5};
+  run.start.base_distance = {0.2, 0.5};
   run.seed = 7;
   run.cameras.streams[0].name = "hand";
   run.robot.config.stiffness = 20;
   EXPECT_THAT(Differences(before, InputsOf(run)),
               ElementsAre("cameras.streams[0].name: wrist then, hand now",
                           "robot.stiffness: not set then, 20 now", "seed: 0 then, 7 now",
-                          "task.base_distance: [0.3, 0.55] then, [0.2, 0.5] now"));
+                          "start.base_distance: [0.3, 0.55] then, [0.2, 0.5] now"));
 }
 
 TEST(RunInputs, AChangedMeshAndANewVersionAreNamed) {
@@ -111,13 +111,14 @@ TEST(RunInputs, SwappedFilesAreDifferent) {
 TEST(RunInputs, ModelsOfTheSameNameInFoldersOfTheSameNameAreTwo) {
   TempDir temp;
   RunConfig run = DemoRun();
-  run.scenes.source = SceneSourceKind::kFiles;
   const std::string table = ReadFile(fs::path(SourceDir()) / "models/scenes/tabletop.xml");
+  FilesScenes scenes;
   for (const char* folder : {"a/room", "b/room"}) {
     fs::create_directories(temp / folder);
     AtomicWrite(temp / folder / "table.xml", table);
-    run.scenes.files.push_back((temp / folder / "table.xml").string());
+    scenes.files.push_back((temp / folder / "table.xml").string());
   }
+  run.scenes = scenes;
   const RunInputs before = InputsOf(run);
   EXPECT_THAT(before.files, Contains(Key("room/table.xml")));
   EXPECT_THAT(before.files, Contains(Key("room/table.xml (2)")));

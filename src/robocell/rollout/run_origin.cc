@@ -1,10 +1,12 @@
 #include "robocell/rollout/run_origin.h"
 
 #include <filesystem>
+#include <set>
 #include <nlohmann/json.hpp>
 
 #include "robocell/assets/model_files.h"
-#include "robocell/data/changed_models.h"
+#include "robocell/base/error.h"
+#include "robocell/data/dataset.h"
 #include "robocell/data/model_store.h"
 #include "robocell/rollout/plan.h"
 
@@ -53,6 +55,35 @@ std::optional<std::vector<std::string>> RunOrigin::ChangesSince(const Episode& e
     now.files[name] = *stored.begin();
   }
   return Differences(then, now);
+}
+
+namespace {
+
+// Unset for a folder that holds other things.
+std::optional<Dataset> DatasetIn(const std::string& folder) {
+  try {
+    return Dataset(folder);
+  } catch (const ArgumentError&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+std::optional<std::vector<std::string>> ChangesSinceEpisodes(const RunConfig& run) {
+  const std::optional<Dataset> dataset = DatasetIn(run.output);
+  if (!dataset) return std::nullopt;
+  RunOrigin origin(run);
+  bool found = false;
+  std::set<std::string> changes;
+  for (const Episode& episode : *dataset) {
+    const auto lines = origin.ChangesSince(episode);
+    if (!lines) continue;
+    found = true;
+    changes.insert(lines->begin(), lines->end());
+  }
+  if (!found) return std::nullopt;
+  return std::vector<std::string>(changes.begin(), changes.end());
 }
 
 }  // namespace robocell

@@ -17,6 +17,7 @@
 
 #include "robocell/data/episode_reader.h"
 #include "robocell/rollout/run_inputs.h"
+#include "robocell/spec/run_config.h"
 
 namespace robocell {
 
@@ -24,9 +25,9 @@ class RunOrigin {
  public:
   explicit RunOrigin(const RunConfig& run);  // which must outlive it
 
-  // What differs, as Differences() says it. Unset for an episode that no run made. A model is known
-  // by its file's name and what it holds; those that the run does not list say nothing, nor do
-  // those of a task of the user's own, whose sampler may bring others of the same name.
+  // The differences, as in Differences(). Unset for an episode that no run made. A model is
+  // identified by its file's name and content. Models that the run does not list are ignored, and
+  // so are those of the user's own tasks, whose sampler may bring others of the same name.
   std::optional<std::vector<std::string>> ChangesSince(const Episode& episode);
 
  private:
@@ -37,5 +38,9 @@ class RunOrigin {
   std::optional<PathsByName> models_ = {};  // here
   PathsByName stored_ = {};                 // where a dataset keeps them
 };
+
+// For a dataset whose dataset.json was lost: what the episodes in the run's dataset were made with that is different now, as RunOrigin says
+// it; nothing when the manifest can be written again. Unset when there are no generated episodes.
+std::optional<std::vector<std::string>> ChangesSinceEpisodes(const RunConfig& run);
 
 }  // namespace robocell

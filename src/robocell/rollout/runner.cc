@@ -13,10 +13,12 @@
 #include "robocell/data/dataset.h"
 #include "robocell/data/dataset_lock.h"
 #include "robocell/expert/expert_kind.h"
-#include "robocell/rollout/check_run.h"
 #include "robocell/rollout/earlier_attempts.h"
 #include "robocell/rollout/rollout.h"
 #include "robocell/rollout/run_files_watch.h"
+#include "robocell/rollout/run_renderer.h"
+#include "robocell/rollout/validate_run.h"
+#include "robocell/task/sampler_kind.h"
 #include "robocell/task/task_kind.h"
 
 namespace robocell {
@@ -39,8 +41,7 @@ struct Runner::State {
   bool stale_sampler = false;  // it may remember scenes of models that were changed
 
   Renderer* EnsureRenderer() {
-    if (!renderer && !run.cameras.streams.empty())
-      renderer = MakeRenderer({.backend = run.cameras.renderer, .quality = run.cameras.quality});
+    if (!renderer && !run.cameras.streams.empty()) renderer = MakeRendererOf(run);
     return renderer.get();
   }
   std::optional<std::string> advice;
@@ -49,12 +50,12 @@ struct Runner::State {
   DatasetLock Enter();
   void RequireUnchangedModels();
   RolloutOptions Options(const PlanItem& item, int attempt, const EarlierAttempts& earlier,
-                         const StopCheck& stop);
-  void Attempt(const PlanItem& item, int attempt, const StopCheck& stop, EarlierAttempts& earlier,
-               EpisodeReport& report);
+                         const StopRequest& stop);
+  void Attempt(const PlanItem& item, int attempt, const StopRequest& stop, EarlierAttempts& earlier,
+               ItemResult& result);
   // The same; an exception of a user's own code is a failure, unless it is the last of a row.
-  void TryAttempt(const PlanItem& item, int attempt, const StopCheck& stop,
-                  EarlierAttempts& earlier, EpisodeReport& report);
+  void TryAttempt(const PlanItem& item, int attempt, const StopRequest& stop,
+                  EarlierAttempts& earlier, ItemResult& result);
   int raised = 0;  // in a row
 };
 
@@ -96,7 +97,7 @@ const std::string& Runner::State::Advice() {
 }
 
 RolloutOptions Runner::State::Options(const PlanItem& item, int attempt,
-                                      const EarlierAttempts& earlier, const StopCheck& stop) {
+                                      const EarlierAttempts& earlier, const StopRequest& stop) {
   const nlohmann::json metadata = {{"run", run.run},
                                    {"seed", run.seed},
                                    {"scene", item.scene},
@@ -115,14 +116,12 @@ RolloutOptions Runner::State::Options(const PlanItem& item, int attempt,
 }
 
 Runner::Runner(RunConfig run, RunnerParts parts) : state_(std::make_unique<State>()) {
-  CheckRunFields(run);
+  ValidateRunFields(run);
   state_->run = std::move(run);
   state_->parts = std::move(parts);
   state_->own_sampler = static_cast<bool>(state_->parts.sampler);
   if (!state_->own_sampler) {
-    state_->parts.sampler = [](const RunConfig& of) {
-      return FindTaskKind(of.task.kind())->MakeSampler(of);
-    };
+    state_->parts.sampler = &MakeSampler;
   }
   if (!state_->parts.expert) {
     state_->parts.expert = [kind = ExpertKindOf(state_->run)](const RunConfig& of,
@@ -140,9 +139,9 @@ const RunConfig& Runner::run() const { return state_->run; }
 namespace {
 
 // An attempt that was not decided: neither accepted nor refused, neither success nor failure.
-void Drop(EpisodeReport& report) {
-  report.stopped = true;
-  ++report.undecided;
+void Drop(ItemResult& result) {
+  result.stopped = true;
+  ++result.undecided;
 }
 
 int MostFrequent(const std::map<std::string, int>& counts) {
@@ -159,124 +158,125 @@ std::string ObjectKindOf(const Episode& episode) {
 }
 
 // An attempt that an earlier process kept counts like one of now: a report is about the item.
-void AddKept(EpisodeReport& report, const Episode& episode, EarlierAttempts& earlier) {
-  report.object_kind = ObjectKindOf(episode);
-  report.committed = true;
-  report.success = episode.success();
-  report.rows = static_cast<int>(episode.rows());
-  ++report.attempts;
-  ++report.accepted;
-  if (!report.object_kind.empty()) {
-    ++report.kinds[report.object_kind];
-    ++report.rollouts[report.object_kind];
+void AddKept(ItemResult& result, const Episode& episode, EarlierAttempts& earlier) {
+  result.object_kind = ObjectKindOf(episode);
+  result.committed = true;
+  result.success = episode.success();
+  result.rows = static_cast<int>(episode.rows());
+  ++result.attempts;
+  ++result.accepted;
+  if (!result.object_kind.empty()) {
+    ++result.kinds[result.object_kind];
+    ++result.rollouts[result.object_kind];
   }
-  if (report.success) return;
-  ++report.failures[episode.end_reason()];
-  earlier.push_back({report.object_kind, false, episode.end_reason()});
+  if (result.success) return;
+  ++result.failures[episode.end_reason()];
+  earlier.push_back({result.object_kind, false, episode.end_reason()});
 }
 
 // Sums up a rollout.
-void AddTo(EpisodeReport& report, const RolloutResult& rollout) {
-  if (rollout.stopped) return Drop(report);
-  ++report.attempts;
-  ++report.accepted;
-  if (!rollout.success) ++report.failures[rollout.failure];
-  report.committed |= rollout.committed;
-  report.kept += rollout.committed;
-  report.success = rollout.success;
-  if (rollout.committed) report.rows = rollout.rows;
-  report.seconds_acting += rollout.times.acting;
-  report.seconds_rendering += rollout.times.rendering;
-  report.seconds_writing += rollout.times.writing;
+void AddTo(ItemResult& result, const RolloutResult& rollout) {
+  if (rollout.stopped) return Drop(result);
+  ++result.attempts;
+  ++result.accepted;
+  if (!rollout.success) ++result.failures[rollout.failure];
+  result.committed |= rollout.committed;
+  result.kept += rollout.committed;
+  result.success = rollout.success;
+  if (rollout.committed) result.rows = rollout.rows;
+  result.seconds_acting += rollout.times.acting;
+  result.seconds_rendering += rollout.times.rendering;
+  result.seconds_writing += rollout.times.writing;
 }
 
 }  // namespace
 
-void Runner::State::Attempt(const PlanItem& item, int attempt, const StopCheck& stop,
-                            EarlierAttempts& earlier, EpisodeReport& report) {
+void Runner::State::Attempt(const PlanItem& item, int attempt, const StopRequest& stop,
+                            EarlierAttempts& earlier, ItemResult& result) {
   const auto began = std::chrono::steady_clock::now();
   Rng start_rng = AttemptStream(run, item, attempt, "start");
   SampleResult sample = sampler->Sample({item.scene, item.episode, attempt, stop}, start_rng);
-  report.seconds_sampling += Seconds(began);
-  if (ShouldStop(stop)) return Drop(report);
+  result.seconds_sampling += Seconds(began);
+  if (ShouldStop(stop)) return Drop(result);
   RequireUnchangedModels();
   const auto count_redrawn = [&] {
-    for (const auto& [reason, count] : sample.redrawn()) report.redrawn[reason] += count;
+    for (const auto& [reason, count] : sample.redrawn()) result.redrawn[reason] += count;
   };
   const auto count_kind = [&, kind = sample.object_kind()] {
-    report.object_kind = kind;
+    result.object_kind = kind;
     if (kind.empty()) return;
-    ++report.kinds[kind];
-    if (sample.start) ++report.rollouts[kind];
+    ++result.kinds[kind];
+    if (sample.start) ++result.rollouts[kind];
   };
   if (!sample.start) {
     count_redrawn();
     count_kind();
-    ++report.attempts;
-    earlier.push_back({sample.object_kind(), true, sample.refusal.reason});
-    const int count = ++report.refusals[sample.refusal.reason];
-    if (count >= MostFrequent(report.refusals)) report.advice = sample.refusal.detail;
+    ++result.attempts;
+    const std::string refused = sample.refusal.counted_as();
+    earlier.push_back({sample.object_kind(), true, refused});
+    const int count = ++result.refusals[refused];
+    if (count >= MostFrequent(result.refusals)) result.advice = sample.refusal.detail;
     return;
   }
   const std::shared_ptr<Expert> expert = parts.expert(run, *sample.start);
   Rng expert_rng = AttemptStream(run, item, attempt, "expert");
   const RolloutResult rollout =
       RunRollout(run, *sample.start, *expert, expert_rng, Options(item, attempt, earlier, stop));
-  AddTo(report, rollout);
-  if (report.stopped) return;
+  AddTo(result, rollout);
+  if (result.stopped) return;
   if (!rollout.committed) RequireUnchangedModels();  // what failed counts too
   if (!rollout.success) earlier.push_back({sample.object_kind(), false, rollout.failure});
   count_redrawn();
   count_kind();
 }
 
-void Runner::State::TryAttempt(const PlanItem& item, int attempt, const StopCheck& stop,
-                               EarlierAttempts& earlier, EpisodeReport& report) {
+void Runner::State::TryAttempt(const PlanItem& item, int attempt, const StopRequest& stop,
+                               EarlierAttempts& earlier, ItemResult& result) {
   constexpr int kMostRaised = 3;
   try {
-    Attempt(item, attempt, stop, earlier, report);
+    Attempt(item, attempt, stop, earlier, result);
     raised = 0;
   } catch (...) {
     const std::string told = parts.told_of_users ? parts.told_of_users() : "";
     if (told.empty() || ++raised >= kMostRaised) throw;
     LogWarn(fmt::format("episode '{}', attempt {}: {}", item.id, attempt, told));
-    ++report.attempts;
-    ++report.failures[told];
-    earlier.push_back({report.object_kind, false, told});
+    ++result.attempts;
+    ++result.failures[told];
+    earlier.push_back({result.object_kind, false, told});
   }
 }
 
-EpisodeReport Runner::Run(const PlanItem& item, const StopCheck& stop) {
+ItemResult Runner::Run(const PlanItem& item, const StopRequest& stop) {
   const RunConfig& run = state_->run;
-  EpisodeReport report{.item = item, .robot = run.robot.config.name};
+  ItemResult result{.item = item, .robot = run.robot.config.name};
   const DatasetLock lock = state_->Enter();
   if (IsComplete(run, item)) {
-    report.committed = report.resumed = true;
-    report.success = LookForItem(run, item).success;
-    report.complete = report.success || run.keep == Keep::kFirst;
-    return report;
+    result.committed = result.resumed = true;
+    result.success = LookForItem(run, item).success;
+    result.complete = result.success || run.keep == Keep::kFirst;
+    return result;
   }
   EarlierAttempts earlier;
   state_->raised = 0;
   const auto is_made = [&] {
-    return report.success || (run.keep == Keep::kFirst && report.accepted > 0);
+    return result.success || (run.keep == Keep::kFirst && result.accepted > 0);
   };
   for (int attempt = 0; attempt < run.max_attempts && !is_made(); ++attempt) {
-    if (ShouldStop(stop)) report.stopped = true;
-    if (report.stopped) return report;
+    if (ShouldStop(stop)) result.stopped = true;
+    if (result.stopped) return result;
     const bool keeps_all = run.keep == Keep::kAll;
     if (const auto kept = keeps_all ? KeptAttempt(run, item, attempt) : std::nullopt)
-      AddKept(report, *kept, earlier);
+      AddKept(result, *kept, earlier);
     else
-      state_->TryAttempt(item, attempt, stop, earlier, report);
+      state_->TryAttempt(item, attempt, stop, earlier, result);
   }
-  report.complete = is_made();
-  if (report.accepted > 0) report.advice.clear();
-  if (report.accepted > 0 || !report.refusals.contains(Refusal::kNoReachableBasePose))
-    return report;
+  result.complete = is_made();
+  if (result.accepted > 0) result.advice.clear();
+  if (result.accepted > 0 || !HasReason(result.refusals, Refusal::kNoReachableBasePose))
+    return result;
   if (const std::string& where = state_->Advice(); !where.empty())
-    report.advice += (report.advice.empty() ? "" : "; ") + where;
-  return report;
+    result.advice += (result.advice.empty() ? "" : "; ") + where;
+  return result;
 }
 
 }  // namespace robocell

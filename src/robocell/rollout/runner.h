@@ -5,8 +5,8 @@
 //   RunConfig run = RunConfig::Load("xarm7_pick.yaml");
 //   PrepareDataset(run);
 //   Runner runner(run);
-//   EpisodeReport report = runner.Run(MakePlan(run)[0]);
-//   if (report.committed) ...
+//   ItemResult result = runner.Run(MakePlan(run)[0]);
+//   if (result.committed) ...
 //
 // Everything random comes from AttemptStream, so an episode does not depend on which process makes
 // it, in what order, or what was made before. What is on the disk already is not made again: an
@@ -30,7 +30,7 @@
 
 namespace robocell {
 
-struct EpisodeReport {
+struct ItemResult {
   PlanItem item;
   bool committed = false;  // something is on the disk
   bool complete = false;   // nothing is left to be made of it
@@ -41,7 +41,7 @@ struct EpisodeReport {
   int attempts = 0;                     // that came to an end, those that were kept before too
   int accepted = 0;                     // attempts whose start the sampler accepted (= rollouts)
   int undecided = 0;                    // attempts that the stop request ended
-  std::map<std::string, int> refusals;  // reason -> count, of starts
+  std::map<std::string, int> refusals;  // 'stage: reason' -> count, of starts
   // What starts were refused for most often, the last of them, and, when none was accepted for want
   // of reach, from where the robot would reach; "" else.
   std::string advice;
@@ -73,7 +73,7 @@ class Runner {
   Runner& operator=(const Runner&) = delete;
 
   const RunConfig& run() const;
-  EpisodeReport Run(const PlanItem& item, const StopCheck& stop = {});
+  ItemResult Run(const PlanItem& item, const StopRequest& stop = {});
 
  private:
   struct State;

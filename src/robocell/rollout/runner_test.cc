@@ -66,12 +66,12 @@ void ExpectGoodRun(const RunConfig& run, int episodes) {
   Runner runner(run);
   int accepted = 0, attempts = 0;
   for (int i = 0; i < episodes; ++i) {
-    const EpisodeReport report = runner.Run(MakePlan(run)[i]);
-    EXPECT_TRUE(report.committed && report.success) << report.item.id;
-    EXPECT_EQ(report.kept, 1);
-    EXPECT_GT(report.rows, 40);
-    accepted += report.accepted;
-    attempts += report.attempts;
+    const ItemResult result = runner.Run(MakePlan(run)[i]);
+    EXPECT_TRUE(result.committed && result.success) << result.item.id;
+    EXPECT_EQ(result.kept, 1);
+    EXPECT_GT(result.rows, 40);
+    accepted += result.accepted;
+    attempts += result.attempts;
   }
   EXPECT_EQ(Dataset(run.output).size(), static_cast<size_t>(episodes));
   EXPECT_GE(episodes, 0.9 * accepted);
@@ -148,7 +148,7 @@ TEST(Runner, DoesNotMakeAgainWhatIsThere) {
   EXPECT_EQ(Runner(run).Run(item).kept, 1);
   EXPECT_TRUE(IsComplete(run, item));
   const auto written = std::filesystem::last_write_time(folder / "out" / item.id / "episode.json");
-  const EpisodeReport again = Runner(run).Run(item);
+  const ItemResult again = Runner(run).Run(item);
   EXPECT_TRUE(again.resumed && again.committed && again.success);
   EXPECT_EQ(again.attempts, 0);
   EXPECT_EQ(std::filesystem::last_write_time(folder / "out" / item.id / "episode.json"), written);
@@ -157,10 +157,10 @@ TEST(Runner, DoesNotMakeAgainWhatIsThere) {
 TEST(Runner, DropsFailuresAndTriesAgain) {
   TempDir folder;
   const RunConfig run = Blind("demo.yaml", folder / "out");
-  const EpisodeReport report = Runner(run, IdleAtFirst(2)).Run(MakePlan(run)[0]);
-  EXPECT_TRUE(report.success);
-  EXPECT_EQ(report.accepted, 3);
-  EXPECT_THAT(report.failures, ElementsAre(Pair("idle", 2)));
+  const ItemResult result = Runner(run, IdleAtFirst(2)).Run(MakePlan(run)[0]);
+  EXPECT_TRUE(result.success);
+  EXPECT_EQ(result.accepted, 3);
+  EXPECT_THAT(result.failures, ElementsAre(Pair("idle", 2)));
   EXPECT_THAT(Dataset(run.output).ids(), ElementsAre("s0000_e0000"));
 }
 
@@ -171,8 +171,8 @@ TEST(Runner, KeepsFailuresOnRequestAndMakesOnlyWhatIsMissing) {
   run.keep = Keep::kAll;
   PrepareDataset(run);
   const PlanItem item = MakePlan(run)[0];
-  const EpisodeReport report = Runner(run, IdleAtFirst(2)).Run(item);
-  EXPECT_EQ(report.kept, 3);
+  const ItemResult result = Runner(run, IdleAtFirst(2)).Run(item);
+  EXPECT_EQ(result.kept, 3);
   EXPECT_TRUE(IsComplete(run, item));
   EXPECT_THAT(Dataset(run.output).ids(),
               ElementsAre("s0000_e0000_a00", "s0000_e0000_a01", "s0000_e0000_a02"));
@@ -181,7 +181,7 @@ TEST(Runner, KeepsFailuresOnRequestAndMakesOnlyWhatIsMissing) {
   const std::string steps = ReadFile(folder / "all/s0000_e0000_a02/steps.h5");
   std::filesystem::remove_all(folder / "all/s0000_e0000_a02");
   EXPECT_FALSE(IsComplete(run, item));
-  const EpisodeReport resumed = Runner(run).Run(item);
+  const ItemResult resumed = Runner(run).Run(item);
   EXPECT_EQ(resumed.attempts, 3) << "those that are there count";
   EXPECT_THAT(resumed.failures, ElementsAre(Pair("idle", 2)));
   EXPECT_EQ(resumed.kept, 1);
@@ -190,12 +190,12 @@ TEST(Runner, KeepsFailuresOnRequestAndMakesOnlyWhatIsMissing) {
 
   std::filesystem::remove_all(folder / "all/s0000_e0000_a00");
   EXPECT_FALSE(IsComplete(run, item)) << "a failure before the success is missing";
-  const EpisodeReport mended = Runner(run, IdleAtFirst(1)).Run(item);
+  const ItemResult mended = Runner(run, IdleAtFirst(1)).Run(item);
   EXPECT_TRUE(mended.success);
   EXPECT_EQ(mended.kept, 1);
   EXPECT_EQ(mended.rows, resumed.rows);
   EXPECT_THAT(mended.failures, ElementsAre(Pair("idle", 2)));
-  EXPECT_EQ(mended.rollouts, report.rollouts);
+  EXPECT_EQ(mended.rollouts, result.rollouts);
   EXPECT_TRUE(IsComplete(run, item));
   const auto metadata = [&](const std::string& id) {
     return nlohmann::json::parse(Dataset(run.output).Open(id).metadata_json());
@@ -203,7 +203,7 @@ TEST(Runner, KeepsFailuresOnRequestAndMakesOnlyWhatIsMissing) {
   const nlohmann::json earlier = metadata("s0000_e0000_a02")["earlier_attempts"];
   ASSERT_EQ(earlier.size(), 2u);
   EXPECT_EQ(earlier[1]["failed"], "idle");
-  EXPECT_EQ(earlier[1]["object_kind"], report.object_kind);
+  EXPECT_EQ(earlier[1]["object_kind"], result.object_kind);
   EXPECT_EQ(metadata("s0000_e0000_a00")["earlier_attempts"].size(), 0u);
 }
 
@@ -214,19 +214,19 @@ TEST(Runner, CountsRefusalsAndGivesUpAfterTheLastAttempt) {
   PrepareDataset(run);
   Runner runner(run, {.sampler = [](const RunConfig&) { return std::make_unique<Refusing>(); },
                       .expert = {}});
-  const EpisodeReport report = runner.Run(MakePlan(run)[0]);
-  EXPECT_FALSE(report.committed);
-  EXPECT_EQ(report.attempts, 4);
-  EXPECT_EQ(report.accepted, 0);
-  EXPECT_THAT(report.refusals, ElementsAre(Pair("no grasp", 4)));
+  const ItemResult result = runner.Run(MakePlan(run)[0]);
+  EXPECT_FALSE(result.committed);
+  EXPECT_EQ(result.attempts, 4);
+  EXPECT_EQ(result.accepted, 0);
+  EXPECT_THAT(result.refusals, ElementsAre(Pair("no grasp", 4)));
 }
 
 TEST(Runner, AStopLeavesNothingHalfDone) {
   TempDir folder;
   const RunConfig run = Blind("demo.yaml", folder / "out");
-  const EpisodeReport report = Runner(run).Run(MakePlan(run)[0], [] { return true; });
-  EXPECT_TRUE(report.stopped);
-  EXPECT_FALSE(report.committed);
+  const ItemResult result = Runner(run).Run(MakePlan(run)[0], [] { return true; });
+  EXPECT_TRUE(result.stopped);
+  EXPECT_FALSE(result.committed);
   EXPECT_EQ(Dataset(run.output).size(), 0u);
 }
 
@@ -240,12 +240,12 @@ TEST(Runner, AStopInTheMiddleOfARolloutIsObeyed) {
                    stop = true;
                    return MakePickPlanner(config, start);
                  }});
-  const EpisodeReport report = runner.Run(MakePlan(run)[0], [&] { return stop; });
-  EXPECT_TRUE(report.stopped);
-  EXPECT_EQ(report.kept, 0);
-  EXPECT_EQ(report.undecided, 1);
-  EXPECT_EQ(report.accepted, 0) << "neither a success nor a failure";
-  EXPECT_TRUE(report.failures.empty());
+  const ItemResult result = runner.Run(MakePlan(run)[0], [&] { return stop; });
+  EXPECT_TRUE(result.stopped);
+  EXPECT_EQ(result.kept, 0);
+  EXPECT_EQ(result.undecided, 1);
+  EXPECT_EQ(result.accepted, 0) << "neither a success nor a failure";
+  EXPECT_TRUE(result.failures.empty());
   for (const auto& entry : std::filesystem::directory_iterator(run.output)) {
     EXPECT_THAT(entry.path().filename().string(), AnyOf("dataset.json", "models", ".lock-writers"));
   }
@@ -257,16 +257,16 @@ TEST(Runner, AStopWhileSamplingIsObeyed) {
   const RunConfig run = Blind("demo.yaml", folder / "out");
   int asked = 0;
   Runner runner(run);
-  const EpisodeReport report = runner.Run(MakePlan(run)[0], [&] { return ++asked > 1; });
-  EXPECT_TRUE(report.stopped);
-  EXPECT_EQ(report.accepted, 0);
-  EXPECT_EQ(report.attempts, 0);
-  EXPECT_EQ(report.undecided, 1);
-  EXPECT_TRUE(report.refusals.empty());
+  const ItemResult result = runner.Run(MakePlan(run)[0], [&] { return ++asked > 1; });
+  EXPECT_TRUE(result.stopped);
+  EXPECT_EQ(result.accepted, 0);
+  EXPECT_EQ(result.attempts, 0);
+  EXPECT_EQ(result.undecided, 1);
+  EXPECT_TRUE(result.refusals.empty());
   EXPECT_GT(asked, 2) << "the sampler asks too";
 }
 
-TEST(Runner, AnExceptionFromTheStopCheckComesOutAndLeavesNothingHalfDone) {
+TEST(Runner, AnExceptionFromTheStopRequestComesOutAndLeavesNothingHalfDone) {
   TempDir folder;
   const RunConfig run = Blind("demo.yaml", folder / "out");
   bool acting = false;
@@ -275,7 +275,7 @@ TEST(Runner, AnExceptionFromTheStopCheckComesOutAndLeavesNothingHalfDone) {
                    acting = true;
                    return MakePickPlanner(config, start);
                  }});
-  const StopCheck stop = [&] { return acting ? throw Error("interrupted") : false; };
+  const StopRequest stop = [&] { return acting ? throw Error("interrupted") : false; };
   ExpectThrow<Error>([&] { runner.Run(MakePlan(run)[0], stop); }, "interrupted");
   EXPECT_EQ(Dataset(run.output).size(), 0u);
 }

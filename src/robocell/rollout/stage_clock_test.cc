@@ -5,7 +5,7 @@
 namespace robocell {
 namespace {
 
-// A clock that moves when it is told to.
+// A clock that is moved by hand.
 struct HandClock {
   using duration = std::chrono::duration<double>;
   using time_point = std::chrono::time_point<HandClock, duration>;

@@ -14,7 +14,7 @@
 namespace robocell {
 namespace {
 
-// What of an actuator says how it drives.
+// The parameters of an actuator that determine how it drives.
 struct DriveLaw {
   int gain_type, bias_type, dynamics, inputs;
   double gain;
@@ -84,8 +84,8 @@ std::string DescribeLaw(const DriveLaw& law) {
   return "no position servo, velocity servo or motor";
 }
 
-// Whether it was added for another mode of an arm (control_modes.h), which is switched off: it is
-// called so and comes after what the model has on the joint.
+// Returns true if it was added for another mode of an arm (control_modes.h), which is switched off:
+// it is called so and comes after what the model has on the joint.
 bool IsAdded(const std::vector<JointActuator>& actuators, size_t i) {
   const JointActuator& actuator = actuators[i];
   const auto here = actuators.begin() + static_cast<std::ptrdiff_t>(i);

@@ -1,5 +1,5 @@
-// What an actuator is, by the force that it makes of its control: the one place that says so, of
-// models that are being written and of compiled ones.
+// Determines the kind of an actuator by the force that it makes of its control, in models that are
+// being written and in compiled ones. No other code does this.
 //
 // A kind is named by the mode that an arm of such actuators is in (ctrl_mode.h). With force =
 // gain * ctrl + a + b * length + c * velocity (XML reference, actuator/general):
@@ -25,7 +25,8 @@ namespace robocell {
 std::optional<CtrlMode> ActuatorKind(const mjModel* model, int actuator);
 std::optional<CtrlMode> ActuatorKind(const mjsActuator* actuator);
 
-// What it would be if its control were its activation: whatever filter or integrator is before it.
+// The kind of an actuator whose activation is its control, whatever filter or integrator precedes
+// it.
 std::optional<CtrlMode> ActuatorForceKind(const mjModel* model, int actuator);
 
 inline bool IsPositionServo(const mjModel* model, int actuator) {
@@ -35,7 +36,8 @@ inline bool IsPositionServo(const mjsActuator* actuator) {
   return ActuatorKind(actuator) == CtrlMode::kPosition;
 }
 
-// Whether it acts on one joint, not through a tendon or at a site (as in mujoco/actuators.h).
+// Returns true if it acts on one joint, not through a tendon or at a site (as in
+// mujoco/actuators.h).
 bool ActsOnJoint(const mjsActuator* actuator);
 
 // "a motor", "a servo that integrates its control", "without effect, as its gear is 0"

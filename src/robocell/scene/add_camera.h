@@ -1,8 +1,8 @@
 // Private to scene: a camera on a body.
 #pragma once
 
+#include "robocell/scene/compile_log.h"
 #include "robocell/scene/placement.h"
-#include "robocell/scene/report.h"
 #include "robocell/spec/camera_spec.h"
 #include "robocell/spec/sim_options.h"
 
@@ -11,9 +11,9 @@ namespace robocell {
 // `placement` holds the full pose, in its body, of the camera or of its model's root. A relative
 // path of a model starts at `directory`.
 void AddCamera(const CameraSpec& camera, const Placement& placement, const std::string& directory,
-               const SimOptions& options, const std::string& place, Report& report);
+               const SimOptions& options, const std::string& place, CompileLog& log);
 
 // Sets the vertical field of view, degrees; warns of an angle that was meant in radians.
-void SetFovy(mjsCamera* camera, double fovy, const std::string& place, Report& report);
+void SetFovy(mjsCamera* camera, double fovy, const std::string& place, CompileLog& log);
 
 }  // namespace robocell

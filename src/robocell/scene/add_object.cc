@@ -64,15 +64,15 @@ void SettleFreeJoint(const SceneObject& object, ObjectPart& out) {
 }  // namespace
 
 std::optional<ObjectPart> LoadObject(const SceneObject& object, const SceneSpec& scene,
-                                     Report& report) {
+                                     CompileLog& log) {
   const std::string place = "object '" + object.name + "'";
   if (object.shape) return MakePrimitive(object, place);
   auto part =
-      LoadPart(object.mjcf_path, scene.source_dir, place, "mjcf_path", scene.options, "", report);
+      LoadPart(object.mjcf_path, scene.source_dir, place, "mjcf_path", scene.options, "", log);
   if (!part) return std::nullopt;
   ObjectPart out{
       std::move(*part), nullptr, SceneObjectElementName(object.name, ""), {object.name, "", {}}};
-  out.root = ChooseRoot(out.part, std::nullopt, report);
+  out.root = ChooseRoot(out.part, std::nullopt, log);
   if (!out.root) return std::nullopt;
   SettleFreeJoint(object, out);
   out.record.root_body = out.prefix + NameOr(out.root->element, "body", place);
@@ -80,29 +80,29 @@ std::optional<ObjectPart> LoadObject(const SceneObject& object, const SceneSpec&
 }
 
 void AttachObject(const SceneObject& object, const ObjectPart& loaded, const Placement& placement,
-                  Report& report) {
+                  CompileLog& log) {
   Placement at = placement;
   if (object.parked && !loaded.record.free_joint) {
-    report.Problem(loaded.part.place,
-                   "parked: only what can move freely comes and goes without compiling; set fixed: "
-                   "false, or leave parked unset",
-                   "parked");
+    log.Problem(loaded.part.place,
+                "parked: only what can move freely comes and goes without compiling; set fixed: "
+                "false, or leave parked unset",
+                "parked");
     return;
   }
   if (loaded.record.free_joint) {
     const auto target = object.attach_to.kind;
     if (target != AttachKind::kWorld && target != AttachKind::kRoot &&
         target != AttachKind::kSharedBase) {
-      report.Problem(loaded.part.place,
-                     fmt::format("can move freely, so it cannot be attached to {}; attach it to "
-                                 "the world, or set fixed: true",
-                                 Describe(object.attach_to)),
-                     "attach_to");
+      log.Problem(loaded.part.place,
+                  fmt::format("can move freely, so it cannot be attached to {}; attach it to "
+                              "the world, or set fixed: true",
+                              Describe(object.attach_to)),
+                  "attach_to");
       return;
     }
   }
   const Pose authored = object.reset_root_pose ? Pose() : PoseInParent(loaded.root->element);
-  AttachPart(at.parent, loaded.part, loaded.root, at.pose * authored, loaded.prefix, report);
+  AttachPart(at.parent, loaded.part, loaded.root, at.pose * authored, loaded.prefix, log);
 }
 
 }  // namespace robocell

@@ -19,9 +19,9 @@ struct ObjectPart {
   ObjectRecord record;
 };
 std::optional<ObjectPart> LoadObject(const SceneObject& object, const SceneSpec& scene,
-                                     Report& report);
+                                     CompileLog& log);
 
 void AttachObject(const SceneObject& object, const ObjectPart& loaded, const Placement& placement,
-                  Report& report);
+                  CompileLog& log);
 
 }  // namespace robocell

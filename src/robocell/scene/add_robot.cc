@@ -7,13 +7,13 @@
 #include <set>
 #include <utility>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/guard.h"
-#include "robocell/scene/check_model_file.h"
 #include "robocell/scene/prefixed_config.h"
 #include "robocell/scene/robot_base.h"
 #include "robocell/scene/robot_parts.h"
 #include "robocell/scene/spec_tree.h"
+#include "robocell/scene/validate_model_file.h"
 #include "robocell/spec/fields.h"
 #include "robocell/spec/shared_parts.h"
 
@@ -39,28 +39,29 @@ RobotConfig ConfigOf(const RobotSpec& robot) {
 // LoadPart, for what has joints to drive.
 std::optional<Part> LoadRobotModel(const std::string& name, const std::string& directory,
                                    const std::string& place, const std::string& field,
-                                   const SimOptions& options, Report& report) {
-  const auto file = FindModel(name, directory, place, field, report);
+                                   const SimOptions& options, CompileLog& log) {
+  const auto file = FindModel(name, directory, place, field, log);
   if (!file) return std::nullopt;
-  const size_t before = report.problem_count();
-  CheckIsMjcf(*file, place, field, report);
-  if (report.problem_count() > before) return std::nullopt;
-  return LoadPart(*file, directory, place, field, options, kRootLabel, report);
+  const size_t before = log.problem_count();
+  ValidateIsMjcf(*file, place, field, log);
+  if (log.problem_count() > before) return std::nullopt;
+  return LoadPart(*file, directory, place, field, options, kRootLabel, log);
 }
 
 // A model of several robots, where each robot's names have a prefix of their own.
-bool HasNamesOf(const RobotSpec& robot, const Part& part, const std::string& name, Report& report) {
+bool HasNamesOf(const RobotSpec& robot, const Part& part, const std::string& name,
+                CompileLog& log) {
   if (robot.model_prefix.empty()) return true;
   std::vector<std::string> bodies = SpecNames(part.spec.get(), mjOBJ_BODY);
   for (const std::string& body : bodies) {
     if (body.starts_with(robot.model_prefix)) return true;
   }
   std::erase(bodies, "world");
-  report.Problem(RobotPlace(name),
-                 fmt::format("in {} the names of robot '{}' must begin with '{}'; its "
-                             "bodies are {}",
-                             part.file, name, robot.model_prefix, ListNames(bodies)),
-                 "model");
+  log.Problem(RobotPlace(name),
+              fmt::format("in {} the names of robot '{}' must begin with '{}'; its "
+                          "bodies are {}",
+                          part.file, name, robot.model_prefix, ListNames(bodies)),
+              "model");
   return false;
 }
 
@@ -74,7 +75,7 @@ std::string RootOf(const RobotSpec& robot, const RobotPart& part) {
 }
 
 // Arms that name no actuators have those that the model has on their joints.
-bool AreGroupsApart(const RobotConfig& config, const Part& robot, Report& report) {
+bool AreGroupsApart(const RobotConfig& config, const Part& robot, CompileLog& log) {
   std::vector<GroupParts> groups;
   for (const auto& [name, group] : config.move_groups.entries()) {
     GroupParts parts{
@@ -87,13 +88,13 @@ bool AreGroupsApart(const RobotConfig& config, const Part& robot, Report& report
   }
   const std::vector<SharedParts> found = FindSharedParts(groups);
   for (const SharedParts& shared : found)
-    report.Problem(robot.place, shared.field + ": " + shared.message, shared.field);
+    log.Problem(robot.place, shared.field + ": " + shared.message, shared.field);
   return found.empty();
 }
 
 // What the robot's configuration adds to its model, which is in `out`.
 void FillRobot(const RobotSpec& robot, const Locations& locations, const SceneSpec& scene,
-               RobotPart& out, Report& report) {
+               RobotPart& out, CompileLog& log) {
   RobotRecord& record = out.record;
   const RobotConfig& config = record.config;
   const std::string& directory = config.source_dir.empty() ? scene.source_dir : config.source_dir;
@@ -101,22 +102,22 @@ void FillRobot(const RobotSpec& robot, const Locations& locations, const SceneSp
   const std::string root = RootOf(robot, out);
   const bool configured = !config.move_groups.empty();
   if (!configured) out.limbs = SerialLimbs(out.part.spec.get(), robot.control_modes.has_value());
-  AddAttachments(config.attachments, config.locations, directory, out.part, scene, report);
-  AddAttachments(robot.attachments, locations, scene.source_dir, out.part, scene, report);
-  AddRobotCameras(config, directory, out.part, scene, report);
-  ApplyOverrides(config, out.part, report);
+  AddAttachments(config.attachments, config.locations, directory, out.part, scene, log);
+  AddAttachments(robot.attachments, locations, scene.source_dir, out.part, scene, log);
+  AddRobotCameras(config, directory, out.part, scene, log);
+  ApplyOverrides(config, out.part, log);
   if (record.base.kind == BaseKind::kFixed)
     ExcludeFirstJoints(out.top, scene.options, out.part.spec.get());
   // Actuators for other modes of a joint that is shared would be added twice.
-  if (configured && AreGroupsApart(config, out.part, report))
+  if (configured && AreGroupsApart(config, out.part, log))
     out.limbs = ConfiguredLimbs(config, out.part.spec.get());
   out.limbs =
-      AddModeActuators(robot, std::move(out.limbs), out.part.place, out.part.spec.get(), report);
-  if (const auto tcp = AddTcpSite(config, out.part, report)) record.tcp_site = robot.prefix + *tcp;
+      AddModeActuators(robot, std::move(out.limbs), out.part.place, out.part.spec.get(), log);
+  if (const auto tcp = AddTcpSite(config, out.part, log)) record.tcp_site = robot.prefix + *tcp;
   record.top_body = BaseBodyName(record.base, robot.prefix).value_or(robot.prefix + top);
   record.root_body = robot.prefix + root;
   if (config.attachment_site) record.attachment_site = robot.prefix + *config.attachment_site;
-  SettleBase(out, report);
+  SettleBase(out, log);
   // Of a model of several robots this one is what hangs on its own root.
   if (!robot.model_prefix.empty()) record.top_body = record.base_body = record.root_body;
 }
@@ -154,16 +155,16 @@ class LentPart {
 };
 
 // Where it was described: in a scene's file and in one of its own, which has no place in a scene.
-void LocateRobot(const RobotRecord& record, const Locations& in_scene, Report& report) {
-  report.Locate(RobotPlace(record.name), in_scene);
-  report.Locate(RobotPlace(record.name), record.config.locations, FieldNames<RobotConfig>());
+void LocateRobot(const RobotRecord& record, const Locations& in_scene, CompileLog& log) {
+  log.Locate(RobotPlace(record.name), in_scene);
+  log.Locate(RobotPlace(record.name), record.config.locations, FieldNames<RobotConfig>());
 }
 
 }  // namespace
 
 std::string RobotPlace(const std::string& name) { return "robot '" + name + "'"; }
 
-std::vector<std::string> RobotNames(const List<RobotSpec>& robots, Report& report) {
+std::vector<std::string> RobotNames(const List<RobotSpec>& robots, CompileLog& log) {
   std::vector<std::string> names;
   std::set<std::string> taken;
   int unnamed = 0;
@@ -174,8 +175,8 @@ std::vector<std::string> RobotNames(const List<RobotSpec>& robots, Report& repor
       ++unnamed;
     }
     if (!taken.insert(name).second) {
-      report.Problem(RobotPlace(name),
-                     "two robots have this name; set `name` or give them different prefixes");
+      log.Problem(RobotPlace(name),
+                  "two robots have this name; set `name` or give them different prefixes");
     }
     names.push_back(name);
   }
@@ -193,48 +194,48 @@ RobotRecord RecordOf(const RobotSpec& robot, const std::string& name) {
 
 std::optional<RobotPart> LoadRobot(const RobotSpec& robot, const std::string& name,
                                    const Locations& locations, const SceneSpec& scene,
-                                   Report& report) {
+                                   CompileLog& log) {
   const std::string place = RobotPlace(name);
   RobotPart out;
   RobotRecord& record = out.record;
   record = RecordOf(robot, name);
   const RobotConfig& config = record.config;
   const std::string& directory = config.source_dir.empty() ? scene.source_dir : config.source_dir;
-  LocateRobot(record, locations, report);
+  LocateRobot(record, locations, log);
   auto part = LoadRobotModel(config.model, directory, place, robot.config ? "model" : "path",
-                             scene.options, report);
+                             scene.options, log);
   if (!part) return std::nullopt;
   out.part = std::move(*part);
-  if (!HasNamesOf(robot, out.part, name, report)) return std::nullopt;
-  if (config.home.empty() && !out.part.other_keys.empty()) report.Note(place, out.part.other_keys);
-  ApplyEdits(config, out.part, report);
-  out.top = ChooseRoot(out.part, config.root_body, report);
+  if (!HasNamesOf(robot, out.part, name, log)) return std::nullopt;
+  if (config.home.empty() && !out.part.other_keys.empty()) log.Note(place, out.part.other_keys);
+  ApplyEdits(config, out.part, log);
+  out.top = ChooseRoot(out.part, config.root_body, log);
   if (!out.top) return std::nullopt;
-  FillRobot(robot, locations, scene, out, report);
+  FillRobot(robot, locations, scene, out, log);
   return out;
 }
 
 std::optional<RobotPart> LoadRobotIn(RobotPart& host, const RobotSpec& robot,
                                      const std::string& name, const Locations& locations,
-                                     const SceneSpec& scene, Report& report) {
+                                     const SceneSpec& scene, CompileLog& log) {
   RobotPart out;
   out.record = RecordOf(robot, name);
   out.top = host.top;
-  LocateRobot(out.record, locations, report);
-  if (!HasNamesOf(robot, host.part, name, report)) return std::nullopt;
+  LocateRobot(out.record, locations, log);
+  if (!HasNamesOf(robot, host.part, name, log)) return std::nullopt;
   {
     const LentPart lent(host.part, out.part, RobotPlace(name));
-    FillRobot(robot, locations, scene, out, report);
+    FillRobot(robot, locations, scene, out, log);
   }
   return out;
 }
 
 void AttachRobot(const RobotSpec& robot, const RobotPart& loaded, const Placement& placement,
-                 Report& report) {
-  const auto mount = AddBase(robot, loaded, placement, report);
+                 CompileLog& log) {
+  const auto mount = AddBase(robot, loaded, placement, log);
   if (!mount) return;
   AttachPart(mount->parent, loaded.part, loaded.top, mount->pose * RootPose(robot, loaded),
-             robot.prefix, report);
+             robot.prefix, log);
 }
 
 }  // namespace robocell

@@ -27,19 +27,19 @@ RobotRecord RecordOf(const RobotSpec& robot, const std::string& name);
 // Null when there were problems. `locations` are those of the RobotSpec.
 std::optional<RobotPart> LoadRobot(const RobotSpec& robot, const std::string& name,
                                    const Locations& locations, const SceneSpec& scene,
-                                   Report& report);
+                                   CompileLog& log);
 
 // A robot whose elements are in the model of `host` too; its own part has no spec.
 std::optional<RobotPart> LoadRobotIn(RobotPart& host, const RobotSpec& robot,
                                      const std::string& name, const Locations& locations,
-                                     const SceneSpec& scene, Report& report);
+                                     const SceneSpec& scene, CompileLog& log);
 
 void AttachRobot(const RobotSpec& robot, const RobotPart& loaded, const Placement& placement,
-                 Report& report);
+                 CompileLog& log);
 
 // The robots' names: as given, else from the prefix, else robot, robot_1, ... Names used twice are
 // problems.
-std::vector<std::string> RobotNames(const List<RobotSpec>& robots, Report& report);
+std::vector<std::string> RobotNames(const List<RobotSpec>& robots, CompileLog& log);
 
 // "<prefix>mocap_base" and the like; unset for a robot that hangs directly on what it is attached
 // to.

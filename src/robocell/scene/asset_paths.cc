@@ -4,9 +4,9 @@
 
 #include <filesystem>
 
-#include "robocell/base/folder_names.h"
-#include "robocell/base/names.h"
+#include "robocell/base/files.h"
 #include "robocell/base/real_file.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/scene/part.h"
 #include "robocell/scene/spec_tree.h"
 
@@ -91,10 +91,10 @@ std::string Text(const std::string& model, const std::vector<MissingPath>& missi
 }  // namespace
 
 bool MakeAssetPathsAbsolute(mjSpec* spec, const std::string& file, const std::string& place,
-                            const std::string& field, Report& report) {
+                            const std::string& field, CompileLog& log) {
   const AssetPaths paths(spec);
   if (paths.missing().empty()) return true;
-  report.Missing(place, Text(file, paths.missing()), field);
+  log.Missing(place, Text(file, paths.missing()), field);
   return false;
 }
 

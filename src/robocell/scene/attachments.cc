@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/engine_exception.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
@@ -35,8 +35,8 @@ std::vector<mjsElement*> Mounted(mjsBody* root) {
 
 // The engine has each name once. Its own complaint names the first and no file, and comes only when
 // all is compiled for some kinds. False when there was something to tell.
-bool CheckNamesAreNew(const AttachmentSpec& attachment, const Part& tool, mjsBody* root,
-                      const Part& robot, Report& report) {
+bool ValidateNamesAreNew(const AttachmentSpec& attachment, const Part& tool, mjsBody* root,
+                         const Part& robot, CompileLog& log) {
   std::vector<std::string> both;
   std::string first;
   for (mjsElement* element : Mounted(root)) {
@@ -50,7 +50,7 @@ bool CheckNamesAreNew(const AttachmentSpec& attachment, const Part& tool, mjsBod
       attachment.prefix.empty()
           ? "set the attachment's `prefix`, which its names begin with then"
           : fmt::format("give the attachment another `prefix` than '{}'", attachment.prefix);
-  report.Problem(
+  log.Problem(
       tool.place,
       fmt::format("{} would come from {} and {} in {} already; {}", ListNames(both, 3), tool.file,
                   both.size() == 1 ? "is" : "are", FileWith(robot, first), advice),
@@ -59,16 +59,16 @@ bool CheckNamesAreNew(const AttachmentSpec& attachment, const Part& tool, mjsBod
 }
 
 void AddExclusions(const AttachmentSpec& attachment, const std::string& place, Part& robot,
-                   Report& report) {
+                   CompileLog& log) {
   mjSpec* spec = robot.spec.get();
   for (const auto& pair : attachment.contact_exclusions) {
     bool known = true;
     for (const std::string& body : pair) {
       if (mjs_findBody(spec, body.c_str())) continue;
-      report.Missing(place,
-                     "contact_exclusions: " +
-                         NoSuchName("the robot", "body", body, SpecNames(spec, mjOBJ_BODY)),
-                     "contact_exclusions");
+      log.Missing(place,
+                  "contact_exclusions: " +
+                      NoSuchName("the robot", "body", body, SpecNames(spec, mjOBJ_BODY)),
+                  "contact_exclusions");
       known = false;
     }
     if (!known) continue;
@@ -79,46 +79,46 @@ void AddExclusions(const AttachmentSpec& attachment, const std::string& place, P
 }
 
 // What is mounted moves with the robot, although its model's file lets it fall.
-void LeaveOutFreeJoint(const Part& tool, mjsBody* root, Report& report) {
+void LeaveOutFreeJoint(const Part& tool, mjsBody* root, CompileLog& log) {
   mjsElement* joint = FreeJointOf(root);
   if (!joint) return;
   Tried(tool.place, [&] { mjs_delete(tool.spec.get(), joint); });
-  report.Note(tool.place, fmt::format("the free joint of '{}' is left out: it is mounted here",
-                                      SpecName(root->element)));
+  log.Note(tool.place, fmt::format("the free joint of '{}' is left out: it is mounted here",
+                                   SpecName(root->element)));
 }
 
 void AddAttachment(const AttachmentSpec& attachment, const std::string& directory,
-                   const std::string& place, Part& robot, const SceneSpec& scene, Report& report) {
+                   const std::string& place, Part& robot, const SceneSpec& scene, CompileLog& log) {
   const std::string root_label = std::filesystem::path(attachment.mjcf_path).stem().string();
-  const auto loaded = LoadPart(attachment.mjcf_path, directory, place, "mjcf_path", scene.options,
-                               root_label, report);
+  const auto loaded =
+      LoadPart(attachment.mjcf_path, directory, place, "mjcf_path", scene.options, root_label, log);
   if (!loaded) return;
   const Part& tool = *loaded;
-  mjsBody* root = ChooseRoot(tool, std::nullopt, report);
+  mjsBody* root = ChooseRoot(tool, std::nullopt, log);
   if (!root) return;
   const auto at =
-      Place(attachment.attach_to, attachment.pose(), robot.spec.get(), scene, {}, place, report);
+      Place(attachment.attach_to, attachment.pose(), robot.spec.get(), scene, {}, place, log);
   if (!at) return;
-  if (!CheckNamesAreNew(attachment, tool, root, robot, report)) return;
-  LeaveOutFreeJoint(tool, root, report);
+  if (!ValidateNamesAreNew(attachment, tool, root, robot, log)) return;
+  LeaveOutFreeJoint(tool, root, log);
   const Pose authored = attachment.reset_root_pose ? Pose() : PoseInParent(root->element);
-  AttachPart(at->parent, tool, root, at->pose * authored, attachment.prefix, report);
+  AttachPart(at->parent, tool, root, at->pose * authored, attachment.prefix, log);
   robot.keys.Merge(tool.keys, attachment.prefix);
   robot.tools.push_back({attachment.prefix, tool.file});
-  AddExclusions(attachment, place, robot, report);
+  AddExclusions(attachment, place, robot, log);
 }
 
 }  // namespace
 
 void AddAttachments(const List<AttachmentSpec>& attachments, const Locations& locations,
                     const std::string& directory, Part& robot, const SceneSpec& scene,
-                    Report& report) {
+                    CompileLog& log) {
   for (size_t i = 0; i < attachments.size(); ++i) {
     const AttachmentSpec& attachment = attachments[i];
     const std::string& name = attachment.prefix.empty() ? attachment.mjcf_path : attachment.prefix;
     const std::string place = robot.place + " / attachment '" + name + "'";
-    report.Locate(place, locations.Below(fmt::format("attachments[{}]", i)));
-    AddAttachment(attachment, directory, place, robot, scene, report);
+    log.Locate(place, locations.Below(fmt::format("attachments[{}]", i)));
+    AddAttachment(attachment, directory, place, robot, scene, log);
   }
 }
 

@@ -55,14 +55,14 @@ int SwitchedOff(const mjModel* m, int actuator) {
   return group >= 0 && group < 31 ? m->opt.disableactuator >> group & 1 : 0;
 }
 
-// As the engine does it, to the bit.
+// Sums the masses as the engine does, to the bit.
 void SumMasses(mjModel* m) {
   std::copy_n(m->body_mass, m->nbody, m->body_subtreemass);
   for (int b = static_cast<int>(m->nbody) - 1; b > 0; --b)
     m->body_subtreemass[m->body_parentid[b]] += m->body_subtreemass[b];
 }
 
-// What the engine looks at before it looks at the numbers.
+// Flags that the engine checks before the numbers.
 void CarryFlags(const mjModel& from, mjModel* to) {
   to->flg_gravcomp = to->flg_gravcomp || from.flg_gravcomp;
   to->flg_surfacevel = to->flg_surfacevel || from.flg_surfacevel;

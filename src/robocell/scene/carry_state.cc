@@ -41,7 +41,7 @@ Pieces PlasticOf(const mjModel* m) {
   return pieces;
 }
 
-// What belongs to an element of one kind in both.
+// Copies the data of elements of one kind that are in both.
 void CopyPieces(const ElementMatch& match, mjtObj kind, const Pieces& from_pieces,
                 const Pieces& to_pieces, const int* from_addresses, const int* to_addresses,
                 const mjtNum* from, mjtNum* to) {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/spec_tree.h"
@@ -23,7 +23,7 @@ constexpr mjtObj kKinds[] = {mjOBJ_BODY,     mjOBJ_JOINT,  mjOBJ_GEOM,     mjOBJ
                              mjOBJ_MATERIAL, mjOBJ_TENDON, mjOBJ_EQUALITY, mjOBJ_ACTUATOR,
                              mjOBJ_SENSOR};
 
-// What stands between two texts; "" when one of them is missing.
+// Returns the text between two texts; "" if one of them is missing.
 std::string Between(std::string_view text, std::string_view before, std::string_view after) {
   const size_t begin = text.find(before);
   if (begin == std::string_view::npos) return "";
@@ -68,7 +68,7 @@ std::string LineOf(mjsElement* element) {
   return info ? Digits(Between(mjs_getString(info) + std::string("\n"), "line ", "\n")) : "";
 }
 
-// What the engine says of the part alone; "" when it compiles.
+// Returns the engine's message for the part alone; "" if it compiles.
 std::string ProblemAlone(const Part& part) {
   try {
     Compile(part.spec.get());
@@ -93,7 +93,7 @@ std::optional<MissingAsset> FindMissingAsset(const std::string& text) {
   return std::nullopt;
 }
 
-// Whether an element asks for the asset.
+// Returns true if an element asks for the asset.
 bool Wants(mjsElement* element, const MissingAsset& asset) {
   std::vector<const mjString*> names;
   const bool material = asset.kind == mjOBJ_MATERIAL;
@@ -158,7 +158,7 @@ std::optional<std::string> MissingAssetProblem(const std::string& text, const Pa
          WhoWants(part, *asset, alone) + what;
 }
 
-// What to do about the engine's complaint; "" when nothing more can be said.
+// Advice for the engine's message; "" if there is none.
 std::string NextStep(const std::string& complaint, mjtObj kind, const std::string& name,
                      bool is_robot, bool has_file) {
   if (kind != mjOBJ_BODY || complaint.find("mass and inertia") == std::string::npos) return "";
@@ -180,7 +180,7 @@ std::optional<std::string> CompileProblem(const std::string& text, const Part& p
   const std::string complaint = Between(text, "Error: ", "\n");
   const std::string line = Digits(Between(text + "\n", ", line ", "\n"));
   if (const auto problem = MissingAssetProblem(text, part, prefix)) return problem;
-  // Elements without a name do not tell whose they are; their part does not compile alone either.
+  // Unnamed elements do not show their part; that does not compile alone either.
   if (full_name.empty() && !complaint.empty() &&
       Between(ProblemAlone(part), "Error: ", "\n") == complaint)
     return PlaceOf(part, part.tools.empty() ? part.file : "", line) + complaint;

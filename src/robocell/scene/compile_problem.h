@@ -15,20 +15,20 @@ namespace robocell {
 std::optional<std::string> CompileProblem(const std::string& text, const Part& part,
                                           const std::string& prefix);
 
-// What the engine's text says is there twice: "body", "l3".
+// The duplicate in the engine's message: "body", "l3".
 struct Repeated {
   std::string kind, name;
 };
 std::optional<Repeated> RepeatedName(const std::string& text);
-// Whether the part, with its prefix in the scene, brings such an element.
+// Returns true if the part, with its prefix in the scene, brings such an element.
 bool HasElement(const Part& part, const std::string& prefix, const Repeated& element);
 
 // The file of the part's element of that name: "arm.xml", or "arm.xml or a tool of it" where that
 // is not known.
 std::string FileWith(const Part& part, const std::string& name);
 
-// Where the part's joint or actuator of that name stands: "arm.xml:12", or the file alone when the
-// line is not known.
+// Returns the place of the part's joint or actuator of that name: "arm.xml:12", or the file alone
+// if the line is not known.
 std::string PlaceInModel(const Part& part, mjtObj kind, const std::string& name);
 
 }  // namespace robocell

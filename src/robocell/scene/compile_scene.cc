@@ -6,13 +6,11 @@
 
 #include "robocell/assets/model_files.h"
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/scene/add_camera.h"
 #include "robocell/scene/add_object.h"
 #include "robocell/scene/add_robot.h"
-#include "robocell/scene/check_home.h"
-#include "robocell/scene/check_robot.h"
 #include "robocell/scene/compile_problem.h"
 #include "robocell/scene/compiled_scene.h"
 #include "robocell/scene/decorations.h"
@@ -21,9 +19,12 @@
 #include "robocell/scene/options.h"
 #include "robocell/scene/pool.h"
 #include "robocell/scene/robot_base.h"
+#include "robocell/scene/robot_inspection.h"
 #include "robocell/scene/saved_scene.h"
 #include "robocell/scene/scene_keys.h"
 #include "robocell/scene/spec_tree.h"
+#include "robocell/scene/validate_keyframes.h"
+#include "robocell/scene/validate_robot.h"
 #include "robocell/spec/validate.h"
 
 namespace robocell {
@@ -67,12 +68,11 @@ class SceneCompiler {
     StartSpec();
     LoadParts();
     AddEntities();
-    report_.Throw(spec().name);
+    log_.Throw(spec().name);
     CompileModel();
-    report_.Throw(spec().name);
-    out_->warnings_.insert(out_->warnings_.begin(), report_.warnings().begin(),
-                           report_.warnings().end());
-    out_->notes_ = report_.notes();
+    log_.Throw(spec().name);
+    out_->warnings_.insert(out_->warnings_.begin(), log_.warnings().begin(), log_.warnings().end());
+    out_->notes_ = log_.notes();
     out_->generation_ = CompiledScene::NextGeneration();
     return out_;
   }
@@ -84,7 +84,7 @@ class SceneCompiler {
     SpecPtr saved = ParseXmlFile(path, place);
     const int written = saved->option.jacobian;
     ModelPtr model = Compile(saved.get(), nullptr, place, nullptr, GuardOf(spec));
-    CheckSavedNames(scene->model(), model.get(), place);
+    RequireSavedNames(scene->model(), model.get(), place);
     if (scene->engine_guards_.empty()) scene->engine_guards_ = GuardsSince(written, saved.get());
     scene->spec_owner_ = std::move(saved);
     scene->model_owner_ = std::move(model);
@@ -100,82 +100,82 @@ class SceneCompiler {
   // The base, or an empty world, with the decorations.
   void StartSpec() {
     if (spec().base) {
-      report_.Locate(kBase, spec().locations);
-      Part base = LoadBase(report_);
+      log_.Locate(kBase, spec().locations);
+      Part base = LoadBase(log_);
       spec_ = std::move(base.spec);
       keys_ = std::move(base.keys);
-      WarnReplacedOptions(spec_->option, spec(), report_);
+      WarnReplacedOptions(spec_->option, spec(), log_);
     } else {
       spec_ = MakeSpec();
     }
     mjs_setString(spec_->modelname, spec().name.c_str());
-    CheckDecorations();
-    report_.Throw(spec().name);
+    ValidateDecorations();
+    log_.Throw(spec().name);
     AddDecorations(spec(), spec_.get());
   }
 
-  Part LoadBase(Report& report) const {
-    const auto file = FindModel(*spec().base, spec().source_dir, kBase, kBase, report);
-    report.Throw(spec().name);
+  Part LoadBase(CompileLog& log) const {
+    const auto file = FindModel(*spec().base, spec().source_dir, kBase, kBase, log);
+    log.Throw(spec().name);
     Part base{kBase, kBase, *file, nullptr, {}};
     try {
       RequireOnlyFiles(*file);
     } catch (const SpecError& error) {
-      report.Thrown(kBase, error.what());
+      log.Thrown(kBase, error.what());
     }
-    report.Throw(spec().name);
+    log.Throw(spec().name);
     base.spec = ParseXmlFile(*file, context_ + " / base");
     LabelUnnamed(base.spec.get(), "body");
     base.keys = ReadKeys(base.spec.get(), kBase, kBase, *file);
     DropKeys(base.spec.get());
-    MakeAssetPathsAbsolute(base.spec.get(), *file, kBase, kBase, report);
+    MakeAssetPathsAbsolute(base.spec.get(), *file, kBase, kBase, log);
     return base;
   }
 
-  void CheckDecorations() {
+  void ValidateDecorations() {
     if (spec().add_floor.value_or(false) && FindSpecElement(spec_.get(), mjOBJ_GEOM, "floor")) {
-      report_.Problem("", "add_floor: the base has a geom 'floor' already; set add_floor to false");
+      log_.Problem("", "add_floor: the base has a geom 'floor' already; set add_floor to false");
     }
   }
 
   void LoadParts() {
-    robot_names_ = RobotNames(spec().robots, report_);
+    robot_names_ = RobotNames(spec().robots, log_);
     for (size_t i = 0; i < spec().objects.size(); ++i) {
       const SceneObject& object = spec().objects[i];
       const std::string place = "object '" + object.name + "'";
-      report_.Locate(place, Located("objects", i));
-      Collect(place, [&] { objects_.push_back(LoadObject(object, spec(), report_)); });
+      log_.Locate(place, Located("objects", i));
+      Collect(place, [&] { objects_.push_back(LoadObject(object, spec(), log_)); });
     }
     for (size_t i = 0; i < spec().robots.size(); ++i) {
       robots_.emplace_back();  // stays empty when loading throws
       Collect(RobotPlace(robot_names_[i]), [&] { robots_[i] = LoadRobotAt(i); });
     }
     for (size_t i = 0; i < spec().cameras.size(); ++i) {
-      report_.Locate("camera '" + spec().cameras[i].name + "'", Located("cameras", i));
+      log_.Locate("camera '" + spec().cameras[i].name + "'", Located("cameras", i));
     }
-    report_.Throw(spec().name);
+    log_.Throw(spec().name);
     for (const auto& robot : robots_) AddRobotFrames(robot->record);
   }
 
   std::optional<RobotPart> LoadRobotAt(size_t i) {
     const RobotSpec& robot = spec().robots[i];
     const std::string& name = robot_names_[i];
-    if (robot.part_of.empty()) return LoadRobot(robot, name, Located("robots", i), spec(), report_);
+    if (robot.part_of.empty()) return LoadRobot(robot, name, Located("robots", i), spec(), log_);
     const size_t host = HostOf(i);
     if (host == i) {
       const std::vector<std::string> earlier(robot_names_.begin(), robot_names_.begin() + i);
-      report_.Problem(RobotPlace(name),
-                      "part_of: " + NoSuchName("", "earlier robot", robot.part_of, earlier),
-                      "part_of");
+      log_.Problem(RobotPlace(name),
+                   "part_of: " + NoSuchName("", "earlier robot", robot.part_of, earlier),
+                   "part_of");
     }
     if (host == i || !robots_[host]) return std::nullopt;
     if (robot.prefix != spec().robots[host].prefix) {
-      report_.Problem(RobotPlace(name),
-                      fmt::format("prefix: must be that of robot '{}', which it is part of: '{}'",
-                                  robot.part_of, spec().robots[host].prefix),
-                      "prefix");
+      log_.Problem(RobotPlace(name),
+                   fmt::format("prefix: must be that of robot '{}', which it is part of: '{}'",
+                               robot.part_of, spec().robots[host].prefix),
+                   "prefix");
     }
-    return LoadRobotIn(*robots_[host], robot, name, Located("robots", i), spec(), report_);
+    return LoadRobotIn(*robots_[host], robot, name, Located("robots", i), spec(), log_);
   }
 
   // The robot in whose model the i-th is: the i-th itself, unless it says part_of.
@@ -198,7 +198,7 @@ class SceneCompiler {
     try {
       function();
     } catch (const SpecError& error) {
-      report_.Thrown(place, error.what());
+      log_.Thrown(place, error.what());
     }
   }
 
@@ -238,7 +238,7 @@ class SceneCompiler {
     ElementSet base;
     CollectNames(spec_.get(), "", base);
     const std::vector<Entity> entities = Entities();
-    for (const size_t i : BuildOrder(entities, base, report_)) {
+    for (const size_t i : BuildOrder(entities, base, log_)) {
       Collect(entities[i].place, [&] { AddEntity(i); });
     }
     for (const auto& object : objects_) out_->objects_.push_back(object->record);
@@ -254,13 +254,13 @@ class SceneCompiler {
 
   std::optional<Placement> PlaceIt(const AttachTarget& target, const Pose& pose,
                                    const std::string& place) {
-    return Place(target, pose, spec_.get(), spec(), frames_, place, report_);
+    return Place(target, pose, spec_.get(), spec(), frames_, place, log_);
   }
 
   void AddObject(const SceneObject& object, const ObjectPart& loaded) {
     const auto at = PlaceIt(object.attach_to, object.pose(), loaded.part.place);
     if (!at) return;
-    AttachObject(object, loaded, *at, report_);
+    AttachObject(object, loaded, *at, log_);
     AdoptKeys(loaded.part, loaded.prefix, object.name);
   }
 
@@ -268,22 +268,22 @@ class SceneCompiler {
     if (!robot.part_of.empty()) return;
     const auto at = PlaceIt(robot.attach_to, robot.pose(), loaded.part.place);
     if (!at) return;
-    AttachRobot(robot, loaded, *at, report_);
+    AttachRobot(robot, loaded, *at, log_);
     AdoptKeys(loaded.part, robot.prefix, loaded.record.name);
   }
 
   void AdoptKeys(const Part& part, const std::string& prefix, const std::string& name) {
     for (const auto& [own, full] : keys_.Adopt(part.keys, prefix, name)) {
-      report_.Note(part.place, fmt::format("its keyframe '{}' is called '{}' in the scene, where "
-                                           "another one is called '{}'",
-                                           own, full, prefix + own));
+      log_.Note(part.place, fmt::format("its keyframe '{}' is called '{}' in the scene, where "
+                                        "another one is called '{}'",
+                                        own, full, prefix + own));
     }
   }
 
   void AddSceneCamera(const CameraSpec& camera) {
     const std::string place = "camera '" + camera.name + "'";
     if (const auto at = PlaceIt(camera.attach_to, camera.pose(), place))
-      AddCamera(camera, *at, spec().source_dir, spec().options, place, report_);
+      AddCamera(camera, *at, spec().source_dir, spec().options, place, log_);
   }
 
   std::vector<RobotLimbs> Limbs() const {
@@ -296,18 +296,18 @@ class SceneCompiler {
   }
 
   void CompileModel() {
-    ApplyOptions(spec(), spec_.get(), report_);
+    ApplyOptions(spec(), spec_.get(), log_);
     for (const RobotRecord& robot : out_->robots_) FitWeld(spec_.get(), robot);
     const std::vector<RobotLimbs> limbs = Limbs();
-    AssignActuatorGroups(spec_.get(), limbs, report_);
-    report_.Throw(spec().name);
+    AssignActuatorGroups(spec_.get(), limbs, log_);
+    log_.Throw(spec().name);
     const std::vector<mjsKey*> keys = AddSceneKeys(spec_.get(), keys_.PresetNames());
     const int written = spec_->option.jacobian;
     try {
       out_->model_owner_ =
           Compile(spec_.get(), nullptr, context_, &out_->warnings_, GuardOf(spec()));
     } catch (const SpecError& error) {
-      report_.Throw(spec().name);  // what is wrong with the options
+      log_.Throw(spec().name);  // what is wrong with the options
       TellWhose(error.what());
       throw;
     }
@@ -315,27 +315,21 @@ class SceneCompiler {
     mjModel* model = out_->model_ = out_->model_owner_.get();
     out_->engine_guards_ = GuardsSince(written, spec_.get());
     out_->jacobian_ = model->opt.jacobian;
-    WarnWrongSolver(spec(), model, report_);
-    for (const RobotRecord& robot : out_->robots_) CheckRobot(model, robot, report_);
-    CheckGroups(model, out_->robots_, report_);
-    CheckKeyframes(model, keys_, out_->robots_, report_);
-    CheckToolPoints(model, out_->robots_, report_);
+    WarnWrongSolver(spec(), model, log_);
+    for (const RobotRecord& robot : out_->robots_) ValidateRobot(model, robot, log_);
+    const DataPtr reference = AtReference(model);
+    ValidateGroups(model, reference.get(), out_->robots_, log_);
+    ValidateKeyframes(model, keys_, out_->robots_, log_);
+    ValidateToolPoints(model, reference.get(), out_->robots_, log_);
     FillPool(model);
-    FillSceneKeys(model, keys, keys_, out_->robots_, report_);
+    FillSceneKeys(model, keys, keys_, out_->robots_, log_);
     out_->home_key_ = mj_name2id(model, mjOBJ_KEY, "home");
     out_->key_owners_ = {{}};
     for (const auto& [name, key] : keys_.presets)
       out_->key_owners_.push_back({key.part, key.own_name});
     FillVelocityGains(model, out_->home_key_, limbs);
-    for (size_t i = 0; i < robots_.size(); ++i) {
-      CheckRanges(model, out_->home_key_, out_->robots_[i], PartOf(i), report_);
-      CheckServos(model, out_->home_key_, out_->robots_[i], PartOf(i), report_);
-      CheckTendons(model, out_->robots_[i], report_);
-      CheckScale(model, out_->robots_[i], report_);
-      CheckInertia(model, out_->robots_[i], PartOf(i), report_);
-    }
-    CheckCameraPlaces(model, out_->home_key_, out_->robots_, report_);
-    CheckPedestals(model, out_->robots_, report_);
+    for (size_t i = 0; i < robots_.size() && log_.ok(); ++i)
+      InspectRobot({model, reference.get(), out_->home_key_, out_->robots_[i], PartOf(i)}, log_);
     FixVisibleRange(spec_.get(), model);
     out_->spec_owner_ = std::move(spec_);
   }
@@ -373,11 +367,11 @@ class SceneCompiler {
     }
     for (const auto& object : objects_) look(object->part, object->prefix);
     if (owners.size() < 2 || !owners.back()->place.starts_with("object ")) return;
-    report_.Problem(owners.back()->place,
-                    fmt::format("{0} '{1}' is in {2} already, and the object would bring another "
-                                "one; give the object another name",
-                                repeated->kind, repeated->name, owners.front()->place),
-                    "name");
+    log_.Problem(owners.back()->place,
+                 fmt::format("{0} '{1}' is in {2} already, and the object would bring another "
+                             "one; give the object another name",
+                             repeated->kind, repeated->name, owners.front()->place),
+                 "name");
   }
 
   // The engine's text about an element of a part becomes a problem of that part's file.
@@ -385,26 +379,26 @@ class SceneCompiler {
     // As its file has it, without what has been attached since.
     std::optional<Part> base;
     if (spec().base) {
-      Report told;  // when it was loaded
+      CompileLog told;  // when it was loaded
       base = LoadBase(told);
     }
     TellRepeatedName(text, base ? &*base : nullptr);
     const auto tell = [&](const Part& part, const std::string& prefix) {
       if (const auto problem = CompileProblem(text, part, prefix))
-        report_.Problem(part.place, *problem, part.field);
+        log_.Problem(part.place, *problem, part.field);
     };
     if (base) tell(*base, "");
     for (const auto& robot : robots_) {
       if (robot->part.spec) tell(robot->part, robot->record.prefix);
     }
     for (const auto& object : objects_) tell(object->part, object->prefix);
-    report_.Throw(spec().name);
+    log_.Throw(spec().name);
   }
 
   std::string context_;
   std::shared_ptr<CompiledScene> out_;
   SpecPtr spec_;
-  Report report_;
+  CompileLog log_;
   PartKeys keys_;
   std::vector<std::string> robot_names_;
   std::vector<std::optional<ObjectPart>> objects_;

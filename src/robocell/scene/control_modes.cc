@@ -11,7 +11,7 @@
 #include <set>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
@@ -175,29 +175,28 @@ bool Has(const Limb& limb, CtrlMode mode) {
 }
 
 void WarnOfMissingModes(const RobotSpec& robot, const std::set<CtrlMode>& had,
-                        const std::string& place, Report& report) {
+                        const std::string& place, CompileLog& log) {
   if (!robot.control_modes) return;
   for (const CtrlMode mode : *robot.control_modes) {
     if (had.contains(mode)) continue;
-    report.Warn(
-        place,
-        fmt::format("control_modes has {}, but no arm of it has actuators that these can be "
-                    "added to: position servos, velocity servos or motors, one on each "
-                    "joint",
-                    ToString(mode)),
-        "control_modes");
+    log.Warn(place,
+             fmt::format("control_modes has {}, but no arm of it has actuators that these can be "
+                         "added to: position servos, velocity servos or motors, one on each "
+                         "joint",
+                         ToString(mode)),
+             "control_modes");
   }
 }
 
-void CheckInitialMode(const std::string& place, Limb& limb, Report& report) {
+void ValidateInitialMode(const std::string& place, Limb& limb, CompileLog& log) {
   if (Has(limb, limb.initial)) return;
   if (limb.initial != CtrlMode::kPosition) {  // position is said where the controller is made
     const std::string field = "control." + limb.name;
-    report.Problem(place,
-                   fmt::format("{}: its controller needs the control mode {}, which the robot does "
-                               "not declare; add it to control_modes in the scene",
-                               field, ToString(limb.initial)),
-                   field);
+    log.Problem(place,
+                fmt::format("{}: its controller needs the control mode {}, which the robot does "
+                            "not declare; add it to control_modes in the scene",
+                            field, ToString(limb.initial)),
+                field);
   }
   limb.initial = limb.native;
 }
@@ -302,16 +301,16 @@ class VelocityGains {
   DataPtr data_;  // made when first needed: few arms have motors
 };
 
-void ReportTooMany(const RobotLimbs& robot, int needed, int left, Report& report) {
+void ReportTooMany(const RobotLimbs& robot, int needed, int left, CompileLog& log) {
   const std::string message =
       fmt::format("its arms need {} actuator groups for their control modes and {} of {} are left",
                   needed, left, kLastActuatorGroup);
   if (robot.declared) {
-    report.Problem(robot.place, message + "; declare fewer control_modes", "control_modes");
+    log.Problem(robot.place, message + "; declare fewer control_modes", "control_modes");
   } else {
-    report.Note(robot.place, message +
-                                 ", so they cannot be switched. Set control_modes of robots that "
-                                 "need no torque to [position]");
+    log.Note(robot.place, message +
+                              ", so they cannot be switched. Set control_modes of robots that "
+                              "need no torque to [position]");
   }
 }
 
@@ -365,7 +364,7 @@ std::vector<Limb> SerialLimbs(mjSpec* spec, bool declared) {
 }
 
 std::vector<Limb> AddModeActuators(const RobotSpec& robot, std::vector<Limb> limbs,
-                                   const std::string& place, mjSpec* spec, Report& report) {
+                                   const std::string& place, mjSpec* spec, CompileLog& log) {
   std::vector<Limb> switched;
   std::set<CtrlMode> had = {CtrlMode::kPosition};  // is told where it is asked for
   for (Limb& limb : limbs) {
@@ -373,22 +372,22 @@ std::vector<Limb> AddModeActuators(const RobotSpec& robot, std::vector<Limb> lim
     if (!native) continue;
     limb.native = *native;
     AddModes(robot, place, spec, limb);
-    CheckInitialMode(place, limb, report);
+    ValidateInitialMode(place, limb, log);
     had.insert(limb.modes.begin(), limb.modes.end());
     if (limb.modes.size() > 1) switched.push_back(std::move(limb));
   }
-  WarnOfMissingModes(robot, had, place, report);
+  WarnOfMissingModes(robot, had, place, log);
   return switched;
 }
 
-void AssignActuatorGroups(mjSpec* spec, const std::vector<RobotLimbs>& robots, Report& report) {
+void AssignActuatorGroups(mjSpec* spec, const std::vector<RobotLimbs>& robots, CompileLog& log) {
   GroupNumbers groups(spec, robots);
   int spare = groups.left();
   for (const RobotLimbs& robot : robots) spare -= GroupsNeeded(robot);
   for (const RobotLimbs& robot : robots) {
     const int needed = GroupsNeeded(robot);
     if (needed > groups.left()) {
-      ReportTooMany(robot, needed, groups.left(), report);
+      ReportTooMany(robot, needed, groups.left(), log);
       continue;
     }
     for (const Limb& limb : robot.limbs) {

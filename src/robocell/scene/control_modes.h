@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "robocell/mujoco/forward.h"
-#include "robocell/scene/report.h"
+#include "robocell/scene/compile_log.h"
 #include "robocell/spec/robot_spec.h"
 
 struct mjSpec_;
@@ -59,7 +59,7 @@ std::vector<Limb> ConfiguredLimbs(const RobotConfig& config, const mjSpec* spec)
 // can be switched, in names of that model. A problem when the configuration asks for a controller
 // whose mode is not declared.
 std::vector<Limb> AddModeActuators(const RobotSpec& robot, std::vector<Limb> limbs,
-                                   const std::string& place, mjSpec* spec, Report& report);
+                                   const std::string& place, mjSpec* spec, CompileLog& log);
 
 // What each robot of a scene got, with the prefix of its names there.
 struct RobotLimbs {
@@ -72,7 +72,7 @@ struct RobotLimbs {
 // Gives every limb's modes their groups and switches on the initial ones. A problem when the groups
 // do not suffice for what was declared; a note when they do not for what was not. What may be a
 // finger gets groups of its own as long as there are any to spare.
-void AssignActuatorGroups(mjSpec* spec, const std::vector<RobotLimbs>& robots, Report& report);
+void AssignActuatorGroups(mjSpec* spec, const std::vector<RobotLimbs>& robots, CompileLog& log);
 
 // Velocity servos brake as the position servos of their joints do; where these do not say, so that
 // a position servo as stiff would be critically damped. Those beside motors brake the inertia that

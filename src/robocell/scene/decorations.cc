@@ -52,7 +52,7 @@ void AddSky(mjSpec* spec) {
   Fill(sky->rgb2, 0.52, 0.63, 0.76);
   sky->width = 32;
   sky->height = 192;
-  // Where floor and sky meet the floor takes the sky's colour.
+  // At the horizon the floor takes the sky's colour.
   std::copy_n(sky->rgb1, 3, spec->visual.rgba.haze);
 }
 

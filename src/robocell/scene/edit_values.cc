@@ -18,8 +18,8 @@ namespace {
 
 class ValueEditor {
  public:
-  ValueEditor(const Edit& edit, mjsElement* element, const std::string& place, Report& report)
-      : edit_(edit), element_(element), place_(place), report_(report) {}
+  ValueEditor(const Edit& edit, mjsElement* element, const std::string& place, CompileLog& log)
+      : edit_(edit), element_(element), place_(place), log_(log) {}
 
   void Apply() {
     switch (element_->elemtype) {
@@ -42,7 +42,7 @@ class ValueEditor {
 
  private:
   void Problem(std::string_view field, const std::string& message) {
-    report_.Problem(place_, message, field);
+    log_.Problem(place_, message, field);
   }
   std::string Name() const { return DescribeSpecElement(element_); }
 
@@ -140,7 +140,7 @@ class ValueEditor {
                                          Name()));
     }
     ChangePose(camera);
-    if (edit_.fovy) SetFovy(camera, *edit_.fovy, place_, report_);
+    if (edit_.fovy) SetFovy(camera, *edit_.fovy, place_, log_);
   }
 
   void ChangeJoint(mjsJoint* joint) {
@@ -202,13 +202,13 @@ class ValueEditor {
   const Edit& edit_;
   mjsElement* element_;
   const std::string& place_;
-  Report& report_;
+  CompileLog& log_;
 };
 
 }  // namespace
 
-void SetEdited(const Edit& edit, mjsElement* element, const std::string& place, Report& report) {
-  ValueEditor(edit, element, place, report).Apply();
+void SetEdited(const Edit& edit, mjsElement* element, const std::string& place, CompileLog& log) {
+  ValueEditor(edit, element, place, log).Apply();
 }
 
 }  // namespace robocell

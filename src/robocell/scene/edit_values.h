@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "robocell/scene/report.h"
+#include "robocell/scene/compile_log.h"
 #include "robocell/spec/edit.h"
 
 struct mjsElement_;
@@ -13,6 +13,6 @@ namespace robocell {
 
 // Each attribute is in the compiled model as the edit says, or it is a problem at `place`. The name
 // is none of them.
-void SetEdited(const Edit& edit, mjsElement* element, const std::string& place, Report& report);
+void SetEdited(const Edit& edit, mjsElement* element, const std::string& place, CompileLog& log);
 
 }  // namespace robocell

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/engine_exception.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/edit_values.h"
@@ -16,12 +16,8 @@ namespace {
 // One edit on one model.
 class Editor {
  public:
-  Editor(const Edit& edit, Part& part, std::string place, Report& report)
-      : edit_(edit),
-        part_(part),
-        spec_(part.spec.get()),
-        place_(std::move(place)),
-        report_(report) {}
+  Editor(const Edit& edit, Part& part, std::string place, CompileLog& log)
+      : edit_(edit), part_(part), spec_(part.spec.get()), place_(std::move(place)), log_(log) {}
 
   void Apply() {
     if (edit_.remove) return Delete();
@@ -86,14 +82,14 @@ class Editor {
     return nullptr;
   }
 
-  void Miss(const std::string& message) { report_.Missing(place_, message); }
+  void Miss(const std::string& message) { log_.Missing(place_, message); }
 
   void Delete() {
     const mjtObj kind = edit_.remove->kind ? EngineKind(*edit_.remove->kind) : mjOBJ_UNKNOWN;
     if (kind == mjOBJ_KEY) return DeleteKey(edit_.remove->name);
     mjsElement* element = Find(*edit_.remove, kind);
     if (element && Tried(place_, [&] { return mjs_delete(spec_, element); }) != 0) {
-      report_.Problem(place_, mjs_getError(spec_));
+      log_.Problem(place_, mjs_getError(spec_));
     }
   }
 
@@ -136,7 +132,7 @@ class Editor {
       if (known == name) return type;
       names.push_back(known);
     }
-    report_.Problem(place_, NoSuchName("type", "sensor", name, names));
+    log_.Problem(place_, NoSuchName("type", "sensor", name, names));
     return std::nullopt;
   }
 
@@ -144,7 +140,7 @@ class Editor {
     const mjtObj kind = element->elemtype;
     if (FindSpecElement(spec_, kind, name)) {
       Tried(place_, [&] { mjs_delete(spec_, element); });
-      report_.Problem(place_, fmt::format("the model already has a {} '{}'", KindName(kind), name));
+      log_.Problem(place_, fmt::format("the model already has a {} '{}'", KindName(kind), name));
       return;
     }
     SetSpecName(element, name, place_);
@@ -154,7 +150,7 @@ class Editor {
   void Change(mjsElement* element) {
     if (!element) return;
     if (edit_.name) Rename(element, *edit_.name);
-    SetEdited(edit_, element, place_, report_);
+    SetEdited(edit_, element, place_, log_);
   }
 
   void Rename(mjsElement* element, const std::string& name) {
@@ -166,17 +162,17 @@ class Editor {
   Part& part_;
   mjSpec* spec_;
   std::string place_;
-  Report& report_;
+  CompileLog& log_;
 };
 
 }  // namespace
 
-void ApplyEdits(const RobotConfig& config, Part& robot, Report& report) {
+void ApplyEdits(const RobotConfig& config, Part& robot, CompileLog& log) {
   for (size_t i = 0; i < config.edits.size(); ++i) {
     const std::string edit = fmt::format("edits[{}]", i);
     const std::string here = fmt::format("{} / {}", robot.place, edit);
-    report.Locate(here, config.locations.Below(edit));
-    Editor(config.edits[i], robot, here, report).Apply();
+    log.Locate(here, config.locations.Below(edit));
+    Editor(config.edits[i], robot, here, log).Apply();
   }
 }
 

@@ -78,7 +78,7 @@ TEST_F(Edits, ChangeActuators) {
   EXPECT_EQ(m->actuator_biasprm[2], -6);
 }
 
-// Of force = gain * ctrl + a + b * length + c * velocity.
+// The gains of force = gain * ctrl + a + b * length + c * velocity.
 TEST_F(Edits, ChangeTheGainsOfServosAsTheOverridesDo) {
   model = folder.Write("scaled", std::string(kHinge) + R"(<actuator>
     <general name="scaled" joint="hinge" gainprm="0.5" biastype="affine" biasprm="-2 -4 -1"/>
@@ -121,7 +121,7 @@ struct Weight {
 
 class EditedMass : public Edits {
  protected:
-  // Of the body that has `inside`, before the edits and after them.
+  // Weight of the body that contains `inside`, with the edits.
   Weight Of(const std::string& inside, const std::string& edits, const std::string& compiler = "") {
     model = folder.Write("weighed", "<compiler " + compiler + R"(/><worldbody><body name="base">
       <geom size="0.1"/><body name="link"><joint/>)" +
@@ -207,7 +207,7 @@ class EditedShape : public Edits {
     <camera name="view"/></frame></frame></body></worldbody>)";
 };
 
-// What an element that is stretched between two points becomes is the engine's own answer.
+// The engine itself says what an element stretched between two points becomes.
 TEST_F(EditedShape, MovesWhatIsStretchedBetweenTwoPoints) {
   model = folder.Write("stretched", kStretched);
   const Scene as_written = Build("{geom: rod, rgba: [1, 0, 0, 1]}");

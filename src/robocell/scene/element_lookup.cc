@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 
@@ -15,8 +15,8 @@ namespace {
 
 std::string Place(const RobotRecord& robot) { return "robot '" + robot.name + "'"; }
 
-// Whether an element is the robot's: it has its prefix and, when it sits on a body, that is one of
-// the robot's or something mounted on it.
+// Returns true if an element is the robot's: it has its prefix and, when it sits on a body, that is
+// one of the robot's or something mounted on it.
 bool Belongs(const mjModel* model, const RobotRecord& robot, mjtObj kind, int id) {
   const std::string name = ElementName(model, kind, id);
   if (name.size() <= robot.prefix.size() || name.rfind(robot.prefix, 0) != 0) return false;
@@ -48,7 +48,7 @@ ElementId FindByIndex(const mjModel* model, const RobotRecord& robot, const Elem
                   Place(robot), ref.body, seen, KindName(kind), ref.index));
 }
 
-// Of geoms and cameras; what else a robot's file refers to has labels.
+// Advice for geoms and cameras; other elements of a robot's file have labels.
 std::string HowToReferToUnnamed(const mjModel* model, const RobotRecord& robot, mjtObj kind) {
   const int top = FindId(model, mjOBJ_BODY, robot.top_body);
   size_t count = 0;
@@ -64,7 +64,7 @@ std::string HowToReferToUnnamed(const mjModel* model, const RobotRecord& robot, 
                      ElementName(model, mjOBJ_BODY, first).substr(robot.prefix.size()));
 }
 
-// What an edit names; null for one that adds or deletes.
+// The element that an edit names; null for an edit that adds or deletes.
 const ElementRef* NamedBy(const Edit& edit, mjtObj kind) {
   const auto ref = [](const std::optional<ElementRef>& target) {
     return target ? &*target : nullptr;
@@ -84,7 +84,7 @@ const ElementRef* NamedBy(const Edit& edit, mjtObj kind) {
   }
 }
 
-// Whether `label` stood for what an edit refers to, before it had a name.
+// Returns true if `label` stood for what an edit refers to, before it had a name.
 bool IsLabelOf(const ElementRef& ref, mjtObj kind, const std::string& label) {
   const bool of_target = kind == mjOBJ_ACTUATOR && ref.kind && *ref.kind != ElementKind::kActuator;
   if (of_target) return label.starts_with(ref.name + ":actuator");

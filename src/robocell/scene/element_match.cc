@@ -30,7 +30,7 @@ int Referrer(const int* instances, int count, int plugin) {
   return -1;
 }
 
-// What elements of a model are recognised by.
+// Makes the keys by which elements of a model are recognised.
 class KeyMaker {
  public:
   explicit KeyMaker(const mjModel* m) : m_(m) {

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/scene/placement.h"
 
 namespace robocell {
@@ -28,10 +28,10 @@ void AddNames(const ElementSet& elements, AttachKind kind, std::vector<std::stri
 
 class Order {
  public:
-  Order(const std::vector<Entity>& entities, const ElementSet& base, Report& report)
+  Order(const std::vector<Entity>& entities, const ElementSet& base, CompileLog& log)
       : entities_(entities),
         base_(base),
-        report_(report),
+        log_(log),
         needs_(entities.size()),
         state_(entities.size(), kUnseen) {}
 
@@ -51,7 +51,7 @@ class Order {
     if (owner == kMissing) {
       ReportMissing(i, target);
     } else if (owner > static_cast<int>(i) && entities_[owner].list == entities_[i].list) {
-      report_.Problem(
+      log_.Problem(
           entities_[i].place,
           fmt::format("is attached to {} of {}, which is declared later; move {} before it",
                       Describe(target), entities_[owner].place, entities_[owner].place),
@@ -83,8 +83,8 @@ class Order {
     }
     AddNames(base_, target.kind, names);
     const std::string kind = IsRobot(target.kind) ? "robot" : ToString(target.kind);
-    report_.Missing(entities_[i].place,
-                    "attach_to: " + NoSuchName("the scene", kind, target.name, names), "attach_to");
+    log_.Missing(entities_[i].place,
+                 "attach_to: " + NoSuchName("the scene", kind, target.name, names), "attach_to");
   }
 
   bool Visit(size_t i) {
@@ -107,13 +107,13 @@ class Order {
       inside = inside || k == i;
       if (inside) chain += entities_[k].place + " -> ";
     }
-    report_.Problem(
-        "", "entities are attached to each other in a circle: " + chain + entities_[i].place);
+    log_.Problem("",
+                 "entities are attached to each other in a circle: " + chain + entities_[i].place);
   }
 
   const std::vector<Entity>& entities_;
   const ElementSet& base_;
-  Report& report_;
+  CompileLog& log_;
   std::vector<int> needs_;
   std::vector<State> state_;
   std::vector<size_t> path_, out_;
@@ -122,8 +122,8 @@ class Order {
 }  // namespace
 
 std::vector<size_t> BuildOrder(const std::vector<Entity>& entities, const ElementSet& base,
-                               Report& report) {
-  return Order(entities, base, report).Build();
+                               CompileLog& log) {
+  return Order(entities, base, log).Build();
 }
 
 }  // namespace robocell

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "robocell/scene/report.h"
+#include "robocell/scene/compile_log.h"
 #include "robocell/spec/types.h"
 
 namespace robocell {
@@ -27,6 +27,6 @@ struct Entity {
 // entities that take part in them are left out.
 std::vector<size_t> BuildOrder(const std::vector<Entity>& entities,
                                const std::set<std::pair<AttachKind, std::string>>& base,
-                               Report& report);
+                               CompileLog& log);
 
 }  // namespace robocell

@@ -25,10 +25,10 @@ Entity Arm(const std::string& name, AttachTarget target = {}) {
 }
 
 std::string ProblemsOf(const std::vector<Entity>& entities) {
-  Report report;
-  BuildOrder(entities, {{AttachKind::kSite, "table_top"}}, report);
+  CompileLog log;
+  BuildOrder(entities, {{AttachKind::kSite, "table_top"}}, log);
   try {
-    report.Throw("test");
+    log.Throw("test");
   } catch (const Error& error) {
     return error.what();
   }
@@ -36,17 +36,17 @@ std::string ProblemsOf(const std::vector<Entity>& entities) {
 }
 
 TEST(EntityOrder, IndependentEntitiesKeepTheirOrder) {
-  Report report;
-  EXPECT_THAT(BuildOrder({Object("a"), Object("b"), Arm("r")}, {}, report), ElementsAre(0, 1, 2));
+  CompileLog log;
+  EXPECT_THAT(BuildOrder({Object("a"), Object("b"), Arm("r")}, {}, log), ElementsAre(0, 1, 2));
 }
 
 TEST(EntityOrder, EachComesAfterWhatItIsAttachedTo) {
-  Report report;
+  CompileLog log;
   const std::vector<Entity> entities = {Object("badge", Site("right_flange")), Object("table"),
                                         Arm("left", Body("table")),
                                         Arm("right", RobotBase("left"))};
-  EXPECT_THAT(BuildOrder(entities, {}, report), ElementsAre(1, 2, 3, 0));
-  report.Throw("test");
+  EXPECT_THAT(BuildOrder(entities, {}, log), ElementsAre(1, 2, 3, 0));
+  log.Throw("test");
 }
 
 TEST(EntityOrder, TheBaseComesFirst) {
@@ -82,11 +82,11 @@ TEST(EntityOrder, ACircleNamesItsMembers) {
 }
 
 TEST(EntityOrder, WhatDependsOnAProblemIsLeftOutWithoutAnother) {
-  Report report;
+  CompileLog log;
   const auto order =
-      BuildOrder({Object("a", Body("nowhere")), Object("b", Body("a")), Object("c")}, {}, report);
+      BuildOrder({Object("a", Body("nowhere")), Object("b", Body("a")), Object("c")}, {}, log);
   EXPECT_THAT(order, ElementsAre(2));
-  ExpectThrow<NotFoundError>([&] { report.Throw("test"); }, "scene 'test' / object 'a': ");
+  ExpectThrow<NotFoundError>([&] { log.Throw("test"); }, "scene 'test' / object 'a': ");
 }
 
 }  // namespace

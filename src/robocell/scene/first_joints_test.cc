@@ -1,4 +1,4 @@
-// What a robot's base and its first links may overlap, they do without touching, on every base.
+// A robot's base and its first links may overlap without contact, on every base.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -42,7 +42,7 @@ class FirstJoints : public testing::Test {
     spec.robots.push_back({.config = config});
     return Scene::Build(spec);
   }
-  // Where a push for half a second turns it.
+  // Rotation after a push of half a second.
   double Pushed(Scene scene) {
     const int joint = RequireId(scene.model(), mjOBJ_JOINT, "turn", "test");
     scene.data()->qfrc_applied[scene.model()->jnt_dofadr[joint]] = 0.01;

@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/gravity.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/element_lookup.h"
@@ -24,7 +24,7 @@ Eigen::Map<const RowMajor3d> SiteRotation(const mjData* data, int site) {
   return Eigen::Map<const RowMajor3d>(data->site_xmat + 9 * site);
 }
 
-// Finds one of the two sensors by name and says what is there instead.
+// Finds one of the two sensors by name, or lists the available ones.
 class PairSearch {
  public:
   PairSearch(const mjModel* model, const RobotRecord& robot, const ForceTorqueSensorSpec& spec)

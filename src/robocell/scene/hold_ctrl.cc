@@ -20,7 +20,7 @@ double ClampedCtrl(const mjModel* model, int actuator, double ctrl) {
   return Clamped(ctrl, model->actuator_ctrllimited[input], model->actuator_ctrlrange + 2 * input);
 }
 
-// What multiplies the gain: the control, or the activation that comes of it.
+// The factor of the gain: the control, or the activation that results from it.
 double RestingInput(const mjModel* model, int actuator, double length) {
   const mjtNum* bias = model->actuator_biasprm + mjNBIAS * actuator;
   const mjtNum gain = model->actuator_gainprm[mjNGAIN * actuator];

@@ -9,10 +9,10 @@
 
 namespace robocell {
 
-// Of a joint's range: by so much less a servo may reach without a word.
+// Share of a joint's range that a servo may miss without a warning.
 inline constexpr double kServoSlack = 0.02;
 
-// Whether an actuator's activation follows its control with a delay.
+// Returns true if an actuator's activation follows its control with a delay.
 bool IsFiltered(const mjModel* model, int actuator);
 
 // The control with which a position servo would rest at `length`, whatever its control range is.
@@ -30,8 +30,8 @@ std::optional<double> HoldingCtrl(const mjModel* model, const mjData* data, int 
 // Leaves other actuators alone.
 void SettleFilter(const mjModel* model, mjData* data, int actuator, double ctrl);
 
-// What keeps an actuator at rest where it is. A servo that integrates its control (intvelocity)
-// holds by its activation, at control 0; a filtered one has the same number in both.
+// Control and activation that keep an actuator at rest. A servo that integrates its control
+// (intvelocity) holds by its activation, at control 0; a filtered one has the same number in both.
 struct HoldingInputs {
   double ctrl = 0;
   std::optional<double> act = {};  // of actuators with an activation
@@ -52,8 +52,8 @@ void Hold(const mjModel* model, mjData* data, int actuator);
 void MarkDofs(const mjModel* model, const RobotRecord& robot, const MoveGroupConfig& group,
               std::vector<bool>& dofs);
 
-// Whether an actuator pulls at one of the marked degrees of freedom: directly, through a tendon, at
-// a site ... Moments must be up to date (position stage).
+// Returns true if an actuator pulls at one of the marked degrees of freedom: directly, through a
+// tendon, at a site ... Moments must be up to date (position stage).
 bool ActsOn(const mjModel* model, const mjData* data, int actuator, const std::vector<bool>& dofs);
 
 }  // namespace robocell

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
 
@@ -141,7 +141,7 @@ void KeyCtrl::NoteReplaced(int actuator, const HoldingInputs& own, const Holding
              : fmt::format("'{}' {:.4g} ({:.4g} holds)", from.name, own.ctrl, holding.ctrl));
 }
 
-// Of an arm's home check_servos.cc says it.
+// Of an arm's home diagnose/servos.cc says it.
 void KeyCtrl::NoteOutOfReach(int actuator, const HoldingInputs& holding) {
   const auto source = part_.actuator_sources.find(ElementName(m_, mjOBJ_ACTUATOR, actuator));
   if (source == part_.actuator_sources.end()) return;
@@ -153,19 +153,19 @@ void KeyCtrl::NoteOutOfReach(int actuator, const HoldingInputs& holding) {
   texts.push_back(fmt::format("'{}' {:.4g}", from.name, holding.act.value_or(holding.ctrl)));
 }
 
-void KeyCtrl::Tell(Report& report) const {
+void KeyCtrl::Tell(CompileLog& log) const {
   for (const auto& [file, entry] : replaced_) {
-    report.WarnAt(entry.first.file, entry.first.place,
-                  fmt::format("keyframe '{}': controls do not hold its positions: {}. Without "
-                              "`update` the joints would swing away, so a reset sets the controls "
-                              "that hold. To say so in the file, write them into the keyframe",
-                              entry.first.key, ListNames(entry.second, 40)));
+    log.WarnAt(entry.first.file, entry.first.place,
+               fmt::format("keyframe '{}': controls do not hold its positions: {}. Without "
+                           "`update` the joints would swing away, so a reset sets the controls "
+                           "that hold. To say so in the file, write them into the keyframe",
+                           entry.first.key, ListNames(entry.second, 40)));
   }
   for (const auto& [file, entry] : short_) {
-    report.WarnAt(entry.first.file, entry.first.place,
-                  fmt::format("keyframe '{}': no control in its range (ctrlrange, actrange) holds "
-                              "its positions; the nearest: {}. The joints swing away after a reset",
-                              entry.first.key, ListNames(entry.second, 40)));
+    log.WarnAt(entry.first.file, entry.first.place,
+               fmt::format("keyframe '{}': no control in its range (ctrlrange, actrange) holds "
+                           "its positions; the nearest: {}. The joints swing away after a reset",
+                           entry.first.key, ListNames(entry.second, 40)));
   }
 }
 

@@ -53,7 +53,7 @@ SceneSpec Meshes() {
   return spec;
 }
 
-// What a loop that leaks would look like to the measurement.
+// The measurement detects a loop that leaks.
 TEST(Memory, TheMeasurementSeesALeakOfAKilobyte) {
   if (BytesInUse() == 0) return;  // the leak detector would see it too, and fail
   std::vector<std::unique_ptr<char[]>> kept;

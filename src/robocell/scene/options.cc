@@ -8,7 +8,7 @@
 #include <array>
 #include <span>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/spec/timestep.h"
 
 namespace robocell {
@@ -50,13 +50,13 @@ std::vector<std::string> FlagNames(std::span<const char* const> names) {
 
 // Bits of the named flags.
 int FlagBits(const std::vector<std::string>& wanted, std::span<const char* const> flags,
-             const char* field, Report& report) {
+             const char* field, CompileLog& log) {
   const std::vector<std::string> names = FlagNames(flags);
   int bits = 0;
   for (const std::string& flag : wanted) {
     const auto found = std::find(names.begin(), names.end(), flag);
     if (found == names.end()) {
-      report.Problem("", NoSuchName(std::string("options.") + field, "flag", flag, names));
+      log.Problem("", NoSuchName(std::string("options.") + field, "flag", flag, names));
     } else {
       bits |= 1 << (found - names.begin());
     }
@@ -99,62 +99,63 @@ std::string SolverName(int value) {
 }
 
 // Options of a part beside the engine's defaults and those of the scene.
-class OptionCheck {
+class OptionComparison {
  public:
   // `scene` are the options that the scene will have.
-  OptionCheck(const mjOption& part, const mjOption& scene, const std::string& place, Report& report)
-      : part_(part), scene_(scene), place_(place), report_(report) {
+  OptionComparison(const mjOption& part, const mjOption& scene, const std::string& place,
+                   CompileLog& log)
+      : part_(part), scene_(scene), place_(place), log_(log) {
     mj_defaultOption(&defaults_);
   }
 
   // An option by its member, shown with `show`.
   template <class T, class Show>
-  void Check(const char* name, T mjOption::*option, const Show& show) {
+  void Compare(const char* name, T mjOption::*option, const Show& show) {
     const T asked = part_.*option, used = scene_.*option;
     if (asked == defaults_.*option || asked == used) return;
-    report_.Warn(place_, fmt::format("asks for {} {}, the scene uses {}; set it in the scene's "
-                                     "options if it matters",
-                                     name, show(asked), show(used)));
+    log_.Warn(place_, fmt::format("asks for {} {}, the scene uses {}; set it in the scene's "
+                                  "options if it matters",
+                                  name, show(asked), show(used)));
   }
   template <class T>
-  void Check(const char* name, T mjOption::*option) {
-    Check(name, option, [](T value) { return value; });
+  void Compare(const char* name, T mjOption::*option) {
+    Compare(name, option, [](T value) { return value; });
   }
 
   // Flags that the part sets and the scene does not.
-  void CheckFlags(int mjOption::*option, std::span<const char* const> flags, const char* verb) {
+  void CompareFlags(int mjOption::*option, std::span<const char* const> flags, const char* verb) {
     const std::vector<std::string> names = FlagNames(flags);
     for (size_t i = 0; i < names.size(); ++i) {
       if (!(part_.*option & ~(scene_.*option) & (1 << i))) continue;
-      report_.Warn(place_, fmt::format("{0}s '{1}', the scene does not; list it in options.{0} "
-                                       "if it matters",
-                                       verb, names[i]));
+      log_.Warn(place_, fmt::format("{0}s '{1}', the scene does not; list it in options.{0} "
+                                    "if it matters",
+                                    verb, names[i]));
     }
   }
 
-  void CheckAll() {
-    Check("integrator", &mjOption::integrator, IntegratorName);
-    Check("cone", &mjOption::cone, ConeName);
-    Check("impratio", &mjOption::impratio);
-    Check("solver", &mjOption::solver, SolverName);
-    Check("noslip_iterations", &mjOption::noslip_iterations);
-    Check("iterations", &mjOption::iterations);
-    Check("density", &mjOption::density);
-    Check("viscosity", &mjOption::viscosity);
-    CheckFlags(&mjOption::disableflags, mjDISABLESTRING, "disable");
-    CheckFlags(&mjOption::enableflags, mjENABLESTRING, "enable");
+  void CompareAll() {
+    Compare("integrator", &mjOption::integrator, IntegratorName);
+    Compare("cone", &mjOption::cone, ConeName);
+    Compare("impratio", &mjOption::impratio);
+    Compare("solver", &mjOption::solver, SolverName);
+    Compare("noslip_iterations", &mjOption::noslip_iterations);
+    Compare("iterations", &mjOption::iterations);
+    Compare("density", &mjOption::density);
+    Compare("viscosity", &mjOption::viscosity);
+    CompareFlags(&mjOption::disableflags, mjDISABLESTRING, "disable");
+    CompareFlags(&mjOption::enableflags, mjENABLESTRING, "enable");
   }
 
  private:
   const mjOption part_, scene_;
   const std::string& place_;
-  Report& report_;
+  CompileLog& log_;
   mjOption defaults_{};
 };
 
 // What the scene's options make of these.
 mjOption WithSceneOptions(mjOption engine, const SimOptions& scene) {
-  Report unknown;  // names that do not exist are reported once, by ApplyOptions
+  CompileLog unknown;  // names that do not exist are reported once, by ApplyOptions
   ApplySolverOptions(scene, engine);
   engine.disableflags |= FlagBits(scene.disable, mjDISABLESTRING, "disable", unknown);
   engine.disableflags |= mjDSBL_AUTORESET;
@@ -164,16 +165,16 @@ mjOption WithSceneOptions(mjOption engine, const SimOptions& scene) {
 
 }  // namespace
 
-void ApplyOptions(const SceneSpec& scene, mjSpec* spec, Report& report) {
+void ApplyOptions(const SceneSpec& scene, mjSpec* spec, CompileLog& log) {
   ApplySolverOptions(scene.options, spec->option);
-  const int enabled = FlagBits(scene.options.enable, mjENABLESTRING, "enable", report);
-  const int disabled = FlagBits(scene.options.disable, mjDISABLESTRING, "disable", report);
+  const int enabled = FlagBits(scene.options.enable, mjENABLESTRING, "enable", log);
+  const int disabled = FlagBits(scene.options.disable, mjDISABLESTRING, "disable", log);
   spec->option.enableflags |= enabled;
   spec->option.disableflags |= disabled | mjDSBL_AUTORESET;
   if (scene.timestep) spec->option.timestep = *scene.timestep;
   // The spec's own was looked at; this one may be that of the base's file.
   const std::string problem = TimestepProblem(spec->option.timestep, 1);
-  if (!problem.empty()) report.Problem("base", "<option timestep>: " + problem, "base");
+  if (!problem.empty()) log.Problem("base", "<option timestep>: " + problem, "base");
   std::copy(scene.gravity.begin(), scene.gravity.end(), spec->option.gravity);
 }
 
@@ -181,30 +182,29 @@ JacobianGuard GuardOf(const SceneSpec& scene) {
   return scene.options.jacobian ? JacobianGuard::kOff : JacobianGuard::kOn;
 }
 
-void WarnWrongSolver(const SceneSpec& scene, const mjModel* model, Report& report) {
+void WarnWrongSolver(const SceneSpec& scene, const mjModel* model, CompileLog& log) {
   if (!scene.options.jacobian || !NeedsJacobianGuard(model)) return;
-  report.Warn("", fmt::format("options.jacobian: {} with MuJoCo {} and {} degrees of freedom can "
-                              "give wrong accelerations; leave it unset, or use cg as the solver",
-                              ToString(*scene.options.jacobian), mj_versionString(), model->nv));
+  log.Warn("", fmt::format("options.jacobian: {} with MuJoCo {} and {} degrees of freedom can "
+                           "give wrong accelerations; leave it unset, or use cg as the solver",
+                           ToString(*scene.options.jacobian), mj_versionString(), model->nv));
 }
 
 void WarnOtherOptions(const mjOption& part, const SimOptions& scene, const std::string& place,
-                      Report& report) {
+                      CompileLog& log) {
   mjOption defaults;
   mj_defaultOption(&defaults);
-  OptionCheck(part, WithSceneOptions(defaults, scene), place, report).CheckAll();
+  OptionComparison(part, WithSceneOptions(defaults, scene), place, log).CompareAll();
 }
 
-void WarnReplacedOptions(const mjOption& base, const SceneSpec& scene, Report& report) {
+void WarnReplacedOptions(const mjOption& base, const SceneSpec& scene, CompileLog& log) {
   mjOption defaults;
   mj_defaultOption(&defaults);
-  OptionCheck(base, WithSceneOptions(base, scene.options), "base", report).CheckAll();
+  OptionComparison(base, WithSceneOptions(base, scene.options), "base", log).CompareAll();
   const auto same = [&](const mjtNum* other) { return std::equal(other, other + 3, base.gravity); };
   if (same(defaults.gravity) || same(scene.gravity.data())) return;
-  report.Warn("base",
-              fmt::format("asks for gravity {}, the scene uses {}; set it in the scene if it "
-                          "matters",
-                          fmt::join(base.gravity, " "), fmt::join(scene.gravity, " ")));
+  log.Warn("base", fmt::format("asks for gravity {}, the scene uses {}; set it in the scene if it "
+                               "matters",
+                               fmt::join(base.gravity, " "), fmt::join(scene.gravity, " ")));
 }
 
 void DropGlobals(mjSpec* part) {

@@ -6,7 +6,7 @@
 
 #include "robocell/mujoco/engine_defects.h"
 #include "robocell/mujoco/forward.h"
-#include "robocell/scene/report.h"
+#include "robocell/scene/compile_log.h"
 #include "robocell/spec/scene_spec.h"
 
 typedef struct mjOption_ mjOption;
@@ -15,21 +15,21 @@ namespace robocell {
 
 // Sets options, timestep (unless unset) and gravity of the scene. Names of flags that do not exist
 // are problems.
-void ApplyOptions(const SceneSpec& scene, mjSpec* spec, Report& report);
+void ApplyOptions(const SceneSpec& scene, mjSpec* spec, CompileLog& log);
 
 // Whether compiling may replace a sparse Jacobian: not when the scene says which it wants.
 JacobianGuard GuardOf(const SceneSpec& scene);
 
 // Warns when the scene insists on a solver that this engine is known to be wrong with.
-void WarnWrongSolver(const SceneSpec& scene, const mjModel* model, Report& report);
+void WarnWrongSolver(const SceneSpec& scene, const mjModel* model, CompileLog& log);
 
 // Warns about integrator, cone, impratio, solver and the like that a part asks for and does not
 // get.
 void WarnOtherOptions(const mjOption& part, const SimOptions& scene, const std::string& place,
-                      Report& report);
+                      CompileLog& log);
 
 // The same for the base of a scene, whose options stay where the scene says nothing.
-void WarnReplacedOptions(const mjOption& base, const SceneSpec& scene, Report& report);
+void WarnReplacedOptions(const mjOption& base, const SceneSpec& scene, CompileLog& log);
 
 // Resets options, visual settings and statistics of a part to the engine's defaults, so that
 // attaching it cannot change the scene's.

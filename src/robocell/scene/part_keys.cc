@@ -47,7 +47,8 @@ ActuatorSizes UsualSizes(mjSpec* spec) {
   return sizes;
 }
 
-// As compiled: some actuators have several inputs or activations. None when it does not compile.
+// Sizes in the compiled part: some actuators have several inputs or activations. None if it does
+// not compile.
 std::optional<ActuatorSizes> CompiledSizes(mjSpec* spec) {
   std::vector<std::string> warnings;  // come again from the scene
   try {

@@ -14,11 +14,11 @@
 
 namespace robocell {
 
-// What one keyframe says.
+// The values of one keyframe.
 struct PartKey {
   std::string part, own_name;  // of a scene's preset: its robot or object, and its name there
 
-  // Where a value is written, for messages.
+  // Place of a value in its file, for messages.
   struct Source {
     std::string place;  // "robot 'left'"
     std::string field;  // of its spec: the one that names the file
@@ -33,7 +33,7 @@ struct PartKey {
   std::map<std::string, Pose> mocap;  // of a body, in the pose that its file gives it
   std::map<std::string, Source> joint_sources, actuator_sources;
 
-  // What belongs to a joint, actuator or body goes with its new name.
+  // Values of a joint, actuator or body follow its new name.
   void Rename(mjtObj kind, const std::string& from, const std::string& to);
   // The same with a prefix on every name; entries that are there already win.
   void Merge(const PartKey& other, const std::string& prefix);

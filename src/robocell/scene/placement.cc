@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/rig.h"
 #include "robocell/scene/spec_tree.h"
@@ -11,12 +11,12 @@ namespace robocell {
 namespace {
 
 std::optional<Placement> OnElement(mjtObj kind, const std::string& name, const Pose& pose,
-                                   mjSpec* spec, const std::string& place, Report& report) {
+                                   mjSpec* spec, const std::string& place, CompileLog& log) {
   mjsElement* element = FindSpecElement(spec, kind, name);
   if (!element) {
     const char* word = kind == mjOBJ_FRAME ? "frame" : KindName(kind);
-    report.Missing(place, "attach_to: " + NoSuchName("", word, name, SpecNames(spec, kind)),
-                   "attach_to");
+    log.Missing(place, "attach_to: " + NoSuchName("", word, name, SpecNames(spec, kind)),
+                "attach_to");
     return std::nullopt;
   }
   if (kind == mjOBJ_BODY) return Placement{mjs_asBody(element), pose};
@@ -24,12 +24,12 @@ std::optional<Placement> OnElement(mjtObj kind, const std::string& name, const P
 }
 
 const RobotFrames* FindRobot(const AttachTarget& target, const RobotFrameMap& robots,
-                             const std::string& place, Report& report) {
+                             const std::string& place, CompileLog& log) {
   if (const auto it = robots.find(target.name); it != robots.end()) return &it->second;
   std::vector<std::string> names;
   for (const auto& [name, frames] : robots) names.push_back(name);
-  report.Missing(place, "attach_to: " + NoSuchName("the scene", "robot", target.name, names),
-                 "attach_to");
+  log.Missing(place, "attach_to: " + NoSuchName("the scene", "robot", target.name, names),
+              "attach_to");
   return nullptr;
 }
 
@@ -67,7 +67,7 @@ std::string Describe(const AttachTarget& target) {
 
 std::optional<Placement> Place(const AttachTarget& target, const Pose& pose, mjSpec* spec,
                                const SceneSpec& scene, const RobotFrameMap& robots,
-                               const std::string& place, Report& report) {
+                               const std::string& place, CompileLog& log) {
   switch (target.kind) {
     case AttachKind::kWorld:
       return Placement{WorldBody(spec), pose};
@@ -76,35 +76,34 @@ std::optional<Placement> Place(const AttachTarget& target, const Pose& pose, mjS
     case AttachKind::kSharedBase:
       return Placement{WorldBody(spec), SharedBaseFrameToWorld(scene) * pose};
     case AttachKind::kRobotBase: {
-      const RobotFrames* robot = FindRobot(target, robots, place, report);
+      const RobotFrames* robot = FindRobot(target, robots, place, log);
       if (!robot) return std::nullopt;
-      return OnElement(mjOBJ_BODY, robot->root_body, pose, spec, place, report);
+      return OnElement(mjOBJ_BODY, robot->root_body, pose, spec, place, log);
     }
     case AttachKind::kAttachment: {
-      const RobotFrames* robot = FindRobot(target, robots, place, report);
+      const RobotFrames* robot = FindRobot(target, robots, place, log);
       if (!robot) return std::nullopt;
       if (robot->attachment_site)
-        return OnElement(mjOBJ_SITE, *robot->attachment_site, pose, spec, place, report);
-      report.Problem(
-          place,
-          fmt::format("attach_to: robot '{}' has no attachment_site in its configuration",
-                      target.name),
-          "attach_to");
+        return OnElement(mjOBJ_SITE, *robot->attachment_site, pose, spec, place, log);
+      log.Problem(place,
+                  fmt::format("attach_to: robot '{}' has no attachment_site in its configuration",
+                              target.name),
+                  "attach_to");
       return std::nullopt;
     }
     default:
-      return OnElement(ElementKindOf(target.kind), target.name, pose, spec, place, report);
+      return OnElement(ElementKindOf(target.kind), target.name, pose, spec, place, log);
   }
 }
 
 std::optional<Placement> PlaceInWorld(const Placement& placement, const AttachTarget& target,
                                       const std::string& why, const std::string& place,
-                                      Report& report) {
+                                      CompileLog& log) {
   if (!IsStatic(placement.parent)) {
-    report.Problem(place,
-                   fmt::format("{} hangs on the world, but is attached to {}, which can move", why,
-                               Describe(target)),
-                   "attach_to");
+    log.Problem(place,
+                fmt::format("{} hangs on the world, but is attached to {}, which can move", why,
+                            Describe(target)),
+                "attach_to");
     return std::nullopt;
   }
   mjSpec* spec = mjs_getSpec(placement.parent->element);

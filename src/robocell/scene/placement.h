@@ -9,7 +9,7 @@
 #include <string>
 
 #include "robocell/math/pose.h"
-#include "robocell/scene/report.h"
+#include "robocell/scene/compile_log.h"
 #include "robocell/spec/scene_spec.h"
 
 namespace robocell {
@@ -33,15 +33,15 @@ mjtObj ElementKindOf(AttachKind kind);
 std::string Describe(const AttachTarget& target);
 
 // Finds the target in `spec`. Root and SharedBase are transforms of the world. Null and an entry in
-// the report when the element does not exist.
+// the log when the element does not exist.
 std::optional<Placement> Place(const AttachTarget& target, const Pose& pose, mjSpec* spec,
                                const SceneSpec& scene, const RobotFrameMap& robots,
-                               const std::string& place, Report& report);
+                               const std::string& place, CompileLog& log);
 
 // The same pose on the world itself, for what must hang there (free bodies, mocap bodies). A parent
 // that can move is a problem, said as `why`: "a mocap base".
 std::optional<Placement> PlaceInWorld(const Placement& placement, const AttachTarget& target,
                                       const std::string& why, const std::string& place,
-                                      Report& report);
+                                      CompileLog& log);
 
 }  // namespace robocell

@@ -13,6 +13,7 @@
 #include "robocell/base/rng.h"
 #include "robocell/scene/rig.h"
 #include "robocell/scene/scene.h"
+#include "robocell/scene/testing/pedestal.h"
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/random_values.h"
@@ -121,26 +122,6 @@ TEST(Placement, RobotsStandAtParentTimesPoseTimesAuthoredPoseOnEveryBase) {
   }
 }
 
-// The arm of ALOHA: its file has it beside the origin, at the edge of a table.
-constexpr const char* kAside = R"(<worldbody><body name="base" pos="-.469 -.019 {}" euler="0 0 90">
-  <geom type="box" size=".05 .05 .02" pos="0 0 .02"/>
-  <body name="link" pos="0 0 .1"><joint name="j"/><geom type="box" size=".02 .02 .1" mass="1"/></body>
-</body></worldbody>)";
-
-RobotSpec AsideOnAPedestal(ModelFolder& folder, double height) {
-  RobotSpec robot{.prefix = "r_",
-                  .base = BaseConfig{.kind = BaseKind::kMocap, .size = Vec3{0.2, 0.2, 0.3}}};
-  robot.config = RobotConfig{
-      .name = "r", .model = folder.Write("aside", fmt::format(fmt::runtime(kAside), height))};
-  return robot;
-}
-
-SceneSpec WithRobot(const RobotSpec& robot) {
-  SceneSpec spec{.timestep = 0.002, .add_floor = true, .add_skybox = false};
-  spec.robots.push_back(robot);
-  return spec;
-}
-
 TEST(Placement, ARobotOffItsOriginStandsInTheMiddleOfItsPedestal) {
   ModelFolder folder;
   RobotSpec robot = AsideOnAPedestal(folder, 0);
@@ -161,27 +142,6 @@ TEST(Placement, ARobotOffItsOriginStandsInTheMiddleOfItsPedestal) {
   EXPECT_SAME_POSE(Scene::Build(WithRobot(robot)).body_pose("r_base"),
                    Pose(Eigen::Vector3d(-.469, -.019, 0)) * turned)
       << "without a pedestal it is where its file has it";
-}
-
-TEST(Placement, WarnsOfARobotThatStandsBesideAboveOrInItsPedestal) {
-  ModelFolder folder;
-  const auto warnings = [&](double height, std::optional<bool> reset) {
-    RobotSpec robot = AsideOnAPedestal(folder, height);
-    robot.config->reset_root_pose = reset;
-    return Scene::Build(WithRobot(robot)).compiled()->warnings();
-  };
-  using ::testing::ElementsAre;
-  using ::testing::HasSubstr;
-  EXPECT_THAT(warnings(0, {}), ::testing::IsEmpty());
-  EXPECT_THAT(warnings(0.02, true), ::testing::IsEmpty());
-  EXPECT_THAT(warnings(0.02, {}), ElementsAre(HasSubstr("'base' is 0.020 m above its pedestal")));
-  EXPECT_THAT(warnings(-0.03, {}),
-              ElementsAre(HasSubstr("'base' stands 0.030 m deep in its pedestal")));
-  EXPECT_THAT(
-      warnings(0, false),
-      ElementsAre(HasSubstr("robot 'r': 'base' stands 0.319 m beside its pedestal, because of "
-                            "the pose that the model's file gives it. Write "
-                            "`reset_root_pose: true` in the robot file")));
 }
 
 TEST(Placement, ObjectsAndCamerasStandAtParentTimesPose) {

@@ -21,7 +21,7 @@ int LastOfSubtree(const mjModel* m, int root) {
   return last;
 }
 
-// As what is parked is.
+// Returns true for contact masks of a parked object.
 bool IsSwitchedOff(std::span<const int> contype, std::span<const int> conaffinity,
                    std::span<const mjtNum> gravcomp) {
   const auto none = [](int mask) { return mask == 0; };

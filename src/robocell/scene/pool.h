@@ -32,12 +32,13 @@ class PooledObject {
   bool parked_after_reset() const { return record_->pool->parked; }
   const mjtNum* home(const mjModel* m) const { return m->qpos0 + qpos_.first; }
   const FreeJointPos& parking_place() const { return place_; }
-  // Whether `qpos` has it at its parking place: at that height, as a wind may have taken it aside.
+  // Returns true if `qpos` has it at its parking place: at that height, as a wind may have taken it
+  // aside.
   bool IsParkedAt(const mjtNum* qpos) const;
 
   // Takes contacts and weight away, or gives back those of its file.
   void Switch(mjModel* m, bool parked) const;
-  // Whether the model has contacts and weight as a reset leaves them, whatever `parked` is.
+  // Returns true if the model has contacts and weight as a reset leaves them, whatever `parked` is.
   bool IsAsAfterReset(const mjModel* m) const;
   // At rest, with the joints and controls that key `home` has, and the free joint at `pos`.
   void Put(const mjModel* m, mjData* d, int home_key, const mjtNum* pos) const;
@@ -54,7 +55,7 @@ class PooledObject {
   std::vector<int> actuators_;
 };
 
-// What an object of the pool is like inside of the scene, read off a model that was just compiled.
+// Reads the properties of a pool object from a model that was just compiled.
 PoolRecord ReadPoolRecord(const mjModel* m, const ObjectRecord& record, bool parked);
 
 // Those of a compiled scene, as a reset leaves them.

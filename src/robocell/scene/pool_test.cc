@@ -35,7 +35,7 @@ SceneObject Pooled(SceneObject object, bool parked = true) {
   return object;
 }
 
-// A robot, two things that are always there and a pool of four.
+// A robot, two objects outside the pool, and a pool of four.
 class Pool : public ::testing::Test {
  protected:
   Pool() {
@@ -148,7 +148,7 @@ TEST_F(Pool, RemovingAndAddingGivesBackStateAndModelToTheBit) {
     const std::string model = SaveBinaryString(scene.model());
     for (const char* name : {"jar", "mug", "a"}) scene.AddObject(name);
     for (const char* name : {"a", "jar", "mug"}) scene.RemoveObject(name);
-    // What is parked rests at its place; it was there to rounding.
+    // A parked object is exactly at its place; before it was there up to rounding.
     const std::vector<double> again = scene.state();
     ASSERT_EQ(again.size(), state.size());
     for (size_t i = 0; i < state.size(); ++i) EXPECT_NEAR(again[i], state[i], 1e-9) << i;

@@ -71,7 +71,7 @@ void Shuffle(Rng& rng, List<T>& list) {
   rng.Shuffle(list.boxes());
 }
 
-// What rounding grows to in these steps: in about one cell of a hundred to 1e-6 and more, by stiff
+// Growth of rounding in these steps: in about one cell of a hundred to 1e-6 and more, by stiff
 // contacts.
 double GrownRounding(const SceneSpec& spec, const Poses& poses, int steps) {
   double largest = 0;
@@ -88,7 +88,7 @@ TEST_P(RandomCells, TheOrderOfIndependentEntitiesChangesNothing) {
   const Poses before = PosesAfter(in_order, 50);
   Shuffle(rng_, spec_.robots);
   Shuffle(rng_, spec_.objects);
-  // What others stand on is declared before them.
+  // Supports are declared before what stands on them.
   auto& objects = spec_.objects.boxes();
   std::stable_partition(objects.begin(), objects.end(),
                         [](const auto& box) { return box->name == "stand"; });
@@ -120,14 +120,14 @@ TEST_P(RandomCells, AddingThenRemovingGivesBackTheState) {
   EXPECT_TRUE(SaveBinaryString(scene.model()) == model);
 }
 
-// Of a joint; "" when the body has no name.
+// Body of a joint; "" if it has no name.
 std::string BodyOf(const mjModel* model, int joint, const std::string& prefix = "") {
   const std::string name = ElementName(model, mjOBJ_BODY, model->jnt_bodyid[joint]);
   return name.empty() ? "" : prefix + name;
 }
 
-// What a part's own model names is found under the part's name, is that element and no other, and
-// looks its own name up again.
+// Every name of a part's own model is found under the part's name, refers to that element and no
+// other, and resolves to itself.
 void ExpectElementsOf(const Scene& scene, const std::string& file, const std::string& prefix) {
   const mjModel *alone = RandomScenes::Alone(file), *all = scene.model();
   for (const mjtObj kind : {mjOBJ_BODY, mjOBJ_JOINT, mjOBJ_SITE, mjOBJ_ACTUATOR, mjOBJ_CAMERA}) {

@@ -22,7 +22,7 @@ struct StartKeys {
 StartKeys FindStartKeys(const CompiledScene& compiled, const std::optional<KeyframeChoice>& choice,
                         const std::string& context);
 
-// Of a keyframe over another that counts what differs from it.
+// Restores a keyframe over another that has the differing values.
 void RestoreKeys(const mjModel* model, mjData* data, const StartKeys& keys,
                  const std::string& context);
 

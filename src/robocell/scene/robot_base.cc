@@ -89,7 +89,7 @@ void FitWeld(mjSpec* scene, const RobotRecord& robot) {
   time = std::max<mjtNum>(time, kWeldSteps * scene->option.timestep);
 }
 
-void SettleBase(RobotPart& robot, Report& report) {
+void SettleBase(RobotPart& robot, CompileLog& log) {
   RobotRecord& record = robot.record;
   if (record.base.size) record.pedestal_height = (*record.base.size)[2];
   const auto made = BaseBodyName(record.base, record.prefix);
@@ -98,7 +98,7 @@ void SettleBase(RobotPart& robot, Report& report) {
   record.base_body = made ? *made : top.empty() ? record.root_body : record.prefix + top;
   if (!FreeJointOf(robot.top)) return;
   if (made) {
-    report.Problem(
+    log.Problem(
         robot.part.place,
         fmt::format("the model's root '{}' has a free joint of its own, so its base cannot be {}; "
                     "delete the joint in `edits` or leave the base out",
@@ -109,7 +109,7 @@ void SettleBase(RobotPart& robot, Report& report) {
 }
 
 std::optional<Placement> AddBase(const RobotSpec& robot, const RobotPart& loaded,
-                                 const Placement& placement, Report& report) {
+                                 const Placement& placement, CompileLog& log) {
   const BaseConfig& base = loaded.record.base;
   const std::string& place = loaded.part.place;
   const bool free_root = FreeJointOf(loaded.top) != nullptr;
@@ -117,7 +117,7 @@ std::optional<Placement> AddBase(const RobotSpec& robot, const RobotPart& loaded
   std::optional<Placement> at = placement;
   if (base.kind != BaseKind::kFixed) {
     at = PlaceInWorld(placement, robot.attach_to, std::string("a ") + ToString(base.kind) + " base",
-                      place, report);
+                      place, log);
   }
   if (!at || !name) return at;
   mjsBody* body = mjs_addBody(at->parent, nullptr);

@@ -13,13 +13,13 @@
 namespace robocell {
 
 // Fills base body, pedestal height and the effective kind of base into the record.
-void SettleBase(RobotPart& robot, Report& report);
+void SettleBase(RobotPart& robot, CompileLog& log);
 
 // Makes the weld of a driven base so soft that the engine is stable with its timestep.
 void FitWeld(mjSpec* scene, const RobotRecord& robot);
 
 // Adds the base body to the scene and says where the robot's root goes. Null after a problem.
 std::optional<Placement> AddBase(const RobotSpec& robot, const RobotPart& loaded,
-                                 const Placement& placement, Report& report);
+                                 const Placement& placement, CompileLog& log);
 
 }  // namespace robocell

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/control_modes.h"
 #include "robocell/scene/robot_parts.h"
@@ -22,14 +22,14 @@ void OverrideServo(const RobotConfig& config, mjsActuator* actuator) {
 }
 
 void OverrideArm(const RobotConfig& config, const MoveGroupConfig& arm, Part& robot,
-                 Report& report) {
+                 CompileLog& log) {
   for (const std::string& name : ArmActuators(arm, robot.spec.get())) {
     mjsElement* element = FindSpecElement(robot.spec.get(), mjOBJ_ACTUATOR, name);
     if (!element) continue;  // reported with all other names after compiling
     if (IsPositionServo(mjs_asActuator(element))) {
       OverrideServo(config, mjs_asActuator(element));
     } else {
-      report.Problem(
+      log.Problem(
           robot.place,
           fmt::format(
               "stiffness, damping and force_limit are for position servos; actuator '{}' is none",
@@ -43,26 +43,26 @@ void OverrideArm(const RobotConfig& config, const MoveGroupConfig& arm, Part& ro
 
 }  // namespace
 
-void ApplyOverrides(const RobotConfig& config, Part& robot, Report& report) {
+void ApplyOverrides(const RobotConfig& config, Part& robot, CompileLog& log) {
   if (config.gravcomp) {
     for (mjsElement* body : SpecElements(robot.spec.get(), mjOBJ_BODY))
       mjs_asBody(body)->gravcomp = *config.gravcomp ? 1 : 0;
   }
   if (!config.stiffness && !config.damping && !config.force_limit) return;
   for (const auto& [name, group] : config.move_groups.entries()) {
-    if (group->kind == MoveGroupKind::kArm) OverrideArm(config, *group, robot, report);
+    if (group->kind == MoveGroupKind::kArm) OverrideArm(config, *group, robot, log);
   }
 }
 
-std::optional<std::string> AddTcpSite(const RobotConfig& config, Part& robot, Report& report) {
+std::optional<std::string> AddTcpSite(const RobotConfig& config, Part& robot, CompileLog& log) {
   if (!config.attachment_site) return std::nullopt;
   mjSpec* spec = robot.spec.get();
   mjsElement* flange = FindSpecElement(spec, mjOBJ_SITE, *config.attachment_site);
   if (!flange) {
-    report.Problem(robot.place,
-                   "attachment_site: " + NoSuchName("the robot", "site", *config.attachment_site,
-                                                    SpecNames(spec, mjOBJ_SITE)),
-                   "attachment_site");
+    log.Problem(robot.place,
+                "attachment_site: " + NoSuchName("the robot", "site", *config.attachment_site,
+                                                 SpecNames(spec, mjOBJ_SITE)),
+                "attachment_site");
     return std::nullopt;
   }
   if (!config.tcp_offset) return std::nullopt;

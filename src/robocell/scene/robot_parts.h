@@ -11,20 +11,20 @@
 namespace robocell {
 
 // edits.cc
-void ApplyEdits(const RobotConfig& config, Part& robot, Report& report);
+void ApplyEdits(const RobotConfig& config, Part& robot, CompileLog& log);
 
 // attachments.cc: mounts tools one after the other; their keyframes join the robot's. `locations`
 // and `directory` are those of the spec that lists them.
 void AddAttachments(const List<AttachmentSpec>& attachments, const Locations& locations,
                     const std::string& directory, Part& robot, const SceneSpec& scene,
-                    Report& report);
+                    CompileLog& log);
 
 // add_camera.cc
 void AddRobotCameras(const RobotConfig& config, const std::string& directory, Part& robot,
-                     const SceneSpec& scene, Report& report);
+                     const SceneSpec& scene, CompileLog& log);
 
 // robot_overrides.cc: gravcomp, stiffness, damping, force_limit.
-void ApplyOverrides(const RobotConfig& config, Part& robot, Report& report);
+void ApplyOverrides(const RobotConfig& config, Part& robot, CompileLog& log);
 
 // first_joints.cc: keeps `top`, and what is fixed to it, from touching the bodies that joints
 // attach to them, as the engine itself does on a base that moves. Not where the scene asks for
@@ -32,6 +32,6 @@ void ApplyOverrides(const RobotConfig& config, Part& robot, Report& report);
 void ExcludeFirstJoints(mjsBody* top, const SimOptions& options, mjSpec* spec);
 
 // The site for attachment_site * tcp_offset, when both are configured.
-std::optional<std::string> AddTcpSite(const RobotConfig& config, Part& robot, Report& report);
+std::optional<std::string> AddTcpSite(const RobotConfig& config, Part& robot, CompileLog& log);
 
 }  // namespace robocell

@@ -28,7 +28,7 @@ constexpr std::array<LookedUpKind, 6> kLookedUp = {
 
 }  // namespace
 
-void CheckSavedNames(const mjModel* built, const mjModel* saved, const std::string& place) {
+void RequireSavedNames(const mjModel* built, const mjModel* saved, const std::string& place) {
   for (const LookedUpKind& kind : kLookedUp) {
     for (int i = 0; i < static_cast<int>(built->*kind.count); ++i) {
       const char* name = mj_id2name(built, kind.type, i);

@@ -18,6 +18,6 @@ std::shared_ptr<CompiledScene> CompileSavedScene(const SceneSpec& spec, const st
 
 // For CompileSavedScene: whether `saved` has the named bodies, joints, sites, cameras and actuators
 // of `built`, with joints of the same kinds, and its home key.
-void CheckSavedNames(const mjModel* built, const mjModel* saved, const std::string& place);
+void RequireSavedNames(const mjModel* built, const mjModel* saved, const std::string& place);
 
 }  // namespace robocell

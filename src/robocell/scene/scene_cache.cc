@@ -18,7 +18,7 @@
 #include "robocell/assets/scene_models.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
-#include "robocell/base/fingerprint.h"
+#include "robocell/base/hash.h"
 #include "robocell/base/log.h"
 #include "robocell/base/version.h"
 #include "robocell/mujoco/compile.h"
@@ -103,7 +103,7 @@ class SceneCacheEntry {
     return Fingerprint(rest) + "\n" + rest;
   }
 
-  // Whether the text is whole.
+  // Returns true if the text is whole.
   static bool IsWhole(std::string_view text) {
     const std::string_view fingerprint = CutLine(text);
     return fingerprint == Fingerprint(text);
@@ -185,7 +185,7 @@ std::shared_ptr<CompiledScene> CompileSceneCached(const SceneSpec& spec, const f
   }
   if (const auto entry = ReadEntry(*file)) {
     if (!SceneCacheEntry::IsWhole(*entry)) {
-      LogWarn("'" + file->string() + "' is damaged; the scene is compiled anew");
+      LogWarn("'" + file->string() + "' is damaged; the scene is compiled again");
     } else if (auto scene = SceneCacheEntry::Read(spec, *entry)) {
       return scene;
     }

@@ -30,7 +30,8 @@ std::filesystem::path SceneCacheFolder();
 std::shared_ptr<CompiledScene> CompileSceneCached(
     const SceneSpec& spec, const std::filesystem::path& folder = SceneCacheFolder());
 
-// What a scene is known by: hexadecimal digits. NotFoundError for models that do not exist.
+// Returns the key of a scene in the cache: hexadecimal digits. NotFoundError for models that do not
+// exist.
 std::string SceneKey(const SceneSpec& spec);
 
 // Removes entries, those that were not used for longest first, until `most_bytes` are left.

@@ -226,7 +226,7 @@ TEST(SceneCache, ADamagedEntryIsToldAndMadeAnew) {
       const ScopedLogSink capture(
           [&](LogLevel, std::string_view text) { said.emplace_back(text); });
       EXPECT_EQ(SaveBinaryString(CompileSceneCached(spec, folder.path())->model()), good);
-      EXPECT_THAT(said, ElementsAre(HasSubstr("is damaged; the scene is compiled anew")));
+      EXPECT_THAT(said, ElementsAre(HasSubstr("is damaged; the scene is compiled again")));
       EXPECT_EQ(ReadFile(file), whole);
     }
   }

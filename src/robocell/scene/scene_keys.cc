@@ -136,8 +136,8 @@ class KeyRow {
 
 class KeyFiller {
  public:
-  KeyFiller(mjModel* model, const std::vector<RobotRecord>& robots, Report& report)
-      : m_(model), robots_(robots), report_(report), data_(MakeData(model)) {
+  KeyFiller(mjModel* model, const std::vector<RobotRecord>& robots, CompileLog& log)
+      : m_(model), robots_(robots), log_(log), data_(MakeData(model)) {
     configured_.resize(static_cast<size_t>(m_->nv));
     ForEachHome(robots_, [&](const auto& robot, const auto& group, const auto&) {
       MarkDofs(m_, robot, group, configured_);
@@ -161,7 +161,7 @@ class KeyFiller {
       const bool own = !ActsOn(m_, data_.get(), id, configured_);
       ctrl.Set(id, own, row.ctrl(), row.act());
     }
-    ctrl.Tell(report_);
+    ctrl.Tell(log_);
     for (const RobotRecord& robot : robots_) OpenUndecidedGrippers(part, robot, row);
   }
 
@@ -183,7 +183,7 @@ class KeyFiller {
       if (ctrl.IsOfPart(id) || ActsOn(m_, data_.get(), id, moved))
         ctrl.Set(id, true, row.ctrl(), row.act());
     }
-    ctrl.Tell(report_);
+    ctrl.Tell(log_);
   }
 
  private:
@@ -205,7 +205,7 @@ class KeyFiller {
 
   mjModel* m_;
   const std::vector<RobotRecord>& robots_;
-  Report& report_;
+  CompileLog& log_;
   const DataPtr data_;
   std::vector<bool> configured_;
 };
@@ -224,8 +224,8 @@ std::vector<mjsKey*> AddSceneKeys(mjSpec* spec, const std::vector<std::string>& 
 }
 
 void FillSceneKeys(mjModel* model, const std::vector<mjsKey*>& keys, const PartKeys& parts,
-                   const std::vector<RobotRecord>& robots, Report& report) {
-  KeyFiller filler(model, robots, report);
+                   const std::vector<RobotRecord>& robots, CompileLog& log) {
+  KeyFiller filler(model, robots, log);
   filler.FillHome(parts.home);
   for (size_t i = 0; i < parts.presets.size(); ++i)
     filler.FillPreset(static_cast<int>(i) + 1, parts.presets[i].first, parts.presets[i].second);

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "robocell/scene/compile_log.h"
 #include "robocell/scene/compiled_scene.h"
 #include "robocell/scene/part_keys.h"
-#include "robocell/scene/report.h"
 
 namespace robocell {
 
@@ -31,6 +31,6 @@ std::vector<mjsKey*> AddSceneKeys(mjSpec* spec, const std::vector<std::string>& 
 // A warning says which other controls are replaced, and which positions no control holds. A gripper
 // of which nothing is said about home is open there.
 void FillSceneKeys(mjModel* model, const std::vector<mjsKey*>& keys, const PartKeys& parts,
-                   const std::vector<RobotRecord>& robots, Report& report);
+                   const std::vector<RobotRecord>& robots, CompileLog& log);
 
 }  // namespace robocell

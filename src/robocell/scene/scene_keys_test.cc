@@ -239,7 +239,7 @@ TEST_F(SceneKeys, OutsideTheLimitsOrOfAnotherSizeAreWarnings) {
                                  "'shoulder'")));
 }
 
-// What the engine itself makes of a key of the part's model, put alone into an empty world.
+// Compares with the engine's result for a key of the part's model, alone in an empty world.
 void ExpectAsTheEngine(const Scene& scene, const std::string& file, const std::string& key) {
   const ModelPtr alone = Compile(ParseXmlFile(file).get());
   const mjModel* m = scene.model();

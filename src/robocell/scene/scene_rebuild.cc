@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/step.h"
@@ -31,7 +31,7 @@ bool IsFrameIn(CompiledScene& compiled, const std::string& frame, const std::str
   return false;
 }
 
-// Whether a target is part of the object that begins at `root_body`.
+// Returns true if a target is part of the object that begins at `root_body`.
 bool IsPartOf(CompiledScene& compiled, const AttachTarget& target, const std::string& root_body) {
   const mjModel* m = compiled.model();
   const int root = FindId(m, mjOBJ_BODY, root_body);
@@ -124,7 +124,7 @@ void Scene::Rebuild(const SceneSpec& spec) {
   CarryModel(match, compiled->mutable_model());
   compiled->KeepJacobian(*s.compiled);
   DataHandle data = s.factory(*compiled);
-  // What is new starts as after a reset.
+  // New elements start as after a reset.
   Guarded(s.context, data.data, [&, m = compiled->model(), key = compiled->home_key()] {
     mj_resetDataKeyframe(m, data.data, key);
   });

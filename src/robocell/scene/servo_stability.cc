@@ -17,9 +17,9 @@ namespace {
 
 constexpr double kUsualStiffness = 1e6;  // N/m or N m/rad; stiffer servos are typing errors
 
-class StabilityCheck {
+class StabilityAnalysis {
  public:
-  StabilityCheck(const mjModel* model, std::string_view prefix) : m_(model), prefix_(prefix) {}
+  StabilityAnalysis(const mjModel* model, std::string_view prefix) : m_(model), prefix_(prefix) {}
 
   std::vector<UnstableServo> Run(int base) const {
     std::vector<UnstableServo> out;
@@ -27,7 +27,7 @@ class StabilityCheck {
       if (ActuatorForceKind(m_, a) != CtrlMode::kPosition) continue;
       const std::optional<Load> load = LoadOf(a, base);
       if (!load || load->moved <= 0) continue;
-      if (auto servo = Check(a, *load)) out.push_back(std::move(*servo));
+      if (auto servo = Judge(a, *load)) out.push_back(std::move(*servo));
     }
     return out;
   }
@@ -101,7 +101,7 @@ class StabilityCheck {
   }
 
   // Force = gain * ctrl + ... - k * length, whatever is before it.
-  std::optional<UnstableServo> Check(int actuator, const Load& load) const {
+  std::optional<UnstableServo> Judge(int actuator, const Load& load) const {
     const double gear = Gear(m_, actuator), dt = m_->opt.timestep;
     const double gain = -m_->actuator_biasprm[mjNBIAS * actuator + 1];
     const double stiffness = gain * gear * gear;
@@ -136,7 +136,7 @@ class StabilityCheck {
 
 std::vector<UnstableServo> UnstableServos(const mjModel* model, int base_body,
                                           std::string_view prefix) {
-  return StabilityCheck(model, prefix).Run(base_body);
+  return StabilityAnalysis(model, prefix).Run(base_body);
 }
 
 std::string RoundedGain(double value) {

@@ -14,7 +14,7 @@ namespace robocell {
 class SourceFiles {
  public:
   SourceFiles() = default;
-  // As they are now. What cannot be found is the compiler's to report.
+  // As they are now. What cannot be found is the compiler's to log.
   explicit SourceFiles(const SceneSpec& spec);
 
   // The first of both whose time or size differs, "" when there is none.

@@ -31,7 +31,8 @@ std::vector<mjsElement*> BodyElements(mjsBody* body, mjtObj kind, bool whole_sub
 // The body's own free joint; null without one.
 mjsElement* FreeJointOf(mjsBody* body);
 
-// What an actuator with this transmission names as its target; mjOBJ_UNKNOWN for none of ours.
+// Kind of the target of an actuator with this transmission; mjOBJ_UNKNOWN for kinds that robocell
+// does not handle.
 mjtObj TargetKind(mjtTrn transmission);
 
 // The element of that name, null when there is none. Frames are a kind like the others.
@@ -47,7 +48,7 @@ Pose FramePoseInParent(mjsElement* element);
 Pose PoseInParent(mjsElement* element);
 // The same in the world, with all joints at their reference.
 Pose PoseInWorld(mjsElement* element);
-// Whether neither the body nor any body above it can move (no joints, not a mocap body).
+// Returns true if neither the body nor any body above it can move (no joints, not a mocap body).
 bool IsStatic(mjsBody* body);
 // The child of the world that a body hangs on.
 mjsBody* TopBody(mjsBody* body);

@@ -14,7 +14,7 @@ namespace robocell {
 inline constexpr double kObjectGap = 0.03;   // metres between objects
 inline constexpr double kEdgeMargin = 0.03;  // from the support's edge
 
-// Whether an object stays where its spec puts it.
+// Returns true if an object stays where its spec puts it.
 inline bool IsFixed(const SceneObject& object) { return object.fixed == true; }
 
 // Sets the objects' poses; `sizes` are theirs, in the same order. Fixed ones keep theirs, and the

@@ -1,27 +1,139 @@
 #include "robocell/scenes/scene_source.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "robocell/base/error.h"
+#include "robocell/spec/yaml.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/pick_scene.h"
 
 namespace robocell {
 namespace {
 
-TEST(SceneSource, ATabletopUnlessFilesAreGiven) {
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+// A kind of this test's own: a shelf of boards, and what is known of them.
+struct ShelfConfig {
+  int boards = 2;
+  static constexpr const char* kKind = "shelf_of_test";
+  static constexpr const char* kTypeName = "ShelfConfig";
+  template <class V>
+  static void Fields(V&& v) {
+    v("boards", &ShelfConfig::boards, "How many boards there are.", Bound::kPositive);
+  }
+};
+
+class Shelf final : public SceneSource {
+ public:
+  explicit Shelf(const ShelfConfig& fields) : boards_(fields.boards) {}
+  std::optional<int> size() const override { return 3; }
+  SceneSpec Make(int index) override {
+    SceneSpec spec{.name = "a name of its own", .add_floor = true, .add_skybox = false};
+    for (int i = 0; i < boards_; ++i) {
+      SceneObject board{.name = "board" + std::to_string(i),
+                        .shape = Shape::kBox,
+                        .size = Vec3{0.3, 0.4, 0.01},
+                        .rgba = Vec4{0.6, 0.5, 0.4, 1},
+                        .mass = 1,
+                        .friction = Vec3{1, 0.02, 0.001}};
+      board.pos = {0.1 * index, 0, 0.4 * (i + 1)};
+      board.fixed = true;
+      spec.objects.push_back(board);
+    }
+    return spec;
+  }
+  std::optional<SceneAnnotations> KnownAnnotations(int index) override {
+    if (index == 2) return std::nullopt;
+    SceneAnnotations known;
+    known.supports.push_back({.face = {Pose({0.1 * index, 0, 0.41}), 0.3, 0.4, 0.02},
+                              .body = "board0",
+                              .free_area = 0.48});
+    return known;
+  }
+
+ private:
+  int boards_;
+};
+
+RunConfig ShelfRun(const ShelfConfig& fields = {}) {
+  static const bool kRegistered = [] {
+    RegisterSceneSource<ShelfConfig>(std::make_shared<SceneSourceKindOf<ShelfConfig, Shelf>>());
+    return true;
+  }();
+  (void)kRegistered;
+  RunConfig run = ExampleRun("demo.yaml");
+  run.scenes = fields;
+  return run;
+}
+
+TEST(SceneSource, ATabletopUnlessSaidOtherwise) {
   const RunConfig run = ExampleRun("demo.yaml");
   const SceneSpec spec = MakeBaseScene(run, 0);
   EXPECT_EQ(spec.name, "demo");
   EXPECT_EQ(spec.base, "tabletop");
   EXPECT_EQ(spec.timestep, 0.002);
   EXPECT_TRUE(spec.robots.empty());
+  EXPECT_EQ(MakeSceneSource(run)->size(), std::nullopt);
+  EXPECT_THAT(SceneIndices(run), ElementsAre(0));
 }
 
 TEST(SceneSource, FilesAreFoundInTheirRoot) {
   RunConfig run = ExampleRun("demo.yaml");
-  run.scenes = {.files = {"cell_of_nobody.xml"}, .root = SourceDir() + "/models"};
-  ExpectThrow<NotFoundError>([&] { MakeBaseScene(run, 0); }, "cell_of_nobody.xml");
+  run.scenes = FilesScenes{.files = {"scenes/tabletop.xml", "cell_of_nobody.xml"},
+                           .root = SourceDir() + "/models"};
+  EXPECT_THAT(SceneIndices(run), ElementsAre(0, 1));
+  EXPECT_THAT(*MakeBaseScene(run, 0).base, HasSubstr("models/scenes/tabletop.xml"));
+  ExpectThrow<NotFoundError>([&] { MakeBaseScene(run, 1); }, "cell_of_nobody.xml");
+  ExpectThrow<ArgumentError>([&] { MakeBaseScene(run, 2); },
+                             "there is no scene 2 in source 'files', which has 2");
+}
+
+TEST(SceneSource, OnesOwnIsNamedByARunAndGetsTheRunsSettings) {
+  const RunConfig run = ShelfRun({.boards = 3});
+  EXPECT_EQ(run.scenes.kind(), "shelf_of_test");
+  EXPECT_THAT(SceneIndices(run), ElementsAre(0, 1, 2));
+  const SceneSpec spec = MakeBaseScene(run, 1);
+  EXPECT_EQ(spec.objects.size(), 3u);
+  EXPECT_EQ(spec.name, "demo");
+  EXPECT_EQ(spec.timestep, 0.002);
+  const RunConfig back = ParseYaml<RunConfig>(ToYaml(run), "run.yaml", "");
+  EXPECT_EQ(back.scenes, run.scenes);
+}
+
+TEST(SceneSource, HousesThatItDoesNotHaveAreProblems) {
+  RunConfig run = ShelfRun();
+  run.scenes.houses.values = {0, 3};
+  Problems problems;
+  ValidateHouses(run, problems);
+  ASSERT_EQ(problems.list().size(), 1u);
+  EXPECT_THAT(problems.list()[0].message,
+              HasSubstr("3 is outside the 3 scenes of source 'shelf_of_test'"));
+}
+
+TEST(SceneSource, WhatItKnowsComesBeforeWhatTheGeometrySays) {
+  const RunConfig run = ShelfRun();
+  const std::shared_ptr<SceneSource> source = MakeSceneSource(run);
+  const std::vector<Support> known = SupportsOf(*source, 1, MakeBaseScene(run, 1));
+  ASSERT_EQ(known.size(), 1u);
+  EXPECT_NEAR(known[0].frame_to_world.translation().z(), 0.41, 1e-9);
+  // Of the last scene it knows nothing: the upper board has room above it.
+  EXPECT_NEAR(SupportsOf(*source, 2, MakeBaseScene(run, 2))[0].frame_to_world.translation().z(),
+              0.41, 1e-9);
+  EXPECT_EQ(source->Annotations(2).supports.size(), 2u);
+  EXPECT_EQ(source->Annotations(2).objects.size(), 2u);
+}
+
+TEST(SceneSource, NamesThatAreTakenAndUnknownOnesAreTold) {
+  ShelfRun();
+  ExpectThrow<ArgumentError>(
+      [] {
+        RegisterSceneSource<ShelfConfig>(std::make_shared<SceneSourceKindOf<ShelfConfig, Shelf>>());
+      },
+      "scene source 'shelf_of_test' is registered already");
+  ExpectThrow<NotFoundError>([] { FindSceneSourceKind("shelf_of_tset"); },
+                             "Did you mean 'shelf_of_test'?");
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ struct SettleOptions {
   // Names of the objects that have to come to rest; all unless set.
   std::optional<std::vector<std::string>> resting = {};
   double most_drift = kMostSettling;
-  StopCheck stop = {};  // when it says true, the objects may be refused as still moving
+  StopRequest stop = {};  // when it says true, the objects may be refused as still moving
 };
 
 // Simulates until everything rests. Returns why the scene does not settle: something diverges or

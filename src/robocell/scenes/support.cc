@@ -5,16 +5,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/scene/scene.h"
+#include "robocell/scenes/scene_annotations.h"
 
 namespace robocell {
 namespace {
@@ -55,6 +58,10 @@ std::string FindSite(const Scene& scene, const std::string& place) {
   throw SpecError(fmt::format(
       "{}: where should objects stand? Several sites could be meant: {}. Name the one '{}'", place,
       ListNames(prefixed), kSite));
+}
+
+int SiteBody(const Scene& scene, const std::string& site) {
+  return scene.model()->site_bodyid[FindId(scene.model(), mjOBJ_SITE, site)];
 }
 
 // The box of the site's body with the largest face; -1 without any.
@@ -135,10 +142,9 @@ class LevelFaces {
       parked_.push_back(FindId(m_, mjOBJ_BODY, scene.compiled()->object(object).root_body));
   }
 
-  // Unset when there is none.
-  std::optional<Support> Largest() const {
-    std::optional<Support> best;
-    double most = 0;
+  // From the one that objects are put on first.
+  std::vector<SupportFace> All() const {
+    std::vector<std::pair<double, SupportFace>> ranked;
     for (int g = 0; g < m_->ngeom; ++g) {
       const std::optional<Support> face = FaceOf(g);
       if (!face) continue;
@@ -146,11 +152,27 @@ class LevelFaces {
       const bool furniture = height > kLowest && height < kHighest;
       // Furniture comes before everything else.
       const double rank = face->half_x * face->half_y + (furniture ? kBeforeAll : 0);
-      if (rank <= most) continue;
-      most = rank;
-      best = face;
+      ranked.emplace_back(rank, SupportFace{.face = *face,
+                                            .body = ElementName(m_, mjOBJ_BODY, m_->geom_bodyid[g]),
+                                            .free_area = FreeArea(*face)});
     }
-    return best;
+    std::ranges::stable_sort(ranked, std::greater<>(), [](const auto& each) { return each.first; });
+    std::vector<SupportFace> faces;
+    for (auto& [rank, face] : ranked) faces.push_back(std::move(face));
+    return faces;
+  }
+  // What of a face has room above it, by a grid of rays.
+  double FreeArea(const Support& face) const {
+    constexpr int kGrid = 8;
+    int free = 0;
+    for (int i = 0; i < kGrid; ++i) {
+      for (int j = 0; j < kGrid; ++j) {
+        const Eigen::Vector3d at(face.half_x * (2 * (i + 0.5) / kGrid - 1),
+                                 face.half_y * (2 * (j + 0.5) / kGrid - 1), 0);
+        free += HasRoom(face.frame_to_world * at);
+      }
+    }
+    return 4 * face.half_x * face.half_y * free / (kGrid * kGrid);
   }
 
  private:
@@ -190,22 +212,10 @@ class LevelFaces {
   std::vector<int> parked_;  // bodies
 };
 
-}  // namespace
-
-Support FindSupport(const SceneSpec& base) {
-  const Scene scene = Scene::Build(base);
+// The box face that a site marks.
+Support MarkedSupport(const Scene& scene, const std::string& site, const std::string& place) {
   const mjModel* m = scene.model();
-  const std::string site = FindSite(scene, Place(base));
-  if (site.empty()) {
-    if (const std::optional<Support> face = LevelFaces(scene).Largest()) return *face;
-    throw NotFoundError(fmt::format(
-        "{}: nowhere to put objects: there is no box that stands still with a level upper face of "
-        "at least 0.16 by 0.16 m and 0.3 m of room above it. Add one, or mark where objects are to "
-        "stand by a site '{}' on a box",
-        Place(base), kSite));
-  }
-  const std::string place = Place(base) + ": site '" + site + "'";
-  const int box = LargestBox(m, m->site_bodyid[FindId(m, mjOBJ_SITE, site)]);
+  const int box = LargestBox(m, SiteBody(scene, site));
   if (box < 0) throw SpecError(place + " needs a box geom in its body: the surface it is on");
   const Pose site_to_world = scene.site_pose(site);
   const mjData* d = scene.data();
@@ -220,6 +230,42 @@ Support FindSupport(const SceneSpec& base) {
   }
   return {site_to_world * face.to_site(), face.half_x(), face.half_y(), face.thickness(),
           MovedBody(m, m->geom_bodyid[box])};
+}
+
+}  // namespace
+
+Support FindSupport(const SceneSpec& base) {
+  const Scene scene = Scene::Build(base);
+  const std::string site = FindSite(scene, Place(base));
+  if (site.empty()) {
+    const std::vector<SupportFace> faces = LevelFaces(scene).All();
+    if (!faces.empty()) return faces.front().face;
+    throw NotFoundError(fmt::format(
+        "{}: nowhere to put objects: there is no box that stands still with a level upper face of "
+        "at least 0.16 by 0.16 m and 0.3 m of room above it. Add one, or mark where objects are to "
+        "stand by a site '{}' on a box",
+        Place(base), kSite));
+  }
+  return MarkedSupport(scene, site, Place(base) + ": site '" + site + "'");
+}
+
+std::vector<SupportFace> FindSupportFaces(const Scene& scene) {
+  const LevelFaces level(scene);
+  std::vector<SupportFace> faces = level.All();
+  const std::string place = "scene '" + scene.name() + "'";
+  const std::string site = FindSite(scene, place);
+  if (site.empty()) return faces;
+  const Support marked = MarkedSupport(scene, site, place + ": site '" + site + "'");
+  std::erase_if(faces, [&](const SupportFace& face) {
+    const Eigen::Vector3d way =
+        face.face.frame_to_world.translation() - marked.frame_to_world.translation();
+    return way.norm() < kOnSurface;
+  });
+  faces.insert(faces.begin(),
+               {.face = marked,
+                .body = ElementName(scene.model(), mjOBJ_BODY, SiteBody(scene, site)),
+                .free_area = level.FreeArea(marked)});
+  return faces;
 }
 
 void RequireSteady(const SceneSpec& base, const Support& support) {

@@ -5,9 +5,11 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "robocell/math/pose.h"
 #include "robocell/motion/robot_outline.h"
+#include "robocell/scene/scene.h"
 #include "robocell/spec/scene_spec.h"
 
 namespace robocell {
@@ -32,6 +34,11 @@ struct Support {
 // NotFoundError without such a face, SpecError with several sites that could be meant, without a
 // box or when the site is not on the box's upper face or the face is not level.
 Support FindSupport(const SceneSpec& base);
+
+struct SupportFace;
+// All level upper faces of boxes that stand still and have room above, the one that FindSupport
+// takes first, the others from the largest on.
+std::vector<SupportFace> FindSupportFaces(const Scene& scene);
 
 // SpecError when the support of this scene does not stay where it is: a table with a free joint
 // that stands on nothing takes along what is put on it.

@@ -5,8 +5,8 @@
 namespace robocell {
 
 void AttachmentSpec::Validate(Problems& problems) const {
-  CheckNotEmpty(mjcf_path, "mjcf_path", "the model file to attach", problems);
-  CheckPlacement(euler, quat, problems);
+  ValidateNotEmpty(mjcf_path, "mjcf_path", "the model file to attach", problems);
+  ValidatePlacement(euler, quat, problems);
   const AttachKind k = attach_to.kind;
   if (k != AttachKind::kBody && k != AttachKind::kSite && k != AttachKind::kFrame) {
     problems.AddAt("attach_to",

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <Eigen/Geometry>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/spec/validate.h"
 
 namespace robocell {
@@ -34,14 +34,14 @@ Pose CameraSpec::pose() const {
 }
 
 void CameraSpec::Validate(Problems& problems) const {
-  CheckNotEmpty(name, "name", "cameras are looked up by name", problems);
+  ValidateNotEmpty(name, "name", "cameras are looked up by name", problems);
   const bool alone = mjcf_path.empty();
   if (alone && !pos) problems.AddAt("pos", "is required: where the camera is, [x, y, z] in metres");
   if (alone && !fovy)
     problems.AddAt("fovy", "is required: the vertical field of view in degrees, for example 45");
   if (fovy && *fovy >= 180)
     problems.AddAt("fovy", fmt::format("{} degrees is not below 180", *fovy));
-  CheckPlacement(euler, quat, problems);
+  ValidatePlacement(euler, quat, problems);
   if (look_at && (euler != Vec3{} || quat != kIdentityQuat)) {
     problems.AddAt("look_at", "is set together with a rotation; keep one of them");
   }
@@ -56,8 +56,8 @@ void CameraConfig::Validate(Problems& problems) const {
   if (!camera.empty() && !follow.empty())
     problems.AddAt("follow", "the stream has a camera; leave one of the two out");
   if (follow.empty())
-    CheckNotEmpty(camera, "camera", "which camera of the robot or scene the images come from",
-                  problems);
+    ValidateNotEmpty(camera, "camera", "which camera of the robot or scene the images come from",
+                     problems);
   if (!rgb && !depth && !segmentation)
     problems.Add("takes no images: set rgb, depth or segmentation");
 }
@@ -70,8 +70,8 @@ constexpr int kLongestSide = 16384;
 constexpr std::string_view kCorrectTheSize =
     "correct the stream's width and height, or `cameras.resolution`";
 
-void CheckNotTooLarge(const CameraSystemConfig& cameras, const CameraConfig& stream,
-                      Problems& problems) {
+void ValidateNotTooLarge(const CameraSystemConfig& cameras, const CameraConfig& stream,
+                         Problems& problems) {
   const int w = cameras.width(stream), h = cameras.height(stream);
   if (w <= kLongestSide && h <= kLongestSide) return;
   problems.Add(fmt::format("size {}x{} is too large: width and height can be at most {} pixels; {}",
@@ -80,21 +80,24 @@ void CheckNotTooLarge(const CameraSystemConfig& cameras, const CameraConfig& str
 
 }  // namespace
 
+void RendererConfig::Validate(Problems& problems) const {
+  const std::vector<std::string> backends = {"auto", "gl", "soft"};
+  if (std::ranges::find(backends, backend) == backends.end())
+    problems.AddAt("backend", NoSuchName("", "back end", backend, backends));
+}
+
 void CameraSystemConfig::Validate(Problems& problems) const {
-  const std::vector<std::string> renderers = {"auto", "gl", "soft"};
-  if (std::ranges::find(renderers, renderer) == renderers.end())
-    problems.AddAt("renderer", NoSuchName("", "renderer", renderer, renderers));
   for (size_t i = 0; i < streams.size(); ++i) {
     Problems::Scope list(problems, "streams");
     Problems::Scope item(problems, i);
     const CameraConfig& stream = streams[i];
-    CheckNotEmpty(stream.name, "name", "streams are recorded under their name", problems);
+    ValidateNotEmpty(stream.name, "name", "streams are recorded under their name", problems);
     for (size_t j = 0; j < i; ++j) {
       if (streams[j].name == stream.name)
         problems.AddAt("name", "'" + stream.name + "' is used twice");
     }
     const int w = width(stream), h = height(stream);
-    CheckNotTooLarge(*this, stream, problems);
+    ValidateNotTooLarge(*this, stream, problems);
     if (stream.rgb && (w % 2 || h % 2)) {
       problems.Add(fmt::format(
           "size {}x{} cannot be encoded as video, which needs even numbers (of "

@@ -35,7 +35,7 @@ struct CameraSpec {
     v("pos", &CameraSpec::pos, "Position in the parent, metres; required without a model.");
     v("fovy", &CameraSpec::fovy,
       "Vertical field of view, degrees; required without a model, else that of its camera.",
-      Check::kPositive);
+      Bound::kPositive);
     v("euler", &CameraSpec::euler, "Orientation in the parent, degrees, extrinsic xyz.");
     v("quat", &CameraSpec::quat,
       "Orientation in the parent, quaternion xyzw (in YAML also quat_wxyz).");
@@ -72,11 +72,11 @@ struct CameraConfig {
       "Body of the scene that the view keeps in its middle, from 2 m away and 45 degrees above, "
       "wherever it goes; in the place of `camera`.");
     v("width", &CameraConfig::width, "Pixels; the camera system's resolution unless set.",
-      Check::kPositive);
+      Bound::kPositive);
     v("height", &CameraConfig::height, "Pixels; the camera system's resolution unless set.",
-      Check::kPositive);
+      Bound::kPositive);
     v("rate", &CameraConfig::rate, "Frames per second; 0 takes one with every observation.",
-      Check::kNonNegative);
+      Bound::kNonNegative);
     v("rgb", &CameraConfig::rgb, "Take colour images.");
     v("depth", &CameraConfig::depth, "Take depth images.");
     v("segmentation", &CameraConfig::segmentation, "Take body-id images.");
@@ -98,30 +98,44 @@ struct RenderQuality {
     v("shadows", &RenderQuality::shadows, "Draw shadows.");
     v("reflections", &RenderQuality::reflections, "Draw reflections.");
     v("multisamples", &RenderQuality::multisamples,
-      "Samples per pixel against jagged edges; 0 is off.", Check::kNonNegative);
+      "Samples per pixel against jagged edges; 0 is off.", Bound::kNonNegative);
     v("shadow_size", &RenderQuality::shadow_size, "Side of the shadow map, pixels.",
-      Check::kPositive);
+      Bound::kPositive);
   }
+};
+
+// Who draws images, and how. In YAML a word stands for the back end, and for a quality one of the
+// names of render_quality.h: {backend: soft, quality: standard}.
+struct RendererConfig {
+  std::string backend = "auto";
+  RenderQuality quality = {};
+
+  static constexpr const char* kTypeName = "RendererConfig";
+  template <class V>
+  static void Fields(V&& v) {
+    v("backend", &RendererConfig::backend,
+      "Who draws: `soft` (the processor; the same bytes on every machine), `gl` (OpenGL), or "
+      "`auto`: what ROBOCELL_RENDERER names, else gl where there is one. A dataset that was begun "
+      "with `auto` keeps what that was.");
+    v("quality", &RendererConfig::quality,
+      "How images are drawn: `fast`, `standard`, `high`, or single fields.");
+  }
+  void Validate(Problems& problems) const;
 };
 
 // The streams of a run and the size they share.
 struct CameraSystemConfig {
   std::array<int, 2> resolution = {320, 240};
   List<CameraConfig> streams = {};
-  std::string renderer = "auto";
-  RenderQuality quality = {};
+  RendererConfig renderer = {};
 
   static constexpr const char* kTypeName = "CameraSystemConfig";
   template <class V>
   static void Fields(V&& v) {
     v("resolution", &CameraSystemConfig::resolution, "Width and height in pixels.",
-      Check::kPositive);
+      Bound::kPositive);
     v("streams", &CameraSystemConfig::streams, "The image streams.");
-    v("renderer", &CameraSystemConfig::renderer,
-      "Who draws: `soft` (the processor; the same bytes on every machine), `gl` (OpenGL), or "
-      "`auto`: "
-      "what ROBOCELL_RENDERER names, else gl where there is one.");
-    v("quality", &CameraSystemConfig::quality, "How images are drawn.");
+    v("renderer", &CameraSystemConfig::renderer, "Who draws the images, and how.");
   }
   int width(const CameraConfig& stream) const { return stream.width.value_or(resolution[0]); }
   int height(const CameraConfig& stream) const { return stream.height.value_or(resolution[1]); }

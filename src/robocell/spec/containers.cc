@@ -10,7 +10,7 @@ namespace {
 
 bool IsDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 
-// What two names have in common around the number in which they differ.
+// The common parts of two names around the number in which they differ.
 struct NumberedNames {
   std::string_view stem, first, last, tail;
 };

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/spec/validate.h"
 
 namespace robocell {
@@ -40,15 +40,15 @@ bool IsTarget(std::string_view field) {
 }
 
 // `{geom: {body: finger}}` reads as a reference to a body; what was meant has an index.
-void CheckTargetKind(const std::optional<ElementRef>& ref, ElementKind kind, std::string_view field,
-                     Problems& problems) {
+void ValidateTargetKind(const std::optional<ElementRef>& ref, ElementKind kind,
+                        std::string_view field, Problems& problems) {
   if (!ref || !ref->kind || *ref->kind == kind) return;
   problems.AddAt(field, "is given a " + Describe(*ref) + "; write the " + std::string(field) +
                             "'s name, or {body: name, index: 0} if it has none");
 }
 
 // What an actuator acts on says which it is; it sits in no body.
-void CheckActuator(const std::optional<ElementRef>& ref, Problems& problems) {
+void ValidateActuator(const std::optional<ElementRef>& ref, Problems& problems) {
   using enum ElementKind;
   if (!ref) return;
   const bool acts_on = ref->kind == kJoint || ref->kind == kTendon || ref->kind == kSite ||
@@ -61,7 +61,7 @@ void CheckActuator(const std::optional<ElementRef>& ref, Problems& problems) {
 
 std::vector<std::string> SetFields(const Edit& edit, bool targets) {
   std::vector<std::string> set;
-  ForEachField(edit, [&](const char* name, const auto& value, const char*, Check) {
+  ForEachField(edit, [&](const char* name, const auto& value, const char*, Bound) {
     if (value.has_value() && IsTarget(name) == targets) set.emplace_back(name);
   });
   return set;
@@ -138,22 +138,22 @@ void Edit::Validate(Problems& problems) const {
                                     " has no such attribute; it can be given " + Join(known));
     }
   }
-  CheckTargetKind(site, ElementKind::kSite, "site", problems);
-  CheckTargetKind(joint, ElementKind::kJoint, "joint", problems);
-  CheckTargetKind(geom, ElementKind::kGeom, "geom", problems);
-  CheckTargetKind(camera, ElementKind::kCamera, "camera", problems);
-  CheckActuator(actuator, problems);
-  CheckTargetKind(body, ElementKind::kBody, "body", problems);
-  if (range) CheckRange(*range, "range", problems);
-  if (ctrlrange) CheckRange(*ctrlrange, "ctrlrange", problems);
-  if (forcerange) CheckRange(*forcerange, "forcerange", problems);
+  ValidateTargetKind(site, ElementKind::kSite, "site", problems);
+  ValidateTargetKind(joint, ElementKind::kJoint, "joint", problems);
+  ValidateTargetKind(geom, ElementKind::kGeom, "geom", problems);
+  ValidateTargetKind(camera, ElementKind::kCamera, "camera", problems);
+  ValidateActuator(actuator, problems);
+  ValidateTargetKind(body, ElementKind::kBody, "body", problems);
+  if (range) ValidateRange(*range, "range", problems);
+  if (ctrlrange) ValidateRange(*ctrlrange, "ctrlrange", problems);
+  if (forcerange) ValidateRange(*forcerange, "forcerange", problems);
   if (condim && *condim != 1 && *condim != 3 && *condim != 4 && *condim != 6) {
     problems.AddAt("condim", std::to_string(*condim) + " is not 1, 3, 4 or 6");
   }
   if (attributes.empty() && !add_site) problems.Add("changes nothing; it can set " + Join(known));
   if ((quat ? 1 : 0) + (euler ? 1 : 0) + (xyaxes ? 1 : 0) > 1)
     problems.Add("give only one of quat, euler and xyaxes");
-  if (quat) CheckUnitQuat(*quat, problems);
+  if (quat) ValidateUnitQuat(*quat, problems);
 }
 
 }  // namespace robocell

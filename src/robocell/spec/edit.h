@@ -78,17 +78,17 @@ struct Edit {
     v("range", &Edit::range, "Joint range, rad or m.");
     v("ctrlrange", &Edit::ctrlrange, "Actuator control range.");
     v("forcerange", &Edit::forcerange, "Actuator force range, N or Nm.");
-    v("fovy", &Edit::fovy, "Camera's vertical field of view, degrees.", Check::kPositive);
-    v("damping", &Edit::damping, "Joint damping.", Check::kNonNegative);
-    v("armature", &Edit::armature, "Joint armature.", Check::kNonNegative);
-    v("frictionloss", &Edit::frictionloss, "Joint friction loss.", Check::kNonNegative);
-    v("kp", &Edit::kp, "Position gain of a servo.", Check::kNonNegative);
-    v("kv", &Edit::kv, "Velocity gain of a servo.", Check::kNonNegative);
-    v("mass", &Edit::mass, "Mass of a geom or body, kg.", Check::kNonNegative);
+    v("fovy", &Edit::fovy, "Camera's vertical field of view, degrees.", Bound::kPositive);
+    v("damping", &Edit::damping, "Joint damping.", Bound::kNonNegative);
+    v("armature", &Edit::armature, "Joint armature.", Bound::kNonNegative);
+    v("frictionloss", &Edit::frictionloss, "Joint friction loss.", Bound::kNonNegative);
+    v("kp", &Edit::kp, "Position gain of a servo.", Bound::kNonNegative);
+    v("kv", &Edit::kv, "Velocity gain of a servo.", Bound::kNonNegative);
+    v("mass", &Edit::mass, "Mass of a geom or body, kg.", Bound::kNonNegative);
     v("friction", &Edit::friction, "Geom friction: sliding, torsional, rolling.",
-      Check::kNonNegative);
-    v("size", &Edit::size, "Geom or site size, metres.", Check::kNonNegative);
-    v("rgba", &Edit::rgba, "Colour.", Check::kFraction);
+      Bound::kNonNegative);
+    v("size", &Edit::size, "Geom or site size, metres.", Bound::kNonNegative);
+    v("rgba", &Edit::rgba, "Colour.", Bound::kFraction);
     v("condim", &Edit::condim, "Contact dimension of a geom: 1, 3, 4 or 6.");
     v("type", &Edit::type, "Type of an added sensor.");
   }

@@ -39,7 +39,7 @@ struct StepLimit {
   double rotation = 0;
 };
 
-// What a step does when a robot runs into something.
+// The effect of a collision on a step.
 enum class OnCollision { kReport, kStop, kGuard };
 template <>
 struct EnumNames<OnCollision> {

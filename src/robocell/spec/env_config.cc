@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <limits>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/base/units.h"
-#include "robocell/spec/check_env_objects.h"
 #include "robocell/spec/locations.h"
 #include "robocell/spec/validate.h"
+#include "robocell/spec/validate_env_objects.h"
 
 namespace robocell {
 namespace {
@@ -22,8 +22,8 @@ bool HasGroup(const RobotConfig& config, MoveGroupKind kind) {
 }
 
 // `gripper_offsets: {lft: ...}`: every key must be a robot.
-void CheckRobotKeys(const std::vector<std::string>& keys, std::string_view field,
-                    const EnvConfig& env, Problems& problems) {
+void ValidateRobotKeys(const std::vector<std::string>& keys, std::string_view field,
+                       const EnvConfig& env, Problems& problems) {
   Problems::Scope scope(problems, field);
   for (const std::string& key : keys) {
     if (!env.robots.contains(key))
@@ -44,7 +44,7 @@ void RequireAttachmentSite(const EnvConfig& env, const std::string& robot, const
                              what));
 }
 
-void CheckGrippers(const EnvConfig& env, Problems& problems) {
+void ValidateGrippers(const EnvConfig& env, Problems& problems) {
   for (const auto& [robot, gripper] : env.grippers.entries()) {
     RequireAttachmentSite(env, robot, "its gripper", problems);
     if (HasGroup(*gripper, MoveGroupKind::kGripper) && !HasGroup(*gripper, MoveGroupKind::kArm))
@@ -65,7 +65,7 @@ void CheckGrippers(const EnvConfig& env, Problems& problems) {
 }
 
 // Robots that nobody placed stand in each other.
-void CheckStands(const EnvConfig& env, Problems& problems) {
+void ValidateStands(const EnvConfig& env, Problems& problems) {
   if (!env.alternative_combined_robot_mjcf.empty()) {
     if (!env.robot_to_shared_base_frame.empty())
       problems.AddAt("robot_to_shared_base_frame",
@@ -90,8 +90,8 @@ void CheckStands(const EnvConfig& env, Problems& problems) {
 }
 
 // One number for joints, two for poses, or none.
-void CheckLimitOfMode(const EnvConfig& env, const char* field, const std::vector<double>& limit,
-                      Problems& problems) {
+void ValidateLimitOfMode(const EnvConfig& env, const char* field, const std::vector<double>& limit,
+                         Problems& problems) {
   const size_t count = limit.size();
   const bool joints = env.control_mode == ControlMode::kJoints;
   if (count == 0 || count == (joints ? 1 : 2)) return;
@@ -103,25 +103,22 @@ void CheckLimitOfMode(const EnvConfig& env, const char* field, const std::vector
 }
 
 // The objects that a task names are among those that move with the rig.
-class TaskCheck {
+class TaskValidator {
  public:
-  TaskCheck(const EnvConfig& env, Problems& problems) : env_(env), problems_(problems) {}
+  TaskValidator(const EnvConfig& env, Problems& problems) : env_(env), problems_(problems) {}
 
   template <class T>
-  void Check(const T& task) {
+  void Validate(const T& task) {
     RequireObject(task.object);
     const T plain;
-    CheckOfRuns("objects", task.objects == plain.objects);
-    CheckOfRuns("base_distance", task.base_distance == plain.base_distance);
-    CheckOfRuns("base_height_offset", task.base_height_offset == plain.base_height_offset);
-    CheckOfRuns("base_height_noise", task.base_height_noise == plain.base_height_noise);
-    if constexpr (requires { task.goal_object; }) CheckGoal(task);
+    ValidateOfRuns("objects", task.objects == plain.objects);
+    if constexpr (requires { task.goal_object; }) ValidateGoal(task);
   }
 
  private:
-  void CheckGoal(const PickAndPlaceTaskConfig& task) {
-    CheckOfRuns("goals", task.goals.empty());
-    if (!task.goal_object.empty()) CheckObject("goal_object", task.goal_object);
+  void ValidateGoal(const PickAndPlaceTaskConfig& task) {
+    ValidateOfRuns("goals", task.goals.empty());
+    if (!task.goal_object.empty()) ValidateObject("goal_object", task.goal_object);
     if (!task.goal && task.goal_object.empty()) {
       problems_.AddAt("goal",
                       "is required: where the object is to be put, for example [0.4, 0.2, 0], or "
@@ -130,7 +127,7 @@ class TaskCheck {
     if (!task.goal_object.empty() && task.goal_object == task.object)
       problems_.AddAt("goal_object", "is the object that is to be put there; name another one");
   }
-  void CheckOfRuns(const char* field, bool is_default) {
+  void ValidateOfRuns(const char* field, bool is_default) {
     if (is_default) return;
     problems_.AddAt(field,
                     "belongs to runs, which choose objects and put the robot beside them; in an "
@@ -138,15 +135,15 @@ class TaskCheck {
   }
   void RequireObject(const std::string& object) {
     const std::vector<std::string> ids = env_.root_frame_objects.keys();
-    CheckNotEmpty(object, "object",
-                  ids.empty()
-                      ? "what is to be picked, by its id in root_frame_objects, where "
-                        "nothing is yet"
-                      : "what is to be picked, one of root_frame_objects: " + ListNames(ids),
-                  problems_);
-    if (!object.empty()) CheckObject("object", object);
+    ValidateNotEmpty(object, "object",
+                     ids.empty()
+                         ? "what is to be picked, by its id in root_frame_objects, where "
+                           "nothing is yet"
+                         : "what is to be picked, one of root_frame_objects: " + ListNames(ids),
+                     problems_);
+    if (!object.empty()) ValidateObject("object", object);
   }
-  void CheckObject(const char* field, const std::string& object) {
+  void ValidateObject(const char* field, const std::string& object) {
     if (env_.root_frame_objects.contains(object)) return;
     if (!env_.world_frame_objects.contains(object)) {
       return problems_.AddAt(field, NoSuchName("root_frame_objects", "object", object,
@@ -162,16 +159,16 @@ class TaskCheck {
   Problems& problems_;
 };
 
-void CheckTask(const EnvConfig& env, Problems& problems) {
+void ValidateEnvTask(const EnvConfig& env, Problems& problems) {
   if (!env.task) return;
   Problems::Scope scope(problems, "task");
-  TaskCheck check(env, problems);
-  if (const auto* pick = env.task->If<PickTaskConfig>()) check.Check(*pick);
-  if (const auto* place = env.task->If<PickAndPlaceTaskConfig>()) check.Check(*place);
+  TaskValidator validator(env, problems);
+  if (const auto* pick = env.task->If<PickTaskConfig>()) validator.Validate(*pick);
+  if (const auto* place = env.task->If<PickAndPlaceTaskConfig>()) validator.Validate(*place);
 }
 
 // What an object's mass is matters only where it can move.
-void CheckVariedMass(const EnvObject& object, const ObjectVariation& range, Problems& problems) {
+void ValidateVariedMass(const EnvObject& object, const ObjectVariation& range, Problems& problems) {
   const ObjectVariation plain;
   if (!object.fixed.value_or(false) || range.mass == plain.mass) return;
   problems.AddAt("mass",
@@ -179,7 +176,7 @@ void CheckVariedMass(const EnvObject& object, const ObjectVariation& range, Prob
                  "object move with `fixed: false`");
 }
 
-void CheckVariations(const EnvConfig& env, Problems& problems) {
+void ValidateVariations(const EnvConfig& env, Problems& problems) {
   std::vector<std::string> known = env.root_frame_objects.keys();
   for (const std::string& id : env.world_frame_objects.keys()) known.push_back(id);
   Problems::Scope scope(problems, "variations");
@@ -188,7 +185,7 @@ void CheckVariations(const EnvConfig& env, Problems& problems) {
     const EnvObject* object = env.root_frame_objects.find(id);
     if (!object) object = env.world_frame_objects.find(id);
     if (object)
-      CheckVariedMass(*object, *range, problems);
+      ValidateVariedMass(*object, *range, problems);
     else
       problems.Add(NoSuchName("", "object", id, known));
   }
@@ -201,12 +198,12 @@ bool IsStreamed(const EnvConfig& env, const std::string& camera) {
   return false;
 }
 
-void CheckCameraAdds(const EnvConfig& env, Problems& problems) {
+void ValidateCameraAdds(const EnvConfig& env, Problems& problems) {
   for (const auto& [name, camera] : env.camera_adds.entries()) {
     if (!camera->robot_name.empty() && camera->attachment_site.empty())
       RequireAttachmentSite(env, camera->robot_name, "camera '" + name + "'", problems);
     Problems::Scope list(problems, "camera_adds");
-    CheckNamePart(name, name, problems);
+    ValidateNamePart(name, name, problems);
     Problems::Scope item(problems, name);
     if (!camera->robot_name.empty() && !env.robots.contains(camera->robot_name)) {
       problems.AddAt("robot_name",
@@ -270,13 +267,13 @@ void NameSingleNumber(const std::vector<double>& list, const char* field, Proble
 void EnvConfig::Validate(Problems& problems) const {
   NameSingleNumber(max_relative_movement, "max_relative_movement", problems);
   NameSingleNumber(max_target_lead, "max_target_lead", problems);
-  CheckNotEmpty(name, "name", "environments are named in messages", problems);
-  CheckNotEmpty(scene, "scene", "the base scene, for example empty_world", problems);
+  ValidateNotEmpty(name, "name", "environments are named in messages", problems);
+  ValidateNotEmpty(scene, "scene", "the base scene, for example empty_world", problems);
   if (robots.empty())
     problems.AddAt("robots", "an environment needs a robot, for example {robot: xarm7.yaml}");
   for (const std::string& robot : robots.keys()) {
-    CheckNamePart(robot, "robots", problems);
-    CheckNotEmpty(robot, "robots", "a name for each robot, found ''", problems);
+    ValidateNamePart(robot, "robots", problems);
+    ValidateNotEmpty(robot, "robots", "a name for each robot, found ''", problems);
   }
   for (const char* taken : {"features", "frames", "objects", "task"}) {
     if (robots.contains(taken))
@@ -284,20 +281,21 @@ void EnvConfig::Validate(Problems& problems) const {
                                            "name",
                                            taken));
   }
-  CheckRobotKeys(grippers.keys(), "grippers", *this, problems);
-  CheckRobotKeys(gripper_offsets.keys(), "gripper_offsets", *this, problems);
-  CheckRobotKeys(robot_to_shared_base_frame.keys(), "robot_to_shared_base_frame", *this, problems);
-  CheckRobotKeys(robot_frame_objects.keys(), "robot_frame_objects", *this, problems);
+  ValidateRobotKeys(grippers.keys(), "grippers", *this, problems);
+  ValidateRobotKeys(gripper_offsets.keys(), "gripper_offsets", *this, problems);
+  ValidateRobotKeys(robot_to_shared_base_frame.keys(), "robot_to_shared_base_frame", *this,
+                    problems);
+  ValidateRobotKeys(robot_frame_objects.keys(), "robot_frame_objects", *this, problems);
   for (const std::string& robot : robot_frame_objects.keys())
     RequireAttachmentSite(*this, robot, "an object of robot_frame_objects", problems);
-  CheckGrippers(*this, problems);
-  CheckStands(*this, problems);
-  CheckLimitOfMode(*this, "max_relative_movement", max_relative_movement, problems);
-  CheckLimitOfMode(*this, "max_target_lead", max_target_lead, problems);
-  CheckTask(*this, problems);
-  CheckVariations(*this, problems);
-  CheckEnvObjects(*this, problems);
-  CheckCameraAdds(*this, problems);
+  ValidateGrippers(*this, problems);
+  ValidateStands(*this, problems);
+  ValidateLimitOfMode(*this, "max_relative_movement", max_relative_movement, problems);
+  ValidateLimitOfMode(*this, "max_target_lead", max_target_lead, problems);
+  ValidateEnvTask(*this, problems);
+  ValidateVariations(*this, problems);
+  ValidateEnvObjects(*this, problems);
+  ValidateCameraAdds(*this, problems);
 }
 
 }  // namespace robocell

@@ -124,12 +124,12 @@ struct EnvConfig {
       "How far one action can send a robot from where it was last sent: [metres, radians], or one "
       "number for joints. Unset: 0.5 m and 90 degrees, joints 5 degrees; absolute actions without "
       "limit.",
-      Check::kPositive);
+      Bound::kPositive);
     v("max_target_lead", &EnvConfig::max_target_lead,
       "How far the target that an action starts from may lead the arm: [metres, radians], or one "
       "number for joints. When something blocks the arm, the excess is dropped with the next "
       "action. Unset: 0.02 m and 0.1 rad.",
-      Check::kPositive);
+      Bound::kPositive);
     v("sim", &EnvConfig::sim, "How the simulation runs, and when a step ends.");
     v("wrappers", &EnvConfig::wrappers, "Grippers, resets and depth.");
     v("options", &EnvConfig::options, "Solver options.");

@@ -269,8 +269,8 @@ TEST(EnvConfig, ATaskNamesItsObjectsAndItsGoal) {
 TEST(EnvConfig, FieldsOfATaskThatOnlyRunsUseAreRefused) {
   EnvConfig env = Duo();
   env.root_frame_objects["cube"] = Thing();
-  env.task = PickTaskConfig{.object = "cube", .base_distance = {0.2, 0.4}};
-  EXPECT_THAT(Message(env), HasSubstr("task.base_distance: belongs to runs"));
+  env.task = PickTaskConfig{.object = "cube", .objects = {"box"}};
+  EXPECT_THAT(Message(env), HasSubstr("task.objects: belongs to runs"));
   env.task = PickAndPlaceTaskConfig{
       .object = "cube", .goal = Vec3{0, 0, 0.1}, .objects = {"mug"}, .goals = {"tray"}};
   EXPECT_THAT(Message(env), HasSubstr("task.objects: belongs to runs"));

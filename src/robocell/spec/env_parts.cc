@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kMostSteps = 1e6;  // of the engine: such a step hardly ends
 
-void CheckDuration(const char* field, double seconds, double timestep, Problems& problems) {
+void ValidateDuration(const char* field, double seconds, double timestep, Problems& problems) {
   if (!(timestep > 0 && seconds / timestep > kMostSteps)) return;
   problems.AddAt(field, fmt::format("a step of the environment could take {:g} s, {:g} steps of "
                                     "the engine; at most {:g}",
@@ -24,8 +24,8 @@ void CheckDuration(const char* field, double seconds, double timestep, Problems&
 
 void EnvObject::Validate(Problems& problems) const {
   if (!shape) {
-    CheckNotEmpty(mjcf_path, "mjcf_path", "the object's model file, or `shape` for a primitive",
-                  problems);
+    ValidateNotEmpty(mjcf_path, "mjcf_path", "the object's model file, or `shape` for a primitive",
+                     problems);
     if (size || mass || rgba || friction)
       problems.Add("size, mass, rgba and friction describe a primitive; name its `shape`");
     return;
@@ -62,7 +62,7 @@ void CameraAdderConfig::Validate(Problems& problems) const {
 }
 
 void SimSettings::Validate(Problems& problems) const {
-  CheckTimestep(timestep, 1, "timestep", problems);
+  ValidateTimestep(timestep, 1, "timestep", problems);
   // What is no number is told where it is read.
   if (frequency > 0 && timestep > 0 && std::isfinite(timestep) && frequency * timestep > 1) {
     problems.AddAt("frequency",
@@ -70,8 +70,9 @@ void SimSettings::Validate(Problems& problems) const {
                                "s; at most {:g} Hz",
                                frequency, timestep, 1 / timestep));
   }
-  if (async_control && frequency > 0) CheckDuration("frequency", 1 / frequency, timestep, problems);
-  CheckDuration("max_convergence_time", max_convergence_time, timestep, problems);
+  if (async_control && frequency > 0)
+    ValidateDuration("frequency", 1 / frequency, timestep, problems);
+  ValidateDuration("max_convergence_time", max_convergence_time, timestep, problems);
 }
 
 }  // namespace robocell

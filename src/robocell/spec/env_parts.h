@@ -45,12 +45,12 @@ struct EnvObject {
     v("size", &EnvObject::size,
       "Of a primitive, half sizes in metres: box x y z; sphere radius 0 0; cylinder radius, half "
       "height, 0.",
-      Check::kNonNegative);
-    v("mass", &EnvObject::mass, "Of a primitive, kg.", Check::kPositive);
-    v("rgba", &EnvObject::rgba, "Colour of a primitive; light grey unless set.", Check::kFraction);
+      Bound::kNonNegative);
+    v("mass", &EnvObject::mass, "Of a primitive, kg.", Bound::kPositive);
+    v("rgba", &EnvObject::rgba, "Colour of a primitive; light grey unless set.", Bound::kFraction);
     v("friction", &EnvObject::friction,
       "Of a primitive: sliding, torsional and rolling; the engine's own unless set.",
-      Check::kNonNegative);
+      Bound::kNonNegative);
   }
   // As an object of a scene, without its name and place.
   SceneObject AsSceneObject() const;
@@ -67,14 +67,14 @@ struct ObjectVariation {
   template <class V>
   static void Fields(V&& v) {
     v("mass", &ObjectVariation::mass,
-      "Least and largest factor of its mass and inertia; uniform between.", Check::kPositive);
+      "Least and largest factor of its mass and inertia; uniform between.", Bound::kPositive);
     v("friction", &ObjectVariation::friction,
       "Least and largest factor of its friction, all three kinds. Of two things that touch the "
       "engine takes the larger friction.",
-      Check::kPositive);
+      Bound::kPositive);
     v("colour", &ObjectVariation::colour,
       "How far red, green and blue are each from the object's own, at most; within 0 ... 1.",
-      Check::kFraction);
+      Bound::kFraction);
   }
   void Validate(Problems& problems) const;
 };
@@ -96,7 +96,7 @@ struct CameraAdderConfig {
       "Model with one camera and its housing; a camera alone unless set.");
     v("fovy", &CameraAdderConfig::fovy,
       "Vertical field of view, degrees; 60 unless set, or that of the model's camera.",
-      Check::kPositive);
+      Bound::kPositive);
     v("offset", &CameraAdderConfig::offset,
       "Pose of the camera (MuJoCo's axes: it looks along -z) or of its model's root body: in the "
       "root frame, or with robot_name in that robot's attachment site.");
@@ -121,15 +121,15 @@ struct SimSettings {
   static constexpr const char* kTypeName = "SimSettings";
   template <class V>
   static void Fields(V&& v) {
-    v("timestep", &SimSettings::timestep, "One step of the engine, seconds.", Check::kPositive);
+    v("timestep", &SimSettings::timestep, "One step of the engine, seconds.", Bound::kPositive);
     v("async_control", &SimSettings::async_control,
       "Steps end after 1/frequency, whatever the robots have done by then; else when they have "
       "arrived.");
     v("frequency", &SimSettings::frequency, "Steps per second with async_control.",
-      Check::kPositive);
+      Bound::kPositive);
     v("max_convergence_time", &SimSettings::max_convergence_time,
       "Without async_control a step ends after this time at the latest, simulated seconds.",
-      Check::kPositive);
+      Bound::kPositive);
     v("realtime", &SimSettings::realtime,
       "Simulated time passes no faster than the clock: a step waits for what is left of its "
       "simulated time. Time that the caller spent since the last step counts.");

@@ -7,11 +7,11 @@
 //     static constexpr const char* kTypeName = "CameraMount";
 //     template <class V> static void Fields(V&& v) {
 //       v("name", &CameraMount::name, "Name of the camera in the scene.");
-//       v("fovy", &CameraMount::fovy, "Vertical field of view, degrees.", Check::kPositive);
+//       v("fovy", &CameraMount::fovy, "Vertical field of view, degrees.", Bound::kPositive);
 //     }
 //   };
 //
-// A visitor is called with (name, pointer to member, doc[, Check]). Field types: bool, int, int64,
+// A visitor is called with (name, pointer to member, doc[, Bound]). Field types: bool, int, int64,
 // double, std::string, enums with EnumNames, std::optional, std::array<double, N>, std::vector of
 // those, NameList, Pose, nested structs, List<T>, Map<T>, Maybe<T>.
 #pragma once
@@ -25,12 +25,12 @@
 namespace robocell {
 
 // Ranges that numbers can be held to. All numbers must be finite in any case.
-enum class Check { kNone, kPositive, kNonNegative, kFraction };
+enum class Bound { kNone, kPositive, kNonNegative, kFraction };
 
 namespace detail {
 struct AnyVisitor {
   template <class M, class C>
-  void operator()(const char*, M C::*, const char*, Check = Check::kNone) {}
+  void operator()(const char*, M C::*, const char*, Bound = Bound::kNone) {}
 };
 }  // namespace detail
 
@@ -39,12 +39,12 @@ concept HasFields = requires {
   T::Fields(detail::AnyVisitor{});
 };
 
-// Calls f(const char* name, M& value, const char* doc, Check) for every field of `object`.
+// Calls f(const char* name, M& value, const char* doc, Bound) for every field of `object`.
 template <HasFields T, class F>
 void ForEachField(T& object, F&& f) {
   std::remove_const_t<T>::Fields(
-      [&](const char* name, auto member, const char* doc, Check check = Check::kNone) {
-        f(name, object.*member, doc, check);
+      [&](const char* name, auto member, const char* doc, Bound bound = Bound::kNone) {
+        f(name, object.*member, doc, bound);
       });
 }
 
@@ -53,7 +53,7 @@ template <HasFields T>
 std::vector<std::string> FieldNames() {
   std::vector<std::string> names;
   T::Fields(
-      [&](const char* name, auto, const char*, Check = Check::kNone) { names.emplace_back(name); });
+      [&](const char* name, auto, const char*, Bound = Bound::kNone) { names.emplace_back(name); });
   return names;
 }
 
@@ -61,7 +61,7 @@ std::vector<std::string> FieldNames() {
 template <HasFields T>
 bool operator==(const T& a, const T& b) {
   bool equal = true;
-  T::Fields([&](const char*, auto member, const char*, Check = Check::kNone) {
+  T::Fields([&](const char*, auto member, const char*, Bound = Bound::kNone) {
     if (equal) equal = a.*member == b.*member;
   });
   return equal;

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell {
 namespace {
 
-// Of arms too, and no field of a robot file chooses it.
+// A controller of arms that no field of a robot file chooses.
 constexpr std::string_view kDifferentialIk = "differential_ik";
 
 bool IsBuiltIn(std::string_view controller) {

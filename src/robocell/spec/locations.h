@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace robocell {
 
@@ -36,5 +37,16 @@ class Locations {
   std::shared_ptr<const SourceMap> sources_;
   std::string base_;
 };
+
+// Splits a message that begins with a place in a file:
+// "r.yaml:7:73: no joint 'j8'" -> {"r.yaml:7:73", "no joint 'j8'"}; {"", message} for one without.
+std::pair<std::string, std::string> SplitPlace(std::string_view message);
+
+// The message behind `place`, unless it has a place of its own or `place` is empty.
+std::string WithPlace(const std::string& place, const std::string& message);
+
+// Lets a SourceMap distinguish maps, whose keys are the user's names, from specs, whose fields are
+// declared: it stands behind the path of every map of a spec that was read, given or not: "home.*" -> "".
+inline constexpr std::string_view kAnyKey = ".*";
 
 }  // namespace robocell

@@ -7,7 +7,6 @@
 
 #include "robocell/spec/containers.h"
 #include "robocell/spec/fields.h"
-#include "robocell/spec/problems.h"
 #include "robocell/spec/types.h"
 
 namespace robocell {
@@ -26,24 +25,16 @@ void PickedObjectFields(V&& v) {
   v("spread", &T::spread,
     "How far `object` lies from its place, uniform between plus and minus these, along x and y of "
     "the root frame, metres.",
-    Check::kNonNegative);
+    Bound::kNonNegative);
   v("rotate", &T::rotate, "Turn `object` by any angle about the root frame's z too.");
   v("lift_height", &T::lift_height,
     "Success: lifted this far above where the episode began, metres, and held only by robots.",
-    Check::kPositive);
+    Bound::kPositive);
 }
 template <class T, class V>
 void PickRunFields(V&& v) {
   v("objects", &T::objects,
     "Of runs: kinds of objects, by their names in the catalogue; all of them unless set.");
-  v("base_distance", &T::base_distance,
-    "Of runs: horizontal distance from the robot's base to the object, metres, smallest and "
-    "largest.",
-    Check::kNonNegative);
-  v("base_height_offset", &T::base_height_offset,
-    "Of runs: height of the base's bottom above the object, metres.");
-  v("base_height_noise", &T::base_height_noise,
-    "Of runs: added to the height, uniform between these, metres.");
 }
 
 struct PickTaskConfig {
@@ -52,9 +43,6 @@ struct PickTaskConfig {
   bool rotate = true;
   double lift_height = kLiftHeight;
   NameList objects = {};
-  Vec2 base_distance = {0.3, 0.6};
-  double base_height_offset = 0;
-  Vec2 base_height_noise = {0, 0};
 
   static constexpr const char* kKind = "pick";
   static constexpr const char* kTypeName = "PickTaskConfig";
@@ -64,7 +52,6 @@ struct PickTaskConfig {
     PickedObjectFields<T>(v);
     PickRunFields<T>(v);
   }
-  void Validate(Problems& problems) const;
 };
 
 struct PickAndPlaceTaskConfig {
@@ -79,9 +66,6 @@ struct PickAndPlaceTaskConfig {
   double goal_distance = 0.1;
   NameList objects = {};
   NameList goals = {};
-  Vec2 base_distance = {0.3, 0.6};
-  double base_height_offset = 0;
-  Vec2 base_height_noise = {0, 0};
 
   static constexpr const char* kKind = "pick_and_place";
   static constexpr const char* kTypeName = "PickAndPlaceTaskConfig";
@@ -95,30 +79,26 @@ struct PickAndPlaceTaskConfig {
     v("goal_object", &T::goal_object,
       "The goal is on this object, by its id in root_frame_objects, wherever it is.");
     v("goal_spread", &T::goal_spread,
-      "How far the goal, or goal_object, lies from its place, as `spread`.", Check::kNonNegative);
+      "How far the goal, or goal_object, lies from its place, as `spread`.", Bound::kNonNegative);
     v("goal_tolerance", &T::goal_tolerance,
       "Success: released and at rest so near to the goal, metres, after it was lifted.",
-      Check::kPositive);
+      Bound::kPositive);
     v("goal_distance", &T::goal_distance,
       "Episodes begin with the object at least so far from the goal along the ground, metres.",
-      Check::kNonNegative);
+      Bound::kNonNegative);
     v("goals", &T::goals,
       "Of runs: what objects are put on, kinds of the catalogue or built-in equipment with a free "
       "joint; `tray` unless set.");
     PickRunFields<T>(v);
   }
-  void Validate(Problems& problems) const;
 };
 
 class TaskSpec;
 
-// What both kinds say of a run's starts.
+// What both kinds say of a run.
 struct PickRun {
   NameList objects;
   double lift_height;
-  Vec2 base_distance;
-  double base_height_offset;
-  Vec2 base_height_noise;
 };
 // Of a task of either kind; unset for others.
 std::optional<PickRun> PickRunOf(const TaskSpec& task);

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "robocell/base/error.h"
-#include "robocell/spec/split_place.h"
+#include "robocell/spec/locations.h"
 
 namespace robocell {
 

@@ -91,4 +91,17 @@ class Problems {
   std::map<std::string, std::string> labels_;  // path of an entry -> its label
 };
 
+// One text for each problem, "file.yaml:1:2: path: message": for warnings, which are listed and
+// not thrown.
+inline std::vector<std::string> LinesOf(const Problems& problems) {
+  std::vector<std::string> lines;
+  for (const Problem& problem : problems.list()) {
+    std::string& line = lines.emplace_back();
+    if (!problem.source.empty()) line += problem.source + ": ";
+    if (!problem.path.empty()) line += problems.Shown(problem.path) + ": ";
+    line += problem.message;
+  }
+  return lines;
+}
+
 }  // namespace robocell

@@ -132,8 +132,8 @@ std::string HowToGet(const GivenTime& time, const Rates& rates) {
   return text;
 }
 
-void CheckMultiple(const GivenTime& whole, const GivenTime& part, const char* parts,
-                   const Rates& rates, Problems& problems) {
+void ValidateMultiple(const GivenTime& whole, const GivenTime& part, const char* parts,
+                      const Rates& rates, Problems& problems) {
   if (!whole.is_positive() || !part.is_positive()) return;
   const double ms = whole.period_ms(), step = part.period_ms();
   if (Ticks(ms, step) > 0) return;
@@ -150,12 +150,12 @@ void CheckMultiple(const GivenTime& whole, const GivenTime& part, const char* pa
                           : HowToGet(whole, rates)));
 }
 
-void CheckOneUnit(const GivenTime& time, Problems& problems) {
+void ValidateOneUnit(const GivenTime& time, Problems& problems) {
   if (!time.ms || !time.hz) return;
   problems.AddAt(time.hz_field, fmt::format("{} is given too; keep one of them", time.ms_field));
 }
 
-void CheckStepsPerAction(const GivenTime& policy, const GivenTime& sim, Problems& problems) {
+void ValidateStepsPerAction(const GivenTime& policy, const GivenTime& sim, Problems& problems) {
   const double steps = policy.period_ms() / sim.period_ms();
   if (!policy.is_positive() || steps <= kMostStepsPerAction) return;
   problems.AddAt(policy.field(),
@@ -165,7 +165,7 @@ void CheckStepsPerAction(const GivenTime& policy, const GivenTime& sim, Problems
 }
 
 // A video holds its rate as a ratio of two numbers of 31 bits.
-void CheckRatio(const Rates& rates, Problems& problems) {
+void ValidateRatio(const Rates& rates, Problems& problems) {
   constexpr int64_t kMost = std::numeric_limits<int>::max();
   std::string text = "more digits than fit";
   try {
@@ -216,14 +216,14 @@ double Rates::control_period() const {
 
 void Rates::Validate(Problems& problems) const {
   const GivenTime policy = PolicyOf(*this), control = ControlOf(*this), sim = SimOf(*this);
-  for (const GivenTime& time : {policy, control, sim}) CheckOneUnit(time, problems);
+  for (const GivenTime& time : {policy, control, sim}) ValidateOneUnit(time, problems);
   const size_t before = problems.list().size();
-  if (sim.is_positive()) CheckTimestep(sim.period_ms(), 1000, sim.field(), problems);
-  if (sim.period_ms() >= kShortestTimestep * 1000) CheckStepsPerAction(policy, sim, problems);
-  CheckMultiple(policy, control, "control ticks", *this, problems);
-  CheckMultiple(control, sim, "steps of the engine", *this, problems);
+  if (sim.is_positive()) ValidateTimestep(sim.period_ms(), 1000, sim.field(), problems);
+  if (sim.period_ms() >= kShortestTimestep * 1000) ValidateStepsPerAction(policy, sim, problems);
+  ValidateMultiple(policy, control, "control ticks", *this, problems);
+  ValidateMultiple(control, sim, "steps of the engine", *this, problems);
   if (problems.list().size() == before && sim_steps() > 0 && control_ticks() > 0)
-    CheckRatio(*this, problems);
+    ValidateRatio(*this, problems);
 }
 
 }  // namespace robocell

@@ -107,7 +107,7 @@ TEST(Rates, AsTheMessageSaysAreValid) {
   }
 }
 
-// As they are written: a fraction stands where digits would not be exact.
+// The suggestions can be used as written: as fractions where digits are not exact.
 TEST(Rates, ThatAreCalledTheNearestAreTaken) {
   int tried = 0;
   for (const double step_ms : {2.0, 1.0, 1000.0 / 480, 1000.0 / 999, 0.7}) {

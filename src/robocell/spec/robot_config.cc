@@ -10,11 +10,11 @@
 
 #include <fmt/format.h>
 
-#include "robocell/base/names.h"
-#include "robocell/spec/check_attachments.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/spec/group_controls.h"
 #include "robocell/spec/shared_parts.h"
 #include "robocell/spec/validate.h"
+#include "robocell/spec/validate_attachments.h"
 
 namespace robocell {
 namespace {
@@ -51,7 +51,7 @@ std::string WhatIsMissing(const NameList& shorter, const NameList& longer) {
   return fmt::format(". {} {} missing?", missing.size() == 1 ? "Is" : "Are", ListNames(missing));
 }
 
-void CheckArm(const MoveGroupConfig& group, Problems& problems) {
+void ValidateArm(const MoveGroupConfig& group, Problems& problems) {
   if (group.joints.empty())
     problems.AddAt("joints", "an arm needs its joints, for example joint1..joint7");
   const bool both = !group.actuators.empty() && !group.joints.empty();
@@ -65,7 +65,7 @@ void CheckArm(const MoveGroupConfig& group, Problems& problems) {
   }
 }
 
-void CheckGripper(const MoveGroupConfig& group, Problems& problems) {
+void ValidateGripper(const MoveGroupConfig& group, Problems& problems) {
   if (group.actuators.empty())
     problems.AddAt("actuators", "a gripper needs the actuator that moves it");
   if (!group.fingers.empty() && group.fingers.size() != 2) {
@@ -91,8 +91,8 @@ void CheckGripper(const MoveGroupConfig& group, Problems& problems) {
 
 // `home: {amr: ...}`: every key must be a group.
 template <class T>
-void CheckGroupKeys(const Map<T>& map, std::string_view field, const Map<MoveGroupConfig>& groups,
-                    Problems& problems) {
+void ValidateGroupKeys(const Map<T>& map, std::string_view field,
+                       const Map<MoveGroupConfig>& groups, Problems& problems) {
   Problems::Scope scope(problems, field);
   for (const auto& [key, box] : map.entries()) {
     if (!groups.contains(key))
@@ -101,7 +101,7 @@ void CheckGroupKeys(const Map<T>& map, std::string_view field, const Map<MoveGro
 }
 
 // Each group has a controller that groups of its kind can have.
-void CheckControls(const RobotConfig& robot, Problems& problems) {
+void ValidateControls(const RobotConfig& robot, Problems& problems) {
   Problems::Scope scope(problems, "control");
   for (const auto& [key, kind] : robot.control.entries()) {
     const MoveGroupConfig* group = robot.move_groups.find(key);
@@ -111,8 +111,8 @@ void CheckControls(const RobotConfig& robot, Problems& problems) {
   }
 }
 
-void CheckLengths(const Map<std::vector<double>>& map, std::string_view field,
-                  const RobotConfig& robot, bool one_for_all, Problems& problems) {
+void ValidateLengths(const Map<std::vector<double>>& map, std::string_view field,
+                     const RobotConfig& robot, bool one_for_all, Problems& problems) {
   Problems::Scope scope(problems, field);
   for (const auto& [key, box] : map.entries()) {
     const MoveGroupConfig* group = robot.move_groups.find(key);
@@ -127,7 +127,7 @@ void CheckLengths(const Map<std::vector<double>>& map, std::string_view field,
 }
 
 // As the configuration has them; what arms find in their model is checked where it is known.
-void CheckGroupsApart(const RobotConfig& robot, Problems& problems) {
+void ValidateGroupsApart(const RobotConfig& robot, Problems& problems) {
   std::vector<GroupParts> groups;
   for (const auto& [name, group] : robot.move_groups.entries()) {
     groups.push_back(
@@ -138,7 +138,7 @@ void CheckGroupsApart(const RobotConfig& robot, Problems& problems) {
 }
 
 // Groups may share joints, which start in one place.
-void CheckHomesAgree(const RobotConfig& robot, Problems& problems) {
+void ValidateHomesAgree(const RobotConfig& robot, Problems& problems) {
   std::map<std::string, std::pair<std::string, double>> said;  // joint: group, value
   for (const auto& [name, values] : robot.home.entries()) {
     const MoveGroupConfig* group = robot.move_groups.find(name);
@@ -166,9 +166,9 @@ void BaseConfig::Validate(Problems& problems) const {
 }
 
 void MoveGroupConfig::Validate(Problems& problems) const {
-  if (kind == MoveGroupKind::kArm) CheckArm(*this, problems);
+  if (kind == MoveGroupKind::kArm) ValidateArm(*this, problems);
   if (kind == MoveGroupKind::kGripper) {
-    CheckGripper(*this, problems);
+    ValidateGripper(*this, problems);
   } else if (!fingers.empty() || ctrl || distance || joint_range) {
     problems.Add(std::string("fingers, ctrl, distance and joint_range belong to a gripper; this "
                              "group's kind is ") +
@@ -199,23 +199,24 @@ std::vector<CtrlMode> RobotConfig::used_modes() const {
 }
 
 void RobotConfig::Validate(Problems& problems) const {
-  CheckNotEmpty(name, "name", "what this kind of robot is called", problems);
-  CheckNamePart(name, "name", problems);
-  for (const std::string& group : move_groups.keys()) CheckNamePart(group, "move_groups", problems);
-  CheckNotEmpty(model, "model", "the robot's MJCF file", problems);
-  CheckGroupKeys(home, "home", move_groups, problems);
-  CheckGroupKeys(home_noise, "home_noise", move_groups, problems);
-  CheckGroupKeys(control, "control", move_groups, problems);
-  CheckControls(*this, problems);
-  CheckLengths(home, "home", *this, false, problems);
-  CheckLengths(home_noise, "home_noise", *this, true, problems);
-  CheckGroupsApart(*this, problems);
-  CheckHomesAgree(*this, problems);
-  CheckAttachments(attachments, problems);
+  ValidateNotEmpty(name, "name", "what this kind of robot is called", problems);
+  ValidateNamePart(name, "name", problems);
+  for (const std::string& group : move_groups.keys())
+    ValidateNamePart(group, "move_groups", problems);
+  ValidateNotEmpty(model, "model", "the robot's MJCF file", problems);
+  ValidateGroupKeys(home, "home", move_groups, problems);
+  ValidateGroupKeys(home_noise, "home_noise", move_groups, problems);
+  ValidateGroupKeys(control, "control", move_groups, problems);
+  ValidateControls(*this, problems);
+  ValidateLengths(home, "home", *this, false, problems);
+  ValidateLengths(home_noise, "home_noise", *this, true, problems);
+  ValidateGroupsApart(*this, problems);
+  ValidateHomesAgree(*this, problems);
+  ValidateAttachments(attachments, problems);
   std::vector<std::string> camera_names;
   for (const CameraSpec& camera : cameras) camera_names.push_back(camera.name);
-  CheckUnique(camera_names, "cameras", "name", problems);
-  CheckFtSensors(ft_sensors, problems);
+  ValidateUnique(camera_names, "cameras", "name", problems);
+  ValidateFtSensors(ft_sensors, problems);
   if (tcp_offset && !attachment_site) {
     problems.AddAt("tcp_offset", "is relative to attachment_site, which is not set");
   }

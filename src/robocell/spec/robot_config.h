@@ -85,11 +85,11 @@ struct BaseConfig {
       "what "
       "the gripper holds).");
     v("size", &BaseConfig::size, "Length, width and height of a box under the robot, metres.",
-      Check::kPositive);
+      Bound::kPositive);
     v("max_linear_speed", &BaseConfig::max_linear_speed,
-      "Driven: how fast the base moves at most, m/s; 0.5 unless set.", Check::kPositive);
+      "Driven: how fast the base moves at most, m/s; 0.5 unless set.", Bound::kPositive);
     v("max_angular_speed", &BaseConfig::max_angular_speed,
-      "Driven: how fast the base turns at most, rad/s; 2 unless set.", Check::kPositive);
+      "Driven: how fast the base turns at most, rad/s; 2 unless set.", Bound::kPositive);
   }
   void Validate(Problems& problems) const;
 };
@@ -128,8 +128,8 @@ struct GripperDistance {
   static constexpr const char* kTypeName = "GripperDistance";
   template <class V>
   static void Fields(V&& v) {
-    v("closed", &GripperDistance::closed, "When closed on nothing, metres.", Check::kNonNegative);
-    v("open", &GripperDistance::open, "When open, metres.", Check::kPositive);
+    v("closed", &GripperDistance::closed, "When closed on nothing, metres.", Bound::kNonNegative);
+    v("open", &GripperDistance::open, "When open, metres.", Bound::kPositive);
   }
 };
 
@@ -219,7 +219,7 @@ struct RobotConfig {
     v("tcp_offset", &RobotConfig::tcp_offset, "TCP relative to the attachment site.");
     v("home", &RobotConfig::home, "Joint positions per group at reset, rad or m.");
     v("home_noise", &RobotConfig::home_noise,
-      "Uniform +- noise on home per group, one number or one per joint.", Check::kNonNegative);
+      "Uniform +- noise on home per group, one number or one per joint.", Bound::kNonNegative);
     v("control", &RobotConfig::control, "Default controller per group.");
     v("collision_geoms", &RobotConfig::collision_geoms,
       "Geoms that stand for the robot where it is placed and planned for; all unless set. Of a "
@@ -230,14 +230,14 @@ struct RobotConfig {
     v("arrival_tolerance", &RobotConfig::arrival_tolerance,
       "A motion has arrived within this and at rest, rad; slides within a tenth of it in m (0.002: "
       "0.2 mm).",
-      Check::kPositive);
+      Bound::kPositive);
     v("reach", &RobotConfig::reach,
-      "Farthest the TCP gets from the root body, metres; measured unless set.", Check::kPositive);
+      "Farthest the TCP gets from the root body, metres; measured unless set.", Bound::kPositive);
     v("gravcomp", &RobotConfig::gravcomp, "Compensate gravity on every body of the robot.");
-    v("stiffness", &RobotConfig::stiffness, "Position gain of all arm servos.", Check::kPositive);
-    v("damping", &RobotConfig::damping, "Velocity gain of all arm servos.", Check::kNonNegative);
+    v("stiffness", &RobotConfig::stiffness, "Position gain of all arm servos.", Bound::kPositive);
+    v("damping", &RobotConfig::damping, "Velocity gain of all arm servos.", Bound::kNonNegative);
     v("force_limit", &RobotConfig::force_limit, "Force limit of all arm servos, N or Nm.",
-      Check::kPositive);
+      Bound::kPositive);
     v("cameras", &RobotConfig::cameras, "Cameras that belong to the robot.");
     v("ft_sensors", &RobotConfig::ft_sensors, "Its force-torque sensors.");
   }

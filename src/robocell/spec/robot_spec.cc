@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "robocell/spec/check_attachments.h"
 #include "robocell/spec/validate.h"
+#include "robocell/spec/validate_attachments.h"
 
 namespace robocell {
 
@@ -19,9 +19,9 @@ bool RobotSpec::can_switch_to(CtrlMode mode) const {
 }
 
 void RobotSpec::Validate(Problems& problems) const {
-  CheckPlacement(euler, quat, problems);
-  if (name) CheckNamePart(*name, "name", problems);
-  CheckAttachments(attachments, problems);
+  ValidatePlacement(euler, quat, problems);
+  if (name) ValidateNamePart(*name, "name", problems);
+  ValidateAttachments(attachments, problems);
   if (!part_of.empty() && !config)
     problems.AddAt("config", "is not set; part_of says where the robot is, not what it is");
   if (path.empty() && !config)

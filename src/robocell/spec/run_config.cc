@@ -2,52 +2,19 @@
 
 #include <fmt/format.h>
 
-#include <set>
-
 #include "robocell/spec/validate.h"
 
 namespace robocell {
 
-SceneSourceKind SceneSource::kind() const {
-  return source.value_or(files.empty() ? SceneSourceKind::kTabletop : SceneSourceKind::kFiles);
-}
-
-size_t SceneSource::count() const {
-  if (!houses.empty()) return houses.size();
-  return kind() == SceneSourceKind::kFiles ? files.size() : 1;
-}
-
-void SceneSource::Validate(Problems& problems) const {
-  const bool from_files = kind() == SceneSourceKind::kFiles;
-  if (from_files && files.empty()) {
-    problems.AddAt("files", "`source: files` needs at least one MJCF file");
-  }
-  if (!from_files && !files.empty()) {
-    problems.AddAt("files",
-                   std::string("go with `source: files`; this source is ") + ToString(kind()));
-  }
-  std::set<int> seen;
-  for (const int house : houses.values) {
-    if (house < 0) problems.AddAt("houses", fmt::format("{} is negative", house));
-    if (from_files && house >= static_cast<int>(files.size())) {
-      problems.AddAt("houses", fmt::format("{} is outside the {} files (they count from 0)", house,
-                                           files.size()));
-    }
-    if (!seen.insert(house).second) {
-      problems.AddAt("houses", fmt::format("{} is listed twice", house));
-    }
-  }
-}
-
 namespace {
 
 // What only environments can do with a task that picks something up.
-class PickCheck {
+class PickValidator {
  public:
-  explicit PickCheck(Problems& problems) : problems_(problems) {}
+  explicit PickValidator(Problems& problems) : problems_(problems) {}
 
   template <class T>
-  void Check(const T& task) {
+  void Validate(const T& task) {
     const T plain;
     const Problems::Scope scope(problems_, "task");
     RequireUnset("object", task.object == plain.object);
@@ -76,11 +43,11 @@ class PickCheck {
 }  // namespace
 
 void RunConfig::Validate(Problems& problems) const {
-  PickCheck check(problems);
-  if (const auto* pick = task.If<PickTaskConfig>()) check.Check(*pick);
-  if (const auto* place = task.If<PickAndPlaceTaskConfig>()) check.Check(*place);
-  CheckNotEmpty(run, "run", "the run's name", problems);
-  CheckNotEmpty(output, "output", "the folder the dataset goes to", problems);
+  PickValidator validator(problems);
+  if (const auto* pick = task.If<PickTaskConfig>()) validator.Validate(*pick);
+  if (const auto* place = task.If<PickAndPlaceTaskConfig>()) validator.Validate(*place);
+  ValidateNotEmpty(run, "run", "the run's name", problems);
+  ValidateNotEmpty(output, "output", "the folder the dataset goes to", problems);
   if (robot.config == RobotConfig{}) {
     problems.AddAt("robot", "is required: a robot file, or the robot's fields");
   } else {

@@ -5,7 +5,7 @@
 namespace robocell {
 namespace {
 
-void CheckPrimitive(const SceneObject& o, Problems& problems) {
+void ValidatePrimitive(const SceneObject& o, Problems& problems) {
   if (!o.size)
     problems.AddAt("size", "a primitive needs its half sizes, for example [0.02, 0.02, 0.02]");
   if (!o.rgba) problems.AddAt("rgba", "a primitive needs a colour, for example [1, 0.5, 0, 1]");
@@ -26,14 +26,14 @@ void CheckPrimitive(const SceneObject& o, Problems& problems) {
 }  // namespace
 
 void SceneObject::Validate(Problems& problems) const {
-  CheckNotEmpty(name, "name", "objects are looked up by name", problems);
-  CheckNamePart(name, "name", problems);
-  CheckPlacement(euler, quat, problems);
+  ValidateNotEmpty(name, "name", "objects are looked up by name", problems);
+  ValidateNamePart(name, "name", problems);
+  ValidatePlacement(euler, quat, problems);
   if (shape && !mjcf_path.empty())
     problems.Add("has both a shape and an mjcf_path; keep one of them");
   if (!shape && mjcf_path.empty())
     problems.Add("needs a shape (box, sphere, cylinder) or an mjcf_path");
-  if (shape) CheckPrimitive(*this, problems);
+  if (shape) ValidatePrimitive(*this, problems);
   if (!shape && (size || mass || friction || rgba || condim)) {
     problems.Add(
         "size, rgba, mass, friction and condim describe a primitive; a model file has its own");

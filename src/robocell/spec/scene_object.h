@@ -56,11 +56,11 @@ struct SceneObject {
     v("shape", &SceneObject::shape, "Primitive: box, sphere or cylinder.");
     v("size", &SceneObject::size,
       "Half sizes in metres: box x y z; sphere radius 0 0; cylinder radius, half height, 0.",
-      Check::kNonNegative);
-    v("rgba", &SceneObject::rgba, "Colour.", Check::kFraction);
-    v("mass", &SceneObject::mass, "Mass, kg.", Check::kPositive);
+      Bound::kNonNegative);
+    v("rgba", &SceneObject::rgba, "Colour.", Bound::kFraction);
+    v("mass", &SceneObject::mass, "Mass, kg.", Bound::kPositive);
     v("friction", &SceneObject::friction, "Sliding, torsional and rolling friction.",
-      Check::kNonNegative);
+      Bound::kNonNegative);
     v("condim", &SceneObject::condim, "Which friction acts: tangential, torsional or rolling.");
     v("attach_to", &SceneObject::attach_to,
       "What the object's pose is relative to, and fixed to unless it is free.");

@@ -9,7 +9,7 @@ namespace robocell {
 namespace {
 
 // Only names that are given; the others are made unique later.
-void CheckRobotNames(const List<RobotSpec>& robots, Problems& problems) {
+void ValidateRobotNames(const List<RobotSpec>& robots, Problems& problems) {
   std::set<std::string> seen;
   for (size_t i = 0; i < robots.size(); ++i) {
     if (!robots[i].name || seen.insert(*robots[i].name).second) continue;
@@ -29,7 +29,7 @@ std::vector<std::string> NamesOf(const List<T>& list) {
 }  // namespace
 
 void SceneSpec::Validate(Problems& problems) const {
-  CheckNotEmpty(name, "name", "scenes are named in messages", problems);
+  ValidateNotEmpty(name, "name", "scenes are named in messages", problems);
   if (!base) {
     if (!timestep)
       problems.AddAt("timestep", "is required without a base scene, for example 0.002 (seconds)");
@@ -37,17 +37,17 @@ void SceneSpec::Validate(Problems& problems) const {
     if (!add_skybox)
       problems.AddAt("add_skybox", "is required without a base scene: true or false");
   }
-  if (timestep) CheckTimestep(*timestep, 1, "timestep", problems);
+  if (timestep) ValidateTimestep(*timestep, 1, "timestep", problems);
   // A robot that is part of another's model has that one's prefix.
   std::vector<std::string> prefixes;
   for (const RobotSpec& robot : robots) {
     const std::string of_its_own = "of the robot at " + std::to_string(prefixes.size());
     prefixes.push_back(robot.part_of.empty() ? robot.prefix : of_its_own);
   }
-  CheckUnique(prefixes, "robots", "prefix", problems);
-  CheckRobotNames(robots, problems);
-  CheckUnique(NamesOf(objects), "objects", "name", problems);
-  CheckUnique(NamesOf(cameras), "cameras", "name", problems);
+  ValidateUnique(prefixes, "robots", "prefix", problems);
+  ValidateRobotNames(robots, problems);
+  ValidateUnique(NamesOf(objects), "objects", "name", problems);
+  ValidateUnique(NamesOf(cameras), "cameras", "name", problems);
 }
 
 }  // namespace robocell

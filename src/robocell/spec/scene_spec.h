@@ -46,7 +46,7 @@ struct SceneSpec {
     v("base", &SceneSpec::base,
       "An MJCF file or built-in name to start from; an empty world unless set.");
     v("timestep", &SceneSpec::timestep, "Seconds; required unless `base` sets it.",
-      Check::kPositive);
+      Bound::kPositive);
     v("gravity", &SceneSpec::gravity, "m/s^2.");
     v("add_floor", &SceneSpec::add_floor,
       "Add a floor plane at z = 0; required unless `base` is given.");

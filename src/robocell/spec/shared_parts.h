@@ -8,7 +8,7 @@
 
 namespace robocell {
 
-// What a group has to do with. An arm that names no actuators has those of its joints.
+// The elements of a group. An arm that names no actuators has those of its joints.
 struct GroupParts {
   std::string name = {};
   std::vector<std::string> joints = {}, actuators = {};

@@ -118,7 +118,7 @@ std::vector<fs::path> ShippedFiles() {
   std::vector<fs::path> files;
   for (const char* folder : {"examples", "models"}) {
     for (const auto& entry : fs::recursive_directory_iterator(fs::path(SourceDir()) / folder)) {
-      // What needs a module of Python's is read by tests/integration/test_own_tasks.py.
+      // What needs code of its own is read by tests/integration/test_own_tasks.py, test_plugin.py.
       const bool is_yaml = entry.path().extension() == ".yaml";
       if (is_yaml && ImportsOfRunFile(entry.path().string()).empty()) files.push_back(entry.path());
     }
@@ -170,7 +170,8 @@ gravcomp: true
 constexpr const char* kRun = R"(# xarm7_pick.yaml
 run: xarm7_pick
 robot: xarm7.yaml
-task: {kind: pick, base_distance: [0.15, 0.6], base_height_offset: -0.25, base_height_noise: [-0.2, 0.2]}
+task: {kind: pick}
+start: {base_distance: [0.15, 0.6], base_height_offset: -0.25, base_height_noise: [-0.2, 0.2]}
 scenes: {source: procedural, houses: 0..3}          # or {source: tabletop}, {source: procthor-10k, root: …}, {files: [lab.xml]}
 episodes_per_scene: 2
 cameras: {resolution: [624, 352], streams: [{name: wrist, camera: wrist_camera}, {name: exo, camera: exo_camera}]}
@@ -204,7 +205,7 @@ TEST(CustomRobot, RunIsReadAsWritten) {
   const auto run = ParseYaml<RunConfig>(RunWithScenes("{source: tabletop, houses: 0..3}"), "f.yaml",
                                         ExamplesFolder());
   EXPECT_EQ(run.robot.config.name, "xarm7");
-  EXPECT_EQ(run.scenes.count(), 4u);
+  EXPECT_EQ(run.scenes.houses.size(), 4u);
   EXPECT_EQ(run.rates.control_ticks(), 33);
   EXPECT_EQ(run.cameras.streams[1].camera, "exo_camera");
 }
@@ -217,17 +218,18 @@ TEST(CustomRobot, NoKeyOfTheRunCanBeMisspelledUnnoticed) {
 TEST(CustomRobot, SceneFilesNeedNoSource) {
   const auto run =
       ParseYaml<RunConfig>(RunWithScenes("{files: [lab.xml]}"), "f.yaml", ExamplesFolder());
-  EXPECT_EQ(run.scenes.kind(), SceneSourceKind::kFiles);
-  EXPECT_EQ(run.scenes.count(), 1u);
+  EXPECT_EQ(run.scenes.kind(), "files");
+  EXPECT_EQ(run.scenes.As<FilesScenes>().files.size(), 1u);
 }
 
 TEST(CustomRobot, ASceneSourceThatIsNotThereSaysWhichAre) {
-  EXPECT_EQ(ErrorOf(kRun, ExamplesFolder(), Parse<RunConfig>),
-            "f.yaml is not valid: f.yaml:5:18: scenes.source: 'procedural' is not one of tabletop, "
-            "files.");
-  EXPECT_THAT(
-      ErrorOf(RunWithScenes("{source: procthor-10k, root: x}"), ExamplesFolder(), Parse<RunConfig>),
-      ::testing::HasSubstr("'procthor-10k' is not one of tabletop, files."));
+  for (const std::string source : {"procedural", "procthor-10k"}) {
+    EXPECT_THAT(ErrorOf(RunWithScenes("{source: " + source + ", root: x}"), ExamplesFolder(),
+                        Parse<RunConfig>),
+                ::testing::AllOf(
+                    ::testing::HasSubstr("f.yaml:6:18: scenes.source: no scene source '" + source),
+                    ::testing::HasSubstr("files, tabletop")));
+  }
 }
 
 }  // namespace

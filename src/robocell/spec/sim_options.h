@@ -70,25 +70,25 @@ struct SimOptions {
     v("cone", &SimOptions::cone, "Friction cones: pyramidal or elliptic.");
     v("impratio", &SimOptions::impratio,
       "Ratio of frictional to normal constraint impedance; high values prevent slip.",
-      Check::kPositive);
+      Bound::kPositive);
     v("solver", &SimOptions::solver, "pgs, cg or newton.");
     v("jacobian", &SimOptions::jacobian,
       "The constraint Jacobian: dense, sparse or auto (sparse from 60 degrees of freedom on). "
       "Unset: "
       "auto or what the base says, but dense where the engine in use is known to be wrong with a "
       "sparse one (`robocell doctor`).");
-    v("iterations", &SimOptions::iterations, "Most iterations of the solver.", Check::kPositive);
-    v("tolerance", &SimOptions::tolerance, "Early end of the solver.", Check::kNonNegative);
+    v("iterations", &SimOptions::iterations, "Most iterations of the solver.", Bound::kPositive);
+    v("tolerance", &SimOptions::tolerance, "Early end of the solver.", Bound::kNonNegative);
     v("ls_iterations", &SimOptions::ls_iterations, "Most iterations of the line search.",
-      Check::kPositive);
+      Bound::kPositive);
     v("noslip_iterations", &SimOptions::noslip_iterations, "Iterations of the no-slip pass.",
-      Check::kNonNegative);
+      Bound::kNonNegative);
     v("noslip_tolerance", &SimOptions::noslip_tolerance, "Early end of the no-slip pass.",
-      Check::kNonNegative);
+      Bound::kNonNegative);
     v("ccd_iterations", &SimOptions::ccd_iterations, "Most iterations of convex collision.",
-      Check::kPositive);
-    v("density", &SimOptions::density, "Density of the medium, kg/m^3.", Check::kNonNegative);
-    v("viscosity", &SimOptions::viscosity, "Viscosity of the medium.", Check::kNonNegative);
+      Bound::kPositive);
+    v("density", &SimOptions::density, "Density of the medium, kg/m^3.", Bound::kNonNegative);
+    v("viscosity", &SimOptions::viscosity, "Viscosity of the medium.", Bound::kNonNegative);
     v("wind", &SimOptions::wind, "Velocity of the medium, m/s.");
     v("disable", &SimOptions::disable,
       "Engine features to turn off, by their names in <flag>: contact, limit, ...");

@@ -72,7 +72,7 @@ class ByteWriter {
   template <HasFields T>
   void Write(const T& value) {
     T::Fields(
-        [&](const char*, auto member, const char*, Check = Check::kNone) { Write(value.*member); });
+        [&](const char*, auto member, const char*, Bound = Bound::kNone) { Write(value.*member); });
   }
 
  private:

@@ -39,7 +39,7 @@ TEST(SpecBytes, NoFieldIsForgotten) {
   scene.objects.push_back({.name = "cube"});
   scene.cameras.push_back({.name = "top"});
   const auto changes = [&](auto& part) {
-    ForEachField(part, [&](const char* name, auto& field, const char*, Check) {
+    ForEachField(part, [&](const char* name, auto& field, const char*, Bound) {
       const std::string before = SpecBytes(scene);
       const auto kept = field;
       for (uint64_t seed = 0; field == kept; ++seed) {

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "robocell/base/error.h"
-#include "robocell/base/folder_names.h"
-#include "robocell/base/names.h"
+#include "robocell/base/files.h"
 #include "robocell/base/real_file.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/spec/yaml_hints.h"
 
 namespace robocell {
@@ -23,7 +23,7 @@ constexpr size_t kEnoughToTell = 1 << 16;  // bytes
 
 size_t CharacterLength(std::string_view text, size_t i);
 
-// What is not text in UTF-8 is no spec of any kind. A character may be cut off at the end.
+// Text that is not UTF-8 is not a spec. A character may be cut off at the end.
 bool IsText(std::string_view text) {
   constexpr size_t kLongestCharacter = 4;
   for (size_t i = 0; i < text.size();) {

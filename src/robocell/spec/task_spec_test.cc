@@ -34,14 +34,14 @@ struct PourConfig {
   static constexpr const char* kTypeName = "PourConfig";
   template <class V>
   static void Fields(V&& v) {
-    v("angle", &PourConfig::angle, "How far to tilt, radians.", Check::kPositive);
+    v("angle", &PourConfig::angle, "How far to tilt, radians.", Bound::kPositive);
     v("cups", &PourConfig::cups, "Names of the cups.");
   }
 };
 
 void RegisterPour() {
   static const bool kDone = [] {
-    RegisterTaskFields(PourConfig::kKind, std::make_shared<TaskFieldsOf<PourConfig>>());
+    RegisterTaskFields(PourConfig::kKind, std::make_shared<KindFieldsOf<PourConfig>>());
     return true;
   }();
   (void)kDone;
@@ -105,7 +105,7 @@ TEST(TaskSpec, ARegisteredStructReadsWritesAndValidates) {
   EXPECT_TRUE(ParseYaml<RunConfig>(ToYaml(run), "again", "") == run);
   EXPECT_THAT(ParseError<RunConfig>(kRunHead + "task: {kind: pour_of_test, angle: -1}\n"),
               HasSubstr("task.angle"));
-  EXPECT_THROW(RegisterTaskFields(PourConfig::kKind, std::make_shared<TaskFieldsOf<PourConfig>>()),
+  EXPECT_THROW(RegisterTaskFields(PourConfig::kKind, std::make_shared<KindFieldsOf<PourConfig>>()),
                ArgumentError);
 }
 

@@ -25,8 +25,8 @@ inline std::string TimestepProblem(double value, double per_second) {
 }
 
 // Adds that problem at `field`.
-inline void CheckTimestep(double value, double per_second, std::string_view field,
-                          Problems& problems) {
+inline void ValidateTimestep(double value, double per_second, std::string_view field,
+                             Problems& problems) {
   const std::string problem = TimestepProblem(value, per_second);
   if (!problem.empty()) problems.AddAt(field, problem);
 }

@@ -7,18 +7,18 @@
 namespace robocell {
 
 void ForceTorqueSensorSpec::Validate(Problems& problems) const {
-  CheckNotEmpty(name, "name",
-                "force-torque sensors are looked up by name; `wrist_ft` stands for the pair "
-                "wrist_ft_force and wrist_ft_torque",
-                problems);
+  ValidateNotEmpty(name, "name",
+                   "force-torque sensors are looked up by name; `wrist_ft` stands for the pair "
+                   "wrist_ft_force and wrist_ft_torque",
+                   problems);
 }
 
-void ToolFrameSpec::Validate(Problems& problems) const { CheckFtSensors(ft_sensors, problems); }
+void ToolFrameSpec::Validate(Problems& problems) const { ValidateFtSensors(ft_sensors, problems); }
 
-void CheckFtSensors(const List<ForceTorqueSensorSpec>& sensors, Problems& problems) {
+void ValidateFtSensors(const List<ForceTorqueSensorSpec>& sensors, Problems& problems) {
   std::vector<std::string> names;
   for (const ForceTorqueSensorSpec& sensor : sensors) names.push_back(sensor.name);
-  CheckUnique(names, "ft_sensors", "name", problems);
+  ValidateUnique(names, "ft_sensors", "name", problems);
 }
 
 }  // namespace robocell

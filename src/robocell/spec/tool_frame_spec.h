@@ -60,6 +60,6 @@ struct ToolFrameSpec {
 };
 
 // Reports two force-torque sensors of one name.
-void CheckFtSensors(const List<ForceTorqueSensorSpec>& sensors, Problems& problems);
+void ValidateFtSensors(const List<ForceTorqueSensorSpec>& sensors, Problems& problems);
 
 }  // namespace robocell

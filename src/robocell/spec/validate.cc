@@ -5,21 +5,21 @@
 
 #include <fmt/format.h>
 
-#include "robocell/base/names.h"
 #include "robocell/base/paths.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell {
 
 namespace {
 
-// What a field with this check takes.
-const char* Wanted(Check check) {
-  switch (check) {
-    case Check::kPositive:
+// What a field with this bound takes.
+const char* Wanted(Bound bound) {
+  switch (bound) {
+    case Bound::kPositive:
       return "a number greater than 0";
-    case Check::kNonNegative:
+    case Bound::kNonNegative:
       return "0 or a greater number";
-    case Check::kFraction:
+    case Bound::kFraction:
       return "a number between 0 and 1";
     default:
       return "a number";
@@ -28,20 +28,20 @@ const char* Wanted(Check check) {
 
 }  // namespace
 
-void CheckNumber(double value, Check check, Problems& problems) {
+void ValidateNumber(double value, Bound bound, Problems& problems) {
   if (!std::isfinite(value)) {
     problems.Add(
-        fmt::format("{} is not a finite number; write {} in its place", value, Wanted(check)));
-  } else if (check == Check::kPositive && value <= 0) {
+        fmt::format("{} is not a finite number; write {} in its place", value, Wanted(bound)));
+  } else if (bound == Bound::kPositive && value <= 0) {
     problems.Add(fmt::format("{} must be greater than 0", value));
-  } else if (check == Check::kNonNegative && value < 0) {
+  } else if (bound == Bound::kNonNegative && value < 0) {
     problems.Add(fmt::format("{} must not be negative", value));
-  } else if (check == Check::kFraction && (value < 0 || value > 1)) {
+  } else if (bound == Bound::kFraction && (value < 0 || value > 1)) {
     problems.Add(fmt::format("{} must lie between 0 and 1", value));
   }
 }
 
-void CheckUnitQuat(const Vec4& quat, Problems& problems) {
+void ValidateUnitQuat(const Vec4& quat, Problems& problems) {
   const double norm =
       std::sqrt(quat[0] * quat[0] + quat[1] * quat[1] + quat[2] * quat[2] + quat[3] * quat[3]);
   if (std::isfinite(norm) && std::abs(norm - 1) > 1e-6) {
@@ -52,8 +52,8 @@ void CheckUnitQuat(const Vec4& quat, Problems& problems) {
   }
 }
 
-void CheckPlacement(const Vec3& euler, const Vec4& quat, Problems& problems) {
-  CheckUnitQuat(quat, problems);
+void ValidatePlacement(const Vec3& euler, const Vec4& quat, Problems& problems) {
+  ValidateUnitQuat(quat, problems);
   if (quat != kIdentityQuat && euler != Vec3{}) {
     problems.AddAt("quat", "both quat and euler are set; keep one of them");
   }
@@ -63,8 +63,8 @@ void ReportEnumNumber(int number, const std::vector<std::string>& names, Problem
   problems.Add(fmt::format("there is no value {}; expected one of {}", number, ListNames(names)));
 }
 
-void CheckAttachTarget(const AttachTarget& target, Problems& problems) {
-  if (!IsNamed(target.kind)) return CheckEnum(target.kind, problems);
+void ValidateAttachTarget(const AttachTarget& target, Problems& problems) {
+  if (!IsNamed(target.kind)) return ValidateEnum(target.kind, problems);
   const std::string kind = ToString(target.kind);
   const bool named = target.kind != AttachKind::kWorld && target.kind != AttachKind::kRoot &&
                      target.kind != AttachKind::kSharedBase;
@@ -77,7 +77,7 @@ void CheckAttachTarget(const AttachTarget& target, Problems& problems) {
   }
 }
 
-void CheckElementRef(const ElementRef& ref, Problems& problems) {
+void ValidateElementRef(const ElementRef& ref, Problems& problems) {
   if (ref.name.empty() && ref.body.empty()) {
     problems.Add("names no element; write its name, or {body: name, index: 0} if it has none");
   }
@@ -90,7 +90,7 @@ void CheckElementRef(const ElementRef& ref, Problems& problems) {
   }
 }
 
-void CheckNamePart(const std::string& name, std::string_view field, Problems& problems) {
+void ValidateNamePart(const std::string& name, std::string_view field, Problems& problems) {
   if (name.empty() || ValidFileName(name)) return;
   problems.AddAt(field,
                  fmt::format("'{}' cannot be a name here: datasets have it in their columns' "
@@ -99,7 +99,7 @@ void CheckNamePart(const std::string& name, std::string_view field, Problems& pr
                              name));
 }
 
-void CheckNameList(const NameList& list, Problems& problems) {
+void ValidateNameList(const NameList& list, Problems& problems) {
   std::set<std::string> seen;
   for (const std::string& name : list) {
     if (name.empty()) problems.Add("holds an empty name");
@@ -107,15 +107,15 @@ void CheckNameList(const NameList& list, Problems& problems) {
   }
 }
 
-void CheckRange(const Vec2& range, std::string_view field, Problems& problems) {
+void ValidateRange(const Vec2& range, std::string_view field, Problems& problems) {
   if (range[0] > range[1]) {
     problems.AddAt(field, fmt::format("[{}, {}] is [smallest, largest]; the first is larger",
                                       range[0], range[1]));
   }
 }
 
-void CheckUnique(const std::vector<std::string>& names, std::string_view list,
-                 std::string_view what, Problems& problems) {
+void ValidateUnique(const std::vector<std::string>& names, std::string_view list,
+                    std::string_view what, Problems& problems) {
   std::map<std::string, size_t> first;
   Problems::Scope scope(problems, list);
   for (size_t i = 0; i < names.size(); ++i) {
@@ -128,8 +128,8 @@ void CheckUnique(const std::vector<std::string>& names, std::string_view list,
   }
 }
 
-void CheckNotEmpty(const std::string& value, std::string_view field, std::string_view hint,
-                   Problems& problems) {
+void ValidateNotEmpty(const std::string& value, std::string_view field, std::string_view hint,
+                      Problems& problems) {
   if (value.empty()) problems.AddAt(field, "is required: " + std::string(hint));
 }
 

@@ -14,25 +14,25 @@
 #include "robocell/spec/element_ref.h"
 #include "robocell/spec/fields.h"
 #include "robocell/spec/problems.h"
-#include "robocell/spec/task_spec.h"
+#include "robocell/spec/scene_source_spec.h"
 #include "robocell/spec/types.h"
 
 namespace robocell {
 
-void CheckNumber(double value, Check check, Problems& problems);
+void ValidateNumber(double value, Bound bound, Problems& problems);
 
 // Reports a value that is no IsNamed one.
 void ReportEnumNumber(int number, const std::vector<std::string>& names, Problems& problems);
 template <HasEnumNames E>
-void CheckEnum(E value, Problems& problems) {
+void ValidateEnum(E value, Problems& problems) {
   if (!IsNamed(value)) ReportEnumNumber(static_cast<int>(value), ValueNames<E>(), problems);
 }
 
-void CheckAttachTarget(const AttachTarget& target, Problems& problems);
-void CheckElementRef(const ElementRef& ref, Problems& problems);
+void ValidateAttachTarget(const AttachTarget& target, Problems& problems);
+void ValidateElementRef(const ElementRef& ref, Problems& problems);
 // A name that becomes part of columns' names and of files': without '/' and control characters.
-void CheckNamePart(const std::string& name, std::string_view field, Problems& problems);
-void CheckNameList(const NameList& names, Problems& problems);
+void ValidateNamePart(const std::string& name, std::string_view field, Problems& problems);
+void ValidateNameList(const NameList& names, Problems& problems);
 
 template <HasFields T>
 void ValidateFields(const T& spec, Problems& problems);
@@ -62,33 +62,35 @@ struct IsArray<std::array<T, N>> : std::true_type {};
 
 // One overload for every kind of field; values that cannot be wrong by themselves fall through.
 template <class T>
-void ValidateValue(const T& value, Check check, Problems& problems) {
+void ValidateValue(const T& value, Bound bound, Problems& problems) {
   if constexpr (std::is_floating_point_v<T> ||
                 (std::is_integral_v<T> && !std::is_same_v<T, bool>)) {
-    CheckNumber(static_cast<double>(value), check, problems);
+    ValidateNumber(static_cast<double>(value), bound, problems);
   } else if constexpr (HasEnumNames<T>) {
-    CheckEnum(value, problems);
+    ValidateEnum(value, problems);
   } else if constexpr (IsOptional<T>::value) {
-    if (value) ValidateValue(*value, check, problems);
+    if (value) ValidateValue(*value, bound, problems);
   } else if constexpr (IsList<T>::value || IsArray<T>::value || IsVector<T>::value) {
     for (size_t i = 0; i < value.size(); ++i) {
       problems.NameEntry(i, LabelOf(value[i]));
       Problems::Scope scope(problems, i);
-      ValidateValue(value[i], check, problems);
+      ValidateValue(value[i], bound, problems);
     }
   } else if constexpr (IsMap<T>::value) {
     for (const auto& [key, box] : value.entries()) {
       Problems::Scope scope(problems, key);
-      ValidateValue(*box, check, problems);
+      ValidateValue(*box, bound, problems);
     }
   } else if constexpr (std::is_same_v<T, AttachTarget>) {
-    CheckAttachTarget(value, problems);
+    ValidateAttachTarget(value, problems);
   } else if constexpr (std::is_same_v<T, ElementRef>) {
-    CheckElementRef(value, problems);
-  } else if constexpr (std::is_same_v<T, TaskSpec>) {
-    ValidateTask(value, problems);
+    ValidateElementRef(value, problems);
+  } else if constexpr (std::is_same_v<T, SceneSourceSpec>) {
+    ValidateScenes(value, problems);
+  } else if constexpr (std::is_base_of_v<KindSpec, T>) {
+    ValidateKind(value, problems);
   } else if constexpr (std::is_same_v<T, NameList>) {
-    CheckNameList(value, problems);
+    ValidateNameList(value, problems);
   } else if constexpr (HasFields<T>) {
     ValidateFields(value, problems);
   }
@@ -96,9 +98,9 @@ void ValidateValue(const T& value, Check check, Problems& problems) {
 
 template <HasFields T>
 void ValidateFields(const T& spec, Problems& problems) {
-  ForEachField(spec, [&](const char* name, const auto& value, const char*, Check check) {
+  ForEachField(spec, [&](const char* name, const auto& value, const char*, Bound bound) {
     Problems::Scope scope(problems, name);
-    ValidateValue(value, check, problems);
+    ValidateValue(value, bound, problems);
   });
   if constexpr (requires { spec.Validate(problems); }) spec.Validate(problems);
 }
@@ -112,15 +114,15 @@ void RequireValid(const T& spec, std::string_view what) {
 }
 
 // Reports an euler and a quat that are both set, and a quat that is not of unit length.
-void CheckPlacement(const Vec3& euler, const Vec4& quat, Problems& problems);
-void CheckUnitQuat(const Vec4& quat, Problems& problems);
+void ValidatePlacement(const Vec3& euler, const Vec4& quat, Problems& problems);
+void ValidateUnitQuat(const Vec4& quat, Problems& problems);
 // Reports a range whose lower end is above its upper end.
-void CheckRange(const Vec2& range, std::string_view field, Problems& problems);
+void ValidateRange(const Vec2& range, std::string_view field, Problems& problems);
 // Reports names (or prefixes, as `what` says) that two entries of a list share.
-void CheckUnique(const std::vector<std::string>& names, std::string_view list,
-                 std::string_view what, Problems& problems);
+void ValidateUnique(const std::vector<std::string>& names, std::string_view list,
+                    std::string_view what, Problems& problems);
 // Reports an empty string.
-void CheckNotEmpty(const std::string& value, std::string_view field, std::string_view hint,
-                   Problems& problems);
+void ValidateNotEmpty(const std::string& value, std::string_view field, std::string_view hint,
+                      Problems& problems);
 
 }  // namespace robocell

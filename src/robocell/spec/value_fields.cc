@@ -9,14 +9,14 @@ ValueField* ValueFields::find(const std::string& name) {
   return found == fields_.end() ? nullptr : &*found;
 }
 
-std::shared_ptr<TaskFields> ValueFields::Clone() const {
+std::shared_ptr<KindFields> ValueFields::Clone() const {
   return std::make_shared<ValueFields>(*this);
 }
 
-std::vector<TaskFieldRef> ValueFields::refs() {
-  std::vector<TaskFieldRef> refs;
+std::vector<KindFieldRef> ValueFields::refs() {
+  std::vector<KindFieldRef> refs;
   for (ValueField& field : fields_) {
-    TaskFieldRef& ref = refs.emplace_back();
+    KindFieldRef& ref = refs.emplace_back();
     ref.name = field.name;
     ref.doc = field.doc;
     std::visit([&](auto& value) { ref.value = &value; }, field.value);

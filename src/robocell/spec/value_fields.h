@@ -7,10 +7,11 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
-#include "robocell/spec/task_spec.h"
+#include "robocell/spec/kind_fields.h"
 
 namespace robocell {
 
@@ -22,23 +23,26 @@ struct ValueField {
   std::string doc = {};
 };
 
-class ValueFields final : public TaskFields {
+class ValueFields final : public KindFields {
  public:
-  explicit ValueFields(std::vector<ValueField> fields) : fields_(std::move(fields)) {}
+  // `type_name` is what messages call the fields' owner.
+  explicit ValueFields(std::vector<ValueField> fields, std::string type_name = "task")
+      : fields_(std::move(fields)), type_name_(std::move(type_name)) {}
 
   std::vector<ValueField>& list() { return fields_; }
   const std::vector<ValueField>& list() const { return fields_; }
   // Null for a name that is none of the fields'.
   ValueField* find(const std::string& name);
 
-  std::shared_ptr<TaskFields> Clone() const override;
-  std::vector<TaskFieldRef> refs() override;
-  std::string type_name() const override { return "task"; }
+  std::shared_ptr<KindFields> Clone() const override;
+  std::vector<KindFieldRef> refs() override;
+  std::string type_name() const override { return type_name_; }
   void* value() override { return this; }
   const std::type_info& type() const override { return typeid(ValueFields); }
 
  private:
   std::vector<ValueField> fields_;
+  std::string type_name_;
 };
 
 }  // namespace robocell

@@ -33,9 +33,9 @@ std::string ToYaml(const T& spec);
 template <class T>
 T FromYamlUnchecked(std::string_view text);
 
-// Like LoadYaml, with values of single fields replaced first, as in "task.base_distance=[0.2,
+// Like LoadYaml, with values of single fields replaced first, as in "start.base_distance=[0.2,
 // 0.4]". The replacements go through the same checks, and messages name them as "--set
-// task.base_distance=...".
+// start.base_distance=...".
 template <class T>
 T LoadYaml(const std::string& path, const std::vector<std::string>& overrides);
 

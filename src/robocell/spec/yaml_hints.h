@@ -41,7 +41,7 @@ std::string NoBlankHint(const std::string& text, const std::vector<std::string>&
 // The first line, from 1, up to line `last` that is indented with a tab; 0 when there is none.
 int TabbedLine(std::string_view text, int last);
 
-// Whether a text is a model file (XML) rather than YAML.
+// Returns true if a text is a model file (XML) rather than YAML.
 bool LooksLikeXml(std::string_view text);
 
 // A file of the project's: what it is called, what type it becomes, how it is used.
@@ -61,8 +61,8 @@ FileKind FileKindOf(const std::string& type);
 std::string OtherKindOfFile(const YAML::Node& root, const std::string& type,
                             const std::vector<std::string>& fields, const std::string& source);
 
-// Whether a text's fields, those that begin its lines, are those of another kind of file than
-// `type`'s.
+// Returns true if a text's fields, those that begin its lines, are those of another kind of file
+// than `type`'s.
 bool IsOtherKindOfText(std::string_view text, const std::string& type);
 
 }  // namespace robocell::yaml

@@ -155,7 +155,7 @@ TEST(Hints, TabsThatIndent) {
 
 TEST(Hints, AColonWithoutQuotes) {
   EXPECT_THAT(HintFor("root_body: menagerie: panda"),
-              HasSubstr("a second `: ` in one line; a text that holds `: ` stands in quotes"));
+              HasSubstr("a second `: ` in one line; a text that holds `: ` must be in quotes"));
 }
 
 TEST(Hints, AModelFile) {

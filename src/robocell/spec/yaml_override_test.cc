@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "robocell/spec/render_quality.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/yaml.h"
 #include "robocell/testing/expect_throw.h"
@@ -20,7 +21,7 @@ class OverrideTest : public ::testing::Test {
     std::filesystem::create_directories(folder_);
     Write("arm.yaml", "name: arm\nmodel: arm.xml\nmove_groups: {arm: {joints: [a, b]}}\n");
     Write("run.yaml",
-          "run: r\nrobot: arm.yaml\ntask: {base_distance: [0.2, 0.4]}\noutput: o\n"
+          "run: r\nrobot: arm.yaml\nstart: {base_distance: [0.2, 0.4]}\noutput: o\n"
           "cameras: {streams: [{name: wrist, camera: w}, {name: exo, camera: e}]}\n");
   }
   ~OverrideTest() override { std::filesystem::remove_all(folder_); }
@@ -58,10 +59,8 @@ TEST_F(OverrideTest, WhatAnEmptyFileLacksIsMissingInTheFile) {
 }
 
 TEST_F(OverrideTest, ReplacesWhatTheFileHas) {
-  EXPECT_EQ(Load({"task.base_distance=[0.3, 0.5]"}).task.As<PickTaskConfig>().base_distance,
-            (Vec2{0.3, 0.5}));
-  EXPECT_EQ(Load({"task.base_distance[1]=0.6"}).task.As<PickTaskConfig>().base_distance,
-            (Vec2{0.2, 0.6}));
+  EXPECT_EQ(Load({"start.base_distance=[0.3, 0.5]"}).start.base_distance, (Vec2{0.3, 0.5}));
+  EXPECT_EQ(Load({"start.base_distance[1]=0.6"}).start.base_distance, (Vec2{0.2, 0.6}));
   EXPECT_EQ(Load({"run=other"}).run, "other");
 }
 
@@ -77,7 +76,9 @@ TEST_F(OverrideTest, FieldsOfAMapWithoutAValueAreNoListItems) {
 TEST_F(OverrideTest, AddsWhatTheFileDoesNotHave) {
   EXPECT_EQ(Load({"episodes=5"}).episodes, 5);
   EXPECT_EQ(Load({"rates.policy_ms=40", "rates.control_ms=4"}).rates.policy_ms, 40);
-  EXPECT_EQ(Load({"cameras.quality.shadows=true"}).cameras.quality.shadows, true);
+  EXPECT_EQ(Load({"cameras.renderer.quality.shadows=true"}).cameras.renderer.quality.shadows, true);
+  EXPECT_EQ(Load({"cameras.renderer.quality=high"}).cameras.renderer.quality, NamedQuality("high"));
+  EXPECT_EQ(Load({"cameras.renderer.backend=gl"}).cameras.renderer.backend, "gl");
 }
 
 TEST_F(OverrideTest, ReachesIntoLists) {
@@ -102,17 +103,18 @@ TEST_F(OverrideTest, NullUnsets) {
 
 TEST_F(OverrideTest, GoesThroughTheSameChecks) {
   EXPECT_EQ(
-      Error({"task.base_distnce=[0.3, 0.5]"}),
+      Error({"task.lift_hight=0.1"}),
       run() +
-          " is not valid: --set task.base_distnce=[0.3, 0.5]: task.base_distnce: a "
-          "PickTaskConfig: no field 'base_distnce'. Its fields: kind, object, spread, rotate, "
-          "lift_height, objects, base_distance, base_height_offset, base_height_noise. Did "
-          "you mean 'base_distance'?");
-  EXPECT_THAT(Error({"task.base_distance=[0.3, far]"}),
-              HasSubstr("--set task.base_distance=[0.3, far]: task.base_distance[1]: expected a "
+          " is not valid: --set task.lift_hight=0.1: task.lift_hight: a PickTaskConfig: no field "
+          "'lift_hight'. Its fields: kind, object, spread, rotate, lift_height, objects. Did you "
+          "mean 'lift_height'?");
+  EXPECT_THAT(Error({"task.base_distance=[0.3, 0.5]"}),
+              HasSubstr("It is a field of `start` of a run, for all tasks: start.base_distance"));
+  EXPECT_THAT(Error({"start.base_distance=[0.3, far]"}),
+              HasSubstr("--set start.base_distance=[0.3, far]: start.base_distance[1]: expected a "
                         "number, found 'far'"));
-  EXPECT_THAT(Error({"task.base_distance=[0.5, 0.3]"}),
-              HasSubstr("--set task.base_distance=[0.5, 0.3]: task.base_distance: [0.5, 0.3] is "
+  EXPECT_THAT(Error({"start.base_distance=[0.5, 0.3]"}),
+              HasSubstr("--set start.base_distance=[0.5, 0.3]: start.base_distance: [0.5, 0.3] is "
                         "[smallest, largest]"));
   EXPECT_THAT(Error({"tsk.lift_height=0.1"}), HasSubstr("Did you mean 'task'?"));
   EXPECT_THAT(Error({"robot.hme.arm=[1, 2]"}), HasSubstr("Did you mean 'home'?"));
@@ -128,15 +130,16 @@ TEST_F(OverrideTest, APathThatLeadsNowhereIsAnError) {
               HasSubstr("--set cameras.streams[7].width=640: 'cameras.streams[7].width' leads to "
                         "nothing in"));
   EXPECT_THAT(Error({"run.name=x"}), HasSubstr("--set run.name=x: "));
-  EXPECT_THAT(Error({"task.base_distance.x=1"}), HasSubstr("--set task.base_distance.x=1: "));
+  EXPECT_THAT(Error({"start.base_distance.x=1"}), HasSubstr("--set start.base_distance.x=1: "));
   EXPECT_THAT(Error({"task..x=1"}), HasSubstr("--set task..x=1: "));
 }
 
 // As a shell hands it over that met a blank.
 TEST_F(OverrideTest, ABracketWithoutItsEndIsNamed) {
-  EXPECT_EQ(Error({"task.base_distance=[0.3,"}),
-            "--set task.base_distance=[0.3,: its `[` is not closed: `]` is missing. An option with "
-            "blanks stands in quotes: --set 'task.base_distance=[...]'");
+  EXPECT_EQ(
+      Error({"start.base_distance=[0.3,"}),
+      "--set start.base_distance=[0.3,: its `[` is not closed: `]` is missing. An option with "
+      "blanks stands in quotes: --set 'start.base_distance=[...]'");
   EXPECT_THAT(Error({"robot.base={kind: mocap, size: [1"}), HasSubstr("its `[` is not closed"));
   EXPECT_THAT(Error({"robot.base={kind: mocap"}), HasSubstr("'robot.base={...}'"));
   EXPECT_EQ(Load({"run='[a'"}).run, "[a");

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "robocell/spec/render_quality.h"
 #include "robocell/spec/spec_file.h"
 
 namespace robocell::yaml {
@@ -125,13 +126,16 @@ void Reader::FailNotFields(const YAML::Node& node, const char* type, const std::
 
 void Reader::FailField(const YAML::Node& key, const std::string& name, const YAML::Node& value,
                        const char* type, const std::vector<std::string>& names,
-                       const char* when_nested) {
+                       const char* when_nested, const std::string& more) {
   const Problems::Scope scope(problems_, name);
   if (when_nested != nullptr && value.IsMap() && NearestNames(name, names, 1).empty()) {
     return Fail(key, when_nested);
   }
   if (const std::string hint = NoBlankHint(name, names); !hint.empty()) return Fail(key, hint);
-  Fail(key, NoSuchName(WithArticle(type), "field", name, names) + TopLevelHint(name));
+  std::string hint = more;
+  if (hint.empty() && IsOneOf("start", root_fields_)) hint = StartHint(name);
+  if (hint.empty()) hint = TopLevelHint(name);
+  Fail(key, NoSuchName(WithArticle(type), "field", name, names) + hint);
 }
 
 std::string Reader::TopLevelHint(const std::string& name) const {
@@ -216,18 +220,44 @@ void Reader::ReadHere(const YAML::Node& node, ReadInto read, void* out) {
   read(*this, value, out);
 }
 
-void Reader::ReadNamed(const YAML::Node& node, const char* type,
-                       const std::vector<std::string>& names, const char* other_key,
-                       const ReadNamedValue& read) {
-  std::vector<std::string> known = names;
-  known.insert(known.begin(), other_key);
-  const auto read_key = [&](const YAML::Node& key, const std::string& name,
-                            const YAML::Node& value) {
-    if (name == other_key) return;
-    if (IsOneOf(name, names)) return read(name, value);
-    FailField(key, name, value, type, known, nullptr);
+void Reader::ReadKind(const YAML::Node& node, KindSpec& out, const std::string& implied,
+                      const NamedReader& more) {
+  const KindRegistry& registry = out.registry();
+  const char* key = registry.key();
+  std::string kind = implied;
+  const YAML::Node given = node[key];
+  if (given.IsDefined() || IsOneOf(key, OverriddenKeys())) {
+    const size_t before = problems_.list().size();
+    ReadAt(given.IsDefined() ? given : YAML::Node(YAML::NodeType::Map), key, kind);
+    if (problems_.list().size() != before) return;
+  }
+  if (!registry.Has(kind)) {
+    const Problems::Scope scope(problems_, key);
+    return Fail(
+        given.IsDefined() ? given : node,
+        fmt::format("{} A {} of your own is registered before: import its module, or name "
+                    "it with --import",
+                    NoSuchName("", registry.noun(), kind, registry.kinds()), registry.noun()));
+  }
+  if (kind != out.kind()) out.SetKind(kind);
+  KindFields& fields = out.fields();
+  const std::vector<KindFieldRef> refs = fields.refs();
+  std::vector<std::string> known = fields.names();
+  known.insert(known.begin(), key);
+  if (!more.name.empty()) known.push_back(more.name);
+  const auto read = [&](const YAML::Node& at, const std::string& name, const YAML::Node& value) {
+    if (name == key) return;
+    if (name == more.name) return more.read(value);
+    const auto field = std::ranges::find(refs, name, &KindFieldRef::name);
+    if (field == refs.end()) {
+      const std::string other = registry.KindWith(name);
+      const std::string hint =
+          other.empty() ? "" : fmt::format(" It is a field of `{}: {}`", key, other);
+      return FailField(at, name, value, fields.type_name().c_str(), known, nullptr, hint);
+    }
+    std::visit([&](auto* to) { ReadExplainedValue(value, name, field->doc, *to); }, field->value);
   };
-  ForEachKey(node, read_key, [&](const std::string& name) { return IsNoField(name, known); });
+  ForEachKey(node, read, [&](const std::string& name) { return IsNoField(name, known); });
 }
 
 void Reader::Read(const YAML::Node& node, TaskSpec& out) {
@@ -235,31 +265,20 @@ void Reader::Read(const YAML::Node& node, TaskSpec& out) {
     const std::string kind = node.IsScalar() ? node.Scalar() : "pick";
     return FailNotFields(node, "task", "; write {kind: " + kind + "}");
   }
-  std::string kind = out.kind();
-  const auto is_kind = [](const std::string& name) { return name == "kind"; };
-  const std::vector<std::string> overridden = OverriddenKeys();
-  const YAML::Node given = node["kind"];
-  if (given.IsDefined() || std::any_of(overridden.begin(), overridden.end(), is_kind)) {
-    const size_t before = problems_.list().size();
-    ReadAt(given.IsDefined() ? given : YAML::Node(YAML::NodeType::Map), "kind", kind);
-    if (problems_.list().size() != before) return;
+  ReadKind(node, out, out.kind(), {});
+}
+
+void Reader::Read(const YAML::Node& node, SceneSourceSpec& out) {
+  if (!node.IsMap()) {
+    const std::string kind = node.IsScalar() ? node.Scalar() : "tabletop";
+    return FailNotFields(node, "scene source", "; write {source: " + kind + "}");
   }
-  if (!IsTaskKind(kind)) {
-    const Problems::Scope scope(problems_, "kind");
-    return Fail(given.IsDefined() ? given : node,
-                NoSuchName("", "task", kind, TaskKinds()) +
-                    " A task of your own is registered before: import its module, or name "
-                    "it with --import");
-  }
-  if (kind != out.kind()) out = TaskSpec(kind);
-  TaskFields& fields = out.fields();
-  const std::vector<TaskFieldRef> refs = fields.refs();
-  ReadNamed(node, fields.type_name().c_str(), fields.names(), "kind",
-            [&](const std::string& name, const YAML::Node& value) {
-              const auto& field = *std::ranges::find(refs, name, &TaskFieldRef::name);
-              std::visit([&](auto* to) { ReadExplainedValue(value, name, field.doc, *to); },
-                         field.value);
-            });
+  // Files say enough.
+  const bool files = node["files"].IsDefined() || IsOneOf("files", OverriddenKeys());
+  const auto read_houses = [&](const YAML::Node& value) {
+    ReadExplainedValue(value, "houses", SceneSourceSpec::kHousesDoc, out.houses);
+  };
+  ReadKind(node, out, files ? FilesScenes::kKind : out.kind(), {"houses", read_houses});
 }
 
 void Reader::ReadExplained(const YAML::Node& node, const std::string& name, const char* doc,
@@ -512,7 +531,7 @@ struct PoseFields {
     v("euler", &PoseFields::euler, "");
     v("quat", &PoseFields::quat, "");
   }
-  void Validate(Problems& problems) const { CheckPlacement(euler, quat, problems); }
+  void Validate(Problems& problems) const { ValidatePlacement(euler, quat, problems); }
 };
 
 struct IndexedElement {
@@ -523,7 +542,7 @@ struct IndexedElement {
   template <class V>
   static void Fields(V&& v) {
     v("body", &IndexedElement::body, "");
-    v("index", &IndexedElement::index, "", Check::kNonNegative);
+    v("index", &IndexedElement::index, "", Bound::kNonNegative);
   }
 };
 
@@ -537,6 +556,24 @@ void Reader::Read(const YAML::Node& node, Pose& out) {
   if (problems_.list().size() == before) {
     out = PlacementPose(fields.pos, fields.euler, fields.quat);
   }
+}
+
+void Reader::Read(const YAML::Node& node, RendererConfig& out) {
+  if (node.IsScalar()) return Read(node, out.backend);
+  if (!node.IsMap()) {
+    return FailKind(node, "the name of a back end, or {backend: soft, quality: standard}");
+  }
+  ReadFields(node, out);
+}
+
+void Reader::Read(const YAML::Node& node, RenderQuality& out) {
+  if (node.IsScalar()) {
+    const std::vector<std::string> names = RenderQualities();
+    if (const auto which = ReadOneOf(node, names)) out = NamedQuality(names[*which]);
+    return;
+  }
+  if (!node.IsMap()) return FailKind(node, "fast, standard, high, or fields with values");
+  ReadFields(node, out);
 }
 
 void Reader::Read(const YAML::Node& node, AttachTarget& out) {

@@ -21,9 +21,9 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include "robocell/base/names.h"
-#include "robocell/spec/any_key.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/spec/element_ref.h"
+#include "robocell/spec/locations.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/scene_spec.h"
 #include "robocell/spec/task_spec.h"
@@ -88,10 +88,13 @@ class Reader {
   void Read(const YAML::Node& node, IndexList& out);
   void Read(const YAML::Node& node, Pose& out);
   void Read(const YAML::Node& node, AttachTarget& out);
+  void Read(const YAML::Node& node, RendererConfig& out);
+  void Read(const YAML::Node& node, RenderQuality& out);
   void Read(const YAML::Node& node, ElementRef& out);
   void Read(const YAML::Node& node, RobotConfig& out);  // the fields, or the name of a robot file
   void Read(const YAML::Node& node, RobotSource& out);
   void Read(const YAML::Node& node, TaskSpec& out);
+  void Read(const YAML::Node& node, SceneSourceSpec& out);
 
   template <class T>
   requires(IsOptional<T>::value) void Read(const YAML::Node& node, T& out) {
@@ -148,11 +151,14 @@ class Reader {
     ReadFields(node, out);
   }
 
-  // Calls read(name, value) for each key of a map that is one of `names`; other keys but
-  // `other_key` are problems of the type.
-  using ReadNamedValue = std::function<void(const std::string& name, const YAML::Node& value)>;
-  void ReadNamed(const YAML::Node& node, const char* type, const std::vector<std::string>& names,
-                 const char* other_key, const ReadNamedValue& read);
+  // A field beside those of a kind.
+  struct NamedReader {
+    std::string name = {};
+    std::function<void(const YAML::Node& value)> read = {};
+  };
+  // The kind that a map names, `implied` when it names none, and the fields of that kind.
+  void ReadKind(const YAML::Node& node, KindSpec& out, const std::string& implied,
+                const NamedReader& more);
   // A value by its key; what is wrong with it is explained by `doc`.
   template <class T>
   void ReadExplainedValue(const YAML::Node& node, const std::string& name, const std::string& doc,
@@ -187,7 +193,7 @@ class Reader {
     }
     const char* fits = nullptr;
     T trial{};
-    ForEachField(trial, [&](const char* name, auto& value, const char*, Check) {
+    ForEachField(trial, [&](const char* name, auto& value, const char*, Bound) {
       if (fits == nullptr && FitsInto(node, value)) fits = name;
     });
     return FieldsHint(node, fits, names);
@@ -309,7 +315,7 @@ class Reader {
   // The map fields of T, for locations.h.
   template <class T>
   void MarkMaps(T& out) {
-    ForEachField(out, [&](const char* field, auto& value, const char*, Check) {
+    ForEachField(out, [&](const char* field, auto& value, const char*, Bound) {
       if constexpr (IsMap<std::remove_cvref_t<decltype(value)>>::value) MarkMap(field);
     });
   }
@@ -326,7 +332,8 @@ class Reader {
     FailField(key, name, value, T::kTypeName, names, when_nested);
   }
   void FailField(const YAML::Node& key, const std::string& name, const YAML::Node& value,
-                 const char* type, const std::vector<std::string>& names, const char* when_nested);
+                 const char* type, const std::vector<std::string>& names, const char* when_nested,
+                 const std::string& more = "");
   // Where a field belongs that one of the values in the file was given, and the file itself has.
   std::string TopLevelHint(const std::string& name) const;
 
@@ -349,7 +356,7 @@ class Reader {
   template <class T>
   bool ReadField(const std::string& name, const YAML::Node& node, T& out) {
     bool found = false;
-    ForEachField(out, [&](const char* field, auto& value, const char* doc, Check) {
+    ForEachField(out, [&](const char* field, auto& value, const char* doc, Bound) {
       if (found || name != field) return;
       found = true;
       ReadExplained(node, name, doc, &ReadIntoA<std::remove_cvref_t<decltype(value)>>, &value);

@@ -17,7 +17,7 @@ class Stray {
  public:
   explicit Stray(const YAML::Node& map);
 
-  // Whether this entry is no entry of the map but a part of the last one; it is kept then.
+  // Returns true if this entry is no entry of the map but a part of the last one; it is kept then.
   // `strange`: the map has no use for such a name.
   bool IsPartOfLast(const YAML::Node& key, const YAML::Node& value, bool strange);
   // An entry of the map; there were `problems` before it was read.

@@ -141,7 +141,8 @@ std::string_view Before(std::string_view line, TextPlace at) {
 std::string ColonOutOfPlace(const std::vector<std::string_view>& lines, TextPlace at) {
   const std::string_view line = LineAt(lines, at);
   if (Before(line, at).find(": ") != std::string_view::npos)
-    return "a second `: ` in one line; a text that holds `: ` stands in quotes, and every field in "
+    return "a second `: ` in one line; a text that holds `: ` must be in quotes, and every field "
+           "in "
            "a line of its own or in {...}";
   const int above = LineAbove(lines, at.line);
   if (above < 0) return "there is no name before this `:`";
@@ -151,9 +152,9 @@ std::string ColonOutOfPlace(const std::vector<std::string_view>& lines, TextPlac
   if (Indent(line) > Indent(other))
     return fmt::format(
         "this line is indented further than line {}, which has a value already; "
-        "fields of one thing begin in the same column",
+        "fields of one element begin in the same column",
         above + 1);
-  return "this `:` follows no name; a text that holds `: ` stands in quotes";
+  return "this `:` follows no name; a text that holds `: ` must be in quotes";
 }
 
 // Something that is not part of what stands above.
@@ -161,16 +162,16 @@ std::string OutOfPlace(const std::vector<std::string_view>& lines, TextPlace at)
   const std::string_view line = LineAt(lines, at);
   if (!Trimmed(Before(line, at)).empty())
     return "the value before this is complete; a text that begins with a quote, `[` or `{` and "
-           "goes on after its end stands in quotes as a whole";
+           "goes on after its end must be in quotes as a whole";
   if (Trimmed(line).starts_with("- "))
     return "a list entry does not fit here: the entries of a list begin in the same column, below "
            "the name of their list";
   if (const std::string why = NoField(line); !why.empty()) return "this line " + why;
-  return "the line is indented like nothing above it: fields of one thing begin in the same "
+  return "the line is indented like nothing above it: fields of one element begin in the same "
          "column, what belongs to a field further to the right";
 }
 
-// Whether a bracket stands directly behind a colon: a text to the parser, no value.
+// Returns true if a bracket stands directly behind a colon: a text to the parser, no value.
 bool IsBehindColon(const std::vector<std::string_view>& lines, TextPlace bracket) {
   const std::string_view line = LineAt(lines, bracket);
   const auto column = static_cast<size_t>(bracket.column);
@@ -205,7 +206,7 @@ using Explain = std::string (*)(const std::vector<std::string_view>&, TextPlace)
 
 template <char c>
 std::string BeginsWithSign(const std::vector<std::string_view>&, TextPlace) {
-  return fmt::format("a text that begins with `{}` stands in quotes", c);
+  return fmt::format("a text that begins with `{}` must be in quotes", c);
 }
 
 // What the parser says -> what is said of the text. Beginnings of its messages.
@@ -253,12 +254,12 @@ const std::vector<std::pair<std::string_view, Explain>>& Explanations() {
       {"unexpected character in block scalar",
        [](const Lines&, TextPlace) -> std::string {
          return "after `|` or `>` the line ends, and the text follows in indented lines; a text "
-                "that begins with one stands in quotes";
+                "that begins with one must be in quotes";
        }},
       {"the referenced anchor",
        [](const Lines&, TextPlace) -> std::string {
          return "`*` refers to a value that is marked with `&` above, and there is none; a text "
-                "that begins with `*` stands in quotes";
+                "that begins with `*` must be in quotes";
        }},
       {"alias not found", BeginsWithSign<'*'>},
       {"illegal character found while scanning alias", BeginsWithSign<'*'>},
@@ -280,7 +281,7 @@ std::string Explanation(const std::string& message, const std::vector<std::strin
   }
   const std::string_view line = LineAt(lines, at);
   if (message == "unknown token" && at.column < static_cast<int>(line.size()))
-    return fmt::format("a text that begins with `{}` stands in quotes", line[at.column]);
+    return fmt::format("a text that begins with `{}` must be in quotes", line[at.column]);
   return "the text cannot be read from here on; are brackets, quotes and indentation right?";
 }
 

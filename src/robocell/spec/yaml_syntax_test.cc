@@ -57,7 +57,8 @@ const std::vector<BrokenText>& BrokenTexts() {
       {"name: \"\\xzz\"\n", "1:12: not valid YAML: \\x, \\u and \\U in double quotes want the"},
       // Indentation
       {"base:\n    kind: mocap\n  size: [1, 2, 3]\n",
-       "3:3: not valid YAML: the line is indented like nothing above it: fields of one thing begin "
+       "3:3: not valid YAML: the line is indented like nothing above it: fields of one element "
+       "begin "
        "in the same column"},
       {"base:\n  kind: mocap\n    size: [1, 2, 3]\n",
        "3:9: not valid YAML: this line is indented further than line 2, which has a value already"},
@@ -75,17 +76,17 @@ const std::vector<BrokenText>& BrokenTexts() {
       {"name:a\nmodel: b\n",
        "2:6: not valid YAML: this line seems to go on with line 1, which has no blank after its"},
       {"root_body: menagerie: panda\n",
-       "1:21: not valid YAML: a second `: ` in one line; a text that holds `: ` stands in quotes"},
+       "1:21: not valid YAML: a second `: ` in one line; a text that holds `: ` must be in quotes"},
       {"name: - a\n", "1:7: not valid YAML: a list entry `- ` cannot stand here"},
       {"- a\nname: b\n", "2:1: this does not belong to what stands above, which is complete"},
       {"name: a\n---\nname: b\n", "2:1: a second document starts here; a spec file has one"},
       // Signs
-      {"name: @a\n", "1:7: not valid YAML: a text that begins with `@` stands in quotes"},
-      {"name: %a\n", "1:7: not valid YAML: a text that begins with `%` stands in quotes"},
-      {"name: & b\n", "1:8: not valid YAML: a text that begins with `&` stands in quotes"},
-      {"name: * b\n", "1:8: not valid YAML: a text that begins with `*` stands in quotes"},
+      {"name: @a\n", "1:7: not valid YAML: a text that begins with `@` must be in quotes"},
+      {"name: %a\n", "1:7: not valid YAML: a text that begins with `%` must be in quotes"},
+      {"name: & b\n", "1:8: not valid YAML: a text that begins with `&` must be in quotes"},
+      {"name: * b\n", "1:8: not valid YAML: a text that begins with `*` must be in quotes"},
       {"name: *b\n", "1:7: not valid YAML: `*` refers to a value that is marked with `&` above"},
-      {"name: !<a\n", "1:10: not valid YAML: a text that begins with `!` stands in quotes"},
+      {"name: !<a\n", "1:10: not valid YAML: a text that begins with `!` must be in quotes"},
       {"name: |x\n  a\n", "1:8: not valid YAML: after `|` or `>` the line ends"},
   };
   return kTexts;

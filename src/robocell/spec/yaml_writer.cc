@@ -14,6 +14,21 @@ void Writer::WriteKey(const char* key) { out_ << YAML::Key << key << YAML::Value
 void Writer::WriteKey(const std::string& key) { out_ << YAML::Key << key << YAML::Value; }
 void Writer::EndMap() { out_ << YAML::EndMap; }
 
+void Writer::WriteKind(const KindSpec& value) {
+  WriteField(value.registry().key(), value.kind());
+  // What is empty is left out, unless that would bring back a default that is not.
+  const auto is_absent = [](const KindFieldRef& field) {
+    return std::visit([](const auto* of) { return IsAbsent(*of); }, field.value);
+  };
+  const std::shared_ptr<KindFields> plain = value.registry().Make(value.kind());
+  const std::vector<KindFieldRef> fields = value.shared_fields()->refs();
+  const std::vector<KindFieldRef> defaults = plain->refs();
+  for (size_t i = 0; i < fields.size(); ++i) {
+    if (is_absent(fields[i]) && is_absent(defaults[i])) continue;
+    std::visit([&](const auto* of) { WriteField(fields[i].name, *of); }, fields[i].value);
+  }
+}
+
 void Writer::BeginSequence(bool flow) {
   if (flow) out_ << YAML::Flow;
   out_ << YAML::BeginSeq;

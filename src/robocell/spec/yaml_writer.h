@@ -35,18 +35,13 @@ class Writer {
   void Write(const RobotSource& value) { Write(value.config); }
   void Write(const TaskSpec& value) {
     BeginMap();
-    WriteField("kind", value.kind());
-    // What is empty is left out, unless that would bring back a default that is not.
-    const auto is_absent = [](const TaskFieldRef& field) {
-      return std::visit([](const auto* of) { return IsAbsent(*of); }, field.value);
-    };
-    const TaskSpec plain(value.kind());
-    const std::vector<TaskFieldRef> fields = value.shared_fields()->refs();
-    const std::vector<TaskFieldRef> defaults = plain.shared_fields()->refs();
-    for (size_t i = 0; i < fields.size(); ++i) {
-      if (is_absent(fields[i]) && is_absent(defaults[i])) continue;
-      std::visit([&](const auto* of) { WriteField(fields[i].name, *of); }, fields[i].value);
-    }
+    WriteKind(value);
+    EndMap();
+  }
+  void Write(const SceneSourceSpec& value) {
+    BeginMap();
+    WriteKind(value);
+    if (!value.houses.empty()) WriteField("houses", value.houses);
     EndMap();
   }
   template <HasEnumNames E>
@@ -83,7 +78,7 @@ class Writer {
   void Write(const T& value) {
     BeginMap();
     [[maybe_unused]] static const T kDefault{};
-    T::Fields([&](const char* name, auto member, const char*, Check = Check::kNone) {
+    T::Fields([&](const char* name, auto member, const char*, Bound = Bound::kNone) {
       const auto& field = value.*member;
       // What is empty is left out, unless that would bring back a default that is not.
       if (IsAbsent(field) && IsAbsent(kDefault.*member)) return;
@@ -111,6 +106,8 @@ class Writer {
     for (const auto& value : values) Write(value);
     EndSequence();
   }
+  // The kind and its fields, within a map.
+  void WriteKind(const KindSpec& value);
   // What does not depend on a type is compiled once.
   void BeginMap();
   void WriteKey(const char* key);

@@ -1,14 +1,24 @@
 #include "robocell/task/base_placement.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
+#include "robocell/base/units.h"
 #include "robocell/kinematics/low_discrepancy.h"
+#include "robocell/motion/clearance.h"
+#include "robocell/motion/robot_outline.h"
+#include "robocell/render/stream_camera.h"
+#include "robocell/scenes/visibility.h"
 
 namespace robocell {
 namespace {
 
-constexpr double kWidening = 0.15;  // share of the range that each further attempt spreads by
+constexpr double kWidening = 0.15;        // share of the range that each further attempt spreads by
+constexpr int kBearings = 72;             // directions that a base pose is looked for in
+constexpr double kRangeTolerance = 1e-6;  // metres
 
 // Folds a number into [0, 1] at the ends.
 double Reflected(double u) {
@@ -17,6 +27,12 @@ double Reflected(double u) {
 }
 
 }  // namespace
+
+BaseRange BaseRangeOf(const StartConfig& start, const BaseRange& of_task) {
+  return {.distance = start.base_distance.value_or(of_task.distance),
+          .height_offset = start.base_height_offset.value_or(of_task.height_offset),
+          .height_noise = start.base_height_noise.value_or(of_task.height_noise)};
+}
 
 BasePlacement SpreadBasePlacement(const BaseRange& range, uint64_t seed, uint64_t turn, int attempt,
                                   Rng& rng) {
@@ -30,6 +46,69 @@ BasePlacement SpreadBasePlacement(const BaseRange& range, uint64_t seed, uint64_
   const double v = point(3, "base height");
   return {std::lerp(range.distance[0], range.distance[1], u),
           range.height_offset + std::lerp(range.height_noise[0], range.height_noise[1], v)};
+}
+
+std::optional<Pose> ProposeBasePose(const Robot& robot, const Support& support, const Pose& target,
+                                    const BasePlacement& placement, const StartConfig& start,
+                                    Rng& rng) {
+  const RobotOutline outline(robot);
+  const double first = rng.Uniform(-kPi, kPi);
+  const double turn = kPi + rng.Uniform(-start.base_facing_noise, start.base_facing_noise);
+  std::vector<Pose> clear;
+  for (int i = 0; i < kBearings; ++i) {
+    const double bearing = first + 2 * kPi * i / kBearings;
+    const Eigen::Vector3d offset(placement.distance * std::cos(bearing),
+                                 placement.distance * std::sin(bearing), placement.height);
+    const Pose base = Pose::FromRpy(target.translation() + offset, {0, 0, bearing + turn});
+    if (outline.IsClearOf(support.box(), base, start.base_clearance)) clear.push_back(base);
+  }
+  if (clear.empty()) return std::nullopt;
+  return clear[rng.UniformInt(clear.size())];
+}
+
+std::optional<Refusal> ValidateBaseDistance(const Robot& robot, const Pose& target,
+                                            const BaseRange& range) {
+  const Eigen::Vector3d way = target.translation() - robot.base().pose().translation();
+  const double distance = way.head<2>().norm();
+  const auto& [smallest, largest] = range.distance;
+  if (distance > smallest - kRangeTolerance && distance < largest + kRangeTolerance)
+    return std::nullopt;
+  return Refusal{Refusal::kNoReachableBasePose,
+                 fmt::format("the task moved the object to {:.2f} m from the base, out of its "
+                             "base range of {:g} to {:g} m",
+                             distance, smallest, largest)};
+}
+
+std::optional<Refusal> ValidateBaseReach(const Robot& robot, const Pose& target) {
+  const double distance = (target.translation() - robot.base_in_world().translation()).norm();
+  if (distance <= kReachShare * robot.reach()) return std::nullopt;
+  return Refusal{Refusal::kNoReachableBasePose,
+                 fmt::format("{:.2f} m away, reach is {:.2f} m", distance, robot.reach())};
+}
+
+std::optional<Refusal> ValidateBaseClearance(const Scene& scene, const Robot& robot,
+                                             double clearance) {
+  const Clearance nearest = RobotClearance(scene, robot, clearance);
+  if (nearest.distance >= clearance) return std::nullopt;
+  return Refusal{Refusal::kBaseInCollision,
+                 fmt::format("{} is {:.3f} m from {}", nearest.robot_geom, nearest.distance,
+                             nearest.other_geom)};
+}
+
+std::optional<Refusal> ValidateVisibility(const Scene& scene, const std::string& target_body,
+                                          const RunConfig& run) {
+  const auto& [width, height] = run.cameras.resolution;
+  for (const std::string& camera : run.start.visible_from) {
+    const CameraView view = ViewOfStream(scene, {.name = "start.visible_from", .camera = camera});
+    const CameraModel model = ComputeCamera(scene.model(), scene.data(), view, width, height);
+    const double share = VisibleShare(scene, target_body, model);
+    if (share >= run.start.visible_share && share > 0) continue;
+    return Refusal{Refusal::kCameraConstraint,
+                   fmt::format("camera '{}' sees {:.0f} % of the object, and start.visible_share "
+                               "is {:.0f} %",
+                               camera, 100 * share, 100 * run.start.visible_share)};
+  }
+  return std::nullopt;
 }
 
 }  // namespace robocell

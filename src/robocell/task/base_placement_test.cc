@@ -3,7 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
+
+#include "robocell/base/error.h"
+#include "robocell/testing/pick_scene.h"
 
 namespace robocell {
 namespace {
@@ -19,6 +23,53 @@ BaseRange Ranges() {
 BasePlacement Place(uint64_t turn, int attempt) {
   Rng rng = Rng::Stream(1, "placement", static_cast<int>(turn), attempt);
   return SpreadBasePlacement(Ranges(), 7, turn, attempt, rng);
+}
+
+TEST(BasePlacement, WhatTheRunSaysComesBeforeWhatTheTaskSays) {
+  const BaseRange plain = BaseRangeOf({}, Ranges());
+  EXPECT_EQ(plain.distance, Ranges().distance);
+  EXPECT_EQ(plain.height_offset, Ranges().height_offset);
+  const BaseRange range =
+      BaseRangeOf({.base_distance = {{0.4, 0.5}}, .base_height_noise = {{-0.3, 0.3}}}, Ranges());
+  EXPECT_EQ(range.distance, (Vec2{0.4, 0.5}));
+  EXPECT_EQ(range.height_noise, (Vec2{-0.3, 0.3}));
+  EXPECT_EQ(range.height_offset, Ranges().height_offset);
+}
+
+TEST(BasePlacement, EachConditionRefusesForItsReason) {
+  PickScene made = MakePickScene(ObjectOnTheTable("box"));
+  const Pose target = made.scene.body_pose(made.target_body);
+  made.scene.Forward();
+  EXPECT_FALSE(ValidateBaseDistance(made.robot, target, {.distance = {0.4, 0.44}}));
+  EXPECT_EQ(ValidateBaseDistance(made.robot, target, {.distance = {0.5, 0.6}})->reason,
+            Refusal::kNoReachableBasePose);
+  EXPECT_FALSE(ValidateBaseReach(made.robot, target));
+  EXPECT_EQ(ValidateBaseReach(made.robot, Pose({0, 0, 9}))->reason, Refusal::kNoReachableBasePose);
+  EXPECT_FALSE(ValidateBaseClearance(made.scene, made.robot, 0.01));
+  const auto near = ValidateBaseClearance(made.scene, made.robot, 1);
+  ASSERT_TRUE(near);
+  EXPECT_EQ(near->reason, Refusal::kBaseInCollision);
+  made.run.start.visible_from = {"exo_camera"};
+  made.run.start.visible_share = 0.01;
+  EXPECT_FALSE(ValidateVisibility(made.scene, made.target_body, made.run));
+  made.run.start.visible_from = {"exo_camra"};
+  EXPECT_THROW(ValidateVisibility(made.scene, made.target_body, made.run), NotFoundError);
+}
+
+TEST(BasePlacement, AProposedBaseFacesTheTargetAtItsDistance) {
+  PickScene made = MakePickScene(ObjectOnTheTable("box"));
+  const Pose target = made.scene.body_pose(made.target_body);
+  const Support support = FindSupport(made.scene.compiled()->spec());
+  Rng rng = Rng::Stream(3, "base");
+  const auto base =
+      ProposeBasePose(made.robot, support, target, {.distance = 0.45, .height = -0.25},
+                      {.base_facing_noise = 0.1}, rng);
+  ASSERT_TRUE(base);
+  const Eigen::Vector3d way = target.translation() - base->translation();
+  EXPECT_NEAR(way.head<2>().norm(), 0.45, 1e-9);
+  EXPECT_NEAR(way.z(), 0.25, 1e-9);
+  const Eigen::Vector3d ahead = base->rotation() * Eigen::Vector3d::UnitX();
+  EXPECT_GT(ahead.head<2>().dot(way.head<2>().normalized()), std::cos(0.1) - 1e-9);
 }
 
 TEST(BasePlacement, EveryQuarterOfTheRangesHasItsShareOfTheTurns) {

@@ -116,7 +116,7 @@ class CandidateSearch {
     return std::move(found_);
   }
 
-  // Whether the pads get deep enough beside it.
+  // Returns true if the pads get deep enough beside it.
   bool HasHeight() const { return !Heights().empty(); }
 
  private:

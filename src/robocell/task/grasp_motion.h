@@ -44,7 +44,7 @@ class GraspMotions {
   // Why the candidates so far were no good: "of 15 grasps 12 out of reach (the nearest by 0.08 m),
   // 3 in collision".
   std::string Reasons() const;
-  // Whether most of those that were no good collide; else most are out of reach.
+  // Returns true if most of those that were no good collide; else most are out of reach.
   bool MostCollide() const;
 
  private:

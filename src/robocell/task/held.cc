@@ -57,7 +57,7 @@ Partners PartnersOf(const Scene& scene, const std::vector<int>& roots, const std
   return partners;
 }
 
-// Whether a gripper of this robot grasps it; unset when it has none.
+// Returns true if a gripper of this robot grasps it; unset when it has none.
 std::optional<bool> IsGrasped(const Scene& scene, const std::vector<int>& roots, int by,
                               const std::string& body) {
   std::optional<bool> grasped;

@@ -13,9 +13,9 @@ struct Touching {
   bool other = false;
 };
 Touching TouchingBody(const Scene& scene, const std::string& body);
-// Whether robots touch it and nothing else does.
+// Returns true if robots touch it and nothing else does.
 bool OnlyRobotsTouch(const Scene& scene, const std::string& body);
-// Whether robots hold it: nothing else touches it, and a gripper has it between its fingers
+// Returns true if robots hold it: nothing else touches it, and a gripper has it between its fingers
 // (GripperGroup::is_grasping) or several robots have it between them. A robot without a gripper
 // holds what it touches: whether with a hook or a cup is its own affair. What hangs on one finger
 // is not held.

@@ -8,7 +8,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/units.h"
-#include "robocell/task/goal_check.h"
+#include "robocell/task/goal_feasibility.h"
 #include "robocell/task/held.h"
 
 namespace robocell {

@@ -6,7 +6,7 @@
 
 #include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/scenes/catalogue.h"
 #include "robocell/task/place_motion.h"
 
@@ -69,18 +69,20 @@ std::shared_ptr<Task> PickAndPlaceSampler::MakeTask(const std::string& target,
   return made_task_;
 }
 
-std::optional<Refusal> PickAndPlaceSampler::CheckBasePose(Scene& scene, Robot& robot,
-                                                          const std::string& target_body) {
-  if (auto refusal = PickTaskSampler::CheckBasePose(scene, robot, target_body)) return refusal;
+std::optional<Refusal> PickAndPlaceSampler::ValidateBasePose(Scene& scene, Robot& robot,
+                                                             const std::string& target_body) {
+  if (auto refusal = PickTaskSampler::ValidateBasePose(scene, robot, target_body)) return refusal;
   made_task_->Begin(scene);
   const Eigen::Vector3d way =
       made_task_->GoalInWorld() - scene.body_pose(target_body).translation();
   if (way.head<2>().norm() >= task_.goal_distance) return std::nullopt;
-  return Refusal{Refusal::kNoFreePlace, "the object lies nearer to its goal than goal_distance"};
+  return Refusal{Refusal::kNoFreePlace, "the object lies nearer to its goal than goal_distance"}
+      .MadeBy(Refusal::kTaskStage);
 }
 
-std::optional<Refusal> PickAndPlaceSampler::CheckGrasp(const Scene& scene, PlanningScene& planning,
-                                                       const GraspMotion& motion) {
+std::optional<Refusal> PickAndPlaceSampler::ValidateGrasp(const Scene& scene,
+                                                          PlanningScene& planning,
+                                                          const GraspMotion& motion) {
   made_task_->Begin(scene);
   const int body = planning.target_body();
   const Pose object = Pose::FromTranslationAndMatrix(planning.data()->xpos + 3 * body,

@@ -26,15 +26,15 @@ class PickAndPlaceSampler final : public PickTaskSampler {
   explicit PickAndPlaceSampler(const RunConfig& run);
 
   StartContents AddContents(const SampleRequest& request, SceneSpec& spec, Rng& rng) override;
-  std::optional<Refusal> CheckBasePose(Scene& scene, Robot& robot,
-                                       const std::string& target_body) override;
+  std::optional<Refusal> ValidateBasePose(Scene& scene, Robot& robot,
+                                          const std::string& target_body) override;
   std::shared_ptr<Task> MakeTask(const std::string& target, const std::string& kind,
                                  const std::vector<std::string>& objects) override;
 
  protected:
   // Whether the target can be put down at the goal as it was grasped.
-  std::optional<Refusal> CheckGrasp(const Scene& scene, PlanningScene& planning,
-                                    const GraspMotion& motion) override;
+  std::optional<Refusal> ValidateGrasp(const Scene& scene, PlanningScene& planning,
+                                       const GraspMotion& motion) override;
 
  private:
   PickAndPlaceTaskConfig task_;

@@ -11,7 +11,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/motion/geom_extent.h"
-#include "robocell/task/goal_check.h"
+#include "robocell/task/goal_feasibility.h"
 #include "robocell/task/grasp_candidates.h"
 #include "robocell/task/held.h"
 

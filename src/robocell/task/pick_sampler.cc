@@ -3,11 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "robocell/base/error.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/motion/gripper_shape.h"
 #include "robocell/scenes/catalogue.h"
+#include "robocell/task/pick_and_place_sampler.h"
 #include "robocell/task/pick_task.h"
+#include "robocell/task/reach_advice.h"
+#include "robocell/task/task_kind.h"
 
 namespace robocell {
 namespace {
@@ -28,12 +33,6 @@ PickRun RequirePickRun(const RunConfig& run) {
 
 PickTaskSampler::PickTaskSampler(const RunConfig& run)
     : StartSampler(run), pick_(RequirePickRun(run)) {}
-
-BaseRange PickTaskSampler::base_range() const {
-  return {.distance = pick_.base_distance,
-          .height_offset = pick_.base_height_offset,
-          .height_noise = pick_.base_height_noise};
-}
 
 // Of K kinds every one comes once in any K episodes of a scene that follow each other from a
 // multiple of K on, and once in the same episode of K such scenes: a Latin square of scenes and
@@ -76,16 +75,18 @@ StartContents PickTaskSampler::AddContents(const SampleRequest& request, SceneSp
   return contents;
 }
 
-std::optional<Refusal> PickTaskSampler::CheckBasePose(Scene& scene, Robot& robot,
-                                                      const std::string& target_body) {
-  if (auto refusal = StartSampler::CheckBasePose(scene, robot, target_body)) return refusal;
-  return CheckGrasps(scene, robot, target_body);
+std::optional<Refusal> PickTaskSampler::ValidateBasePose(Scene& scene, Robot& robot,
+                                                         const std::string& target_body) {
+  if (auto refusal = StartSampler::ValidateBasePose(scene, robot, target_body)) return refusal;
+  if (auto refusal = ValidateGrasps(scene, robot, target_body))
+    return std::move(*refusal).MadeBy(Refusal::kTaskStage);
+  return std::nullopt;
 }
 
 // The PickPlanner's question, but for the path. A robot with a gripper of the user's own kind comes
 // with an expert of its own, which knows better.
-std::optional<Refusal> PickTaskSampler::CheckGrasps(const Scene& scene, const Robot& robot,
-                                                    const std::string& target_body) {
+std::optional<Refusal> PickTaskSampler::ValidateGrasps(const Scene& scene, const Robot& robot,
+                                                       const std::string& target_body) {
   if (!robot.has_gripper() || !GripperShape::Supports(robot.gripper())) return std::nullopt;
   if (!shape()) shape() = GripperShape::Of(robot.config(), run().options, scene.timestep());
   PlanningScene planning(scene, robot, target_body, shape());
@@ -104,7 +105,7 @@ std::optional<Refusal> PickTaskSampler::CheckGrasps(const Scene& scene, const Ro
   for (int i = 0; i < kMostGrasps; ++i) {
     const std::optional<GraspMotion> motion = motions.Next();
     if (!motion) break;
-    of_no_use = CheckGrasp(scene, planning, *motion);
+    of_no_use = ValidateGrasp(scene, planning, *motion);
     if (!of_no_use) return std::nullopt;
     planning.Update();
   }
@@ -117,6 +118,73 @@ std::optional<Refusal> PickTaskSampler::CheckGrasps(const Scene& scene, const Ro
 std::shared_ptr<Task> PickTaskSampler::MakeTask(const std::string& target, const std::string& kind,
                                                 const std::vector<std::string>& objects) {
   return std::make_shared<PickTask>(target, kind, objects, pick_.lift_height);
+}
+
+namespace {
+
+// What pick and pick_and_place have in common.
+template <class Config, class T, class Sampler>
+class KindOfPick : public TaskKindOf<Config, T> {
+ public:
+  std::shared_ptr<TaskSampler> MakeSampler(const RunConfig& run) const override {
+    return std::make_shared<Sampler>(run);
+  }
+  std::string expert() const override { return Config::kKind; }
+  void ValidateRun(const RunConfig& run, Problems& problems) const override {
+    ValidateKinds("task.objects", PickRunOf(run.task)->objects, ObjectKinds(), problems);
+  }
+  // One of each kind that may be drawn, called as its kind.
+  std::vector<SceneObject> Contents(const RunConfig& run) const override {
+    const NameList objects = PickRunOf(run.task)->objects;
+    Rng rng = Rng::Stream(0, "check");
+    std::vector<SceneObject> contents;
+    for (const std::string& kind : objects.empty() ? ObjectKinds() : objects.names)
+      contents.push_back(MakeCatalogueObject(kind, kind, rng));
+    return contents;
+  }
+  std::string ReachAdvice(const RunConfig& run) const override {
+    return robocell::ReachAdvice(run);
+  }
+
+ protected:
+  static void ValidateKinds(const char* field, const NameList& chosen,
+                            const std::vector<std::string>& known, Problems& problems) {
+    Problems::Scope scope(problems, field);
+    for (size_t i = 0; i < chosen.size(); ++i) {
+      if (std::ranges::find(known, chosen[i]) != known.end()) continue;
+      Problems::Scope item(problems, i);
+      problems.Add(NoSuchName("task", "kind", chosen[i], known));
+    }
+  }
+};
+
+using PickKind = KindOfPick<PickTaskConfig, PickTask, PickTaskSampler>;
+
+class PickAndPlaceKind final
+    : public KindOfPick<PickAndPlaceTaskConfig, PickAndPlaceTask, PickAndPlaceSampler> {
+ public:
+  void ValidateRun(const RunConfig& run, Problems& problems) const override {
+    KindOfPick::ValidateRun(run, problems);
+    ValidateKinds("task.goals", run.task.As<PickAndPlaceTaskConfig>().goals, AllGoalKinds(),
+                  problems);
+  }
+  std::vector<SceneObject> Contents(const RunConfig& run) const override {
+    std::vector<SceneObject> contents = KindOfPick::Contents(run);
+    Rng rng = Rng::Stream(0, "check");
+    for (const std::string& kind : GoalKindsOf(run.task.As<PickAndPlaceTaskConfig>())) {
+      const auto same = [&](const SceneObject& object) { return object.name == kind; };
+      if (std::ranges::none_of(contents, same)) contents.push_back(MakeGoalObject(kind, kind, rng));
+    }
+    return contents;
+  }
+};
+
+}  // namespace
+
+std::shared_ptr<const TaskKind> MakePickKind() { return std::make_shared<PickKind>(); }
+
+std::shared_ptr<const TaskKind> MakePickAndPlaceKind() {
+  return std::make_shared<PickAndPlaceKind>();
 }
 
 }  // namespace robocell

@@ -14,6 +14,8 @@
 
 namespace robocell {
 
+class TaskKind;
+
 class PickTaskSampler : public StartSampler {
  public:
   // SpecError for a run of a task that picks nothing up.
@@ -24,27 +26,30 @@ class PickTaskSampler : public StartSampler {
   // an order that changes.
   virtual std::vector<std::string> ChooseKinds(const SampleRequest& request, Rng& rng);
   // Also whether it reaches a grasp of the target.
-  std::optional<Refusal> CheckBasePose(Scene& scene, Robot& robot,
-                                       const std::string& target_body) override;
+  std::optional<Refusal> ValidateBasePose(Scene& scene, Robot& robot,
+                                          const std::string& target_body) override;
   std::shared_ptr<Task> MakeTask(const std::string& target, const std::string& kind,
                                  const std::vector<std::string>& objects) override;
 
  protected:
-  BaseRange base_range() const override;
   const PickRun& pick() const { return pick_; }
   // Whether a grasp that is in reach is of use too; the refusal says why not. Of a few grasps one
   // that is has to be among them.
-  virtual std::optional<Refusal> CheckGrasp(const Scene& /*scene*/, PlanningScene& /*planning*/,
-                                            const GraspMotion& /*motion*/) {
+  virtual std::optional<Refusal> ValidateGrasp(const Scene& /*scene*/, PlanningScene& /*planning*/,
+                                               const GraspMotion& /*motion*/) {
     return {};
   }
 
  private:
   std::string KindOfTurn(std::vector<std::string> kinds, const SampleRequest& request) const;
-  std::optional<Refusal> CheckGrasps(const Scene& scene, const Robot& robot,
-                                     const std::string& target_body);
+  std::optional<Refusal> ValidateGrasps(const Scene& scene, const Robot& robot,
+                                        const std::string& target_body);
 
   PickRun pick_;
 };
+
+// The kinds of tasks `pick` and `pick_and_place`, for the registry of kinds (task_kind.h).
+std::shared_ptr<const TaskKind> MakePickKind();
+std::shared_ptr<const TaskKind> MakePickAndPlaceKind();
 
 }  // namespace robocell

@@ -74,20 +74,20 @@ TEST(PickTaskSampler, AcceptsMostOfWhatItTriesWithAnArmThatReachesOutAtHome) {
 }
 
 TEST(PickTaskSampler, TwentyEpisodesSpanTheConfiguredRanges) {
-  const PickTaskConfig task = Demo().task.As<PickTaskConfig>();
+  const BaseRange range = BaseRangeOf(Demo().start, {});
   std::vector<double> distances, heights;
   for (const EpisodeStart& start : DemoSamples().starts) {
     const Eigen::Vector3d offset =
         start.base_in_world.translation() -
         start.scene.body_pose(start.scene.compiled()->object("target").root_body).translation();
     distances.push_back(offset.head<2>().norm());
-    heights.push_back(offset.z() - task.base_height_offset);
+    heights.push_back(offset.z() - range.height_offset);
   }
-  EXPECT_GE(Span(distances), 0.8 * (task.base_distance[1] - task.base_distance[0]));
-  EXPECT_GE(Span(heights), 0.8 * (task.base_height_noise[1] - task.base_height_noise[0]));
+  EXPECT_GE(Span(distances), 0.8 * (range.distance[1] - range.distance[0]));
+  EXPECT_GE(Span(heights), 0.8 * (range.height_noise[1] - range.height_noise[0]));
   // The target moves by a millimetre or so while it settles.
-  EXPECT_GE(*std::min_element(distances.begin(), distances.end()), task.base_distance[0] - 0.01);
-  EXPECT_LE(*std::max_element(distances.begin(), distances.end()), task.base_distance[1] + 0.01);
+  EXPECT_GE(*std::min_element(distances.begin(), distances.end()), range.distance[0] - 0.01);
+  EXPECT_LE(*std::max_element(distances.begin(), distances.end()), range.distance[1] + 0.01);
 }
 
 TEST(PickTaskSampler, EveryKindTakesItsTurnAndNoOtherObjectIsOfTheTargetsKind) {
@@ -152,8 +152,8 @@ TEST(PickTaskSampler, EachKindIsSeenFromTheWholeRange) {
       heights[kind].push_back(placement.height);
     }
     ASSERT_EQ(distances.size(), count);
-    const auto& [near, far] = run.task.As<PickTaskConfig>().base_distance;
-    const auto& [low, high] = run.task.As<PickTaskConfig>().base_height_noise;
+    const auto& [near, far] = *run.start.base_distance;
+    const auto& [low, high] = *run.start.base_height_noise;
     for (const auto& [kind, values] : distances) {
       EXPECT_EQ(values.size(), 24u) << "kinds take turns";
       EXPECT_GE(Span(values), 0.75 * (far - near)) << kind << " of " << count;
@@ -236,7 +236,7 @@ TEST(PickTaskSampler, ObjectsLieOnTheTableOfTheHouseThatIsThereNow) {
 
 TEST(PickTaskSampler, ABaseOutOfReachIsRefusedWithTheDistance) {
   RunConfig run = Demo();
-  run.task.As<PickTaskConfig>().base_distance = {3, 3};
+  run.start.base_distance = {3, 3};
   PickTaskSampler sampler(run);
   Rng rng = StreamOf(0);
   const SampleResult result = sampler.Sample({}, rng);
@@ -247,8 +247,8 @@ TEST(PickTaskSampler, ABaseOutOfReachIsRefusedWithTheDistance) {
 
 TEST(PickTaskSampler, ABaseThatOverlapsTheTableWhereverItStandsIsRefused) {
   RunConfig run = Demo();
-  run.task.As<PickTaskConfig>().base_distance = {0.01, 0.01};
-  run.task.As<PickTaskConfig>().base_height_noise = {0, 0};
+  run.start.base_distance = {0.01, 0.01};
+  run.start.base_height_noise = {0, 0};
   PickTaskSampler sampler(run);
   Rng rng = StreamOf(0);
   const SampleResult result = sampler.Sample({}, rng);
@@ -257,7 +257,8 @@ TEST(PickTaskSampler, ABaseThatOverlapsTheTableWhereverItStandsIsRefused) {
   EXPECT_THAT(result.refusal.detail,
               testing::HasSubstr("0.01 m from the target and -0.25 m above it the robot overlaps "
                                  "the support wherever the target lies"));
-  EXPECT_EQ(result.refusal.redrawn.at(Refusal::kBaseInCollision), 7);  // of 8 places
+  EXPECT_EQ(result.refusal.redrawn.at("base: no base pose is free of collisions"),
+            7);  // of 8 places
 }
 
 TEST(PickTaskSampler, ABaseInsideTheTableIsRefusedWithBothGeoms) {
@@ -267,7 +268,7 @@ TEST(PickTaskSampler, ABaseInsideTheTableIsRefusedWithBothGeoms) {
   const Pose before = robot.base().pose();
   robot.base().SetPose(Pose({0, 0, 0.3}));
   const std::string target = scene.compiled()->object("target").root_body;
-  const auto refusal = sampler.CheckBasePose(scene, robot, target);
+  const auto refusal = sampler.ValidateBasePose(scene, robot, target);
   ASSERT_TRUE(refusal.has_value());
   EXPECT_EQ(refusal->reason, Refusal::kBaseInCollision);
   EXPECT_THAT(refusal->detail, testing::HasSubstr("geom 'robot_0/"));

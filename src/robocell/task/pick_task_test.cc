@@ -43,7 +43,7 @@ class PickTaskTest : public ::testing::Test {
     scene_.Forward();
   }
 
-  // Of an episode that begins with things as they are now.
+  // The task of an episode that begins in the present state.
   PickTask Begun(const std::string& object = "bar") const {
     PickTask task(object, "bar", {object}, kLift);
     task.Begin(scene_);

@@ -10,6 +10,7 @@
 #include "robocell/kinematics/ik_batch.h"
 #include "robocell/motion/gripper_shape.h"
 #include "robocell/robot/robot.h"
+#include "robocell/task/base_placement.h"
 #include "robocell/task/grasp_motion.h"
 
 namespace robocell {
@@ -46,8 +47,9 @@ class Search {
   explicit Search(const RunConfig& run)
       : robot_(OnlyRobot(run)),
         shape_(GripperShape::Of(robot_.config(), run.options, robot_.scene().timestep())),
-        asked_(PickRunOf(run.task).value_or(PickRun{})),
-        motion_(GraspMotionsToLift(asked_.lift_height)) {
+        lift_height_(PickRunOf(run.task).value_or(PickRun{}).lift_height),
+        asked_(BaseRangeOf(run.start, {})),
+        motion_(GraspMotionsToLift(lift_height_)) {
     const double reach = robot_.reach(), step = std::max(kGrid, reach / kMostPlaces);
     const double up = BaseUp();
     for (double distance = step; distance <= reach; distance += step) {
@@ -68,7 +70,7 @@ class Search {
       return Where(fmt::format("no place of the base lets the arm lift by {:.2f} m "
                                "(task.lift_height, {:g} m, and what a grasp slips): give less. "
                                "Without the lift a grasp from above is in reach",
-                               motion_.lift, asked_.lift_height),
+                               motion_.lift, lift_height_),
                    unlifted);
     }
     const auto grasped = Those([](const BasePlace& p) { return p.grasp; });
@@ -127,8 +129,8 @@ class Search {
     for (const BasePlace& place : places) {
       const auto same = [&](const BasePlace& p) { return p.offset == place.offset; };
       const int count = static_cast<int>(std::count_if(places.begin(), places.end(), same));
-      const bool nearer = std::abs(place.offset - asked_.base_height_offset) <
-                          std::abs(best - asked_.base_height_offset);
+      const bool nearer =
+          std::abs(place.offset - asked_.height_offset) < std::abs(best - asked_.height_offset);
       if (count > most || (count == most && nearer)) best = place.offset, most = count;
     }
     double low = 0, high = 0;
@@ -140,16 +142,17 @@ class Search {
       first = false;
     }
     return fmt::format(
-        "{} with task.base_height_offset {:.2f} and base_distance {:.2f} ... {:.2f} m, for "
+        "{} with start.base_height_offset {:.2f} and base_distance {:.2f} ... {:.2f} m, for "
         "example "
         "(collisions aside); the run says {:g}, with noise {:g} ... {:g}, and {:g} ... {:g}",
-        what, best, low, high, asked_.base_height_offset, asked_.base_height_noise[0],
-        asked_.base_height_noise[1], asked_.base_distance[0], asked_.base_distance[1]);
+        what, best, low, high, asked_.height_offset, asked_.height_noise[0], asked_.height_noise[1],
+        asked_.distance[0], asked_.distance[1]);
   }
 
   Robot robot_;
   std::shared_ptr<const GripperShape> shape_;
-  PickRun asked_;
+  double lift_height_;
+  BaseRange asked_;
   GraspMotionOptions motion_;
   std::vector<BasePlace> places_;
 };

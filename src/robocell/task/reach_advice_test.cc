@@ -26,17 +26,16 @@ double After(const std::string& text, const std::string& before) {
 // What is advised is tried: the sampler accepts starts there.
 TEST(ReachAdvice, NamesAPlaceFromWhichTheSamplerFindsAGrasp) {
   RunConfig run = DemoRun();
-  run.task.As<PickTaskConfig>().base_height_offset = 0.3;  // the arm stands above the table
-  run.task.As<PickTaskConfig>().base_height_noise = {0, 0};
+  run.start.base_height_offset = 0.3;  // the arm stands above the table
+  run.start.base_height_noise = {0, 0};
   const std::string advice = ReachAdvice(run);
   EXPECT_THAT(advice, AllOf(HasSubstr("a grasp from above, pregrasp and lift included, is in reach "
-                                      "with task.base_height_offset "),
+                                      "with start.base_height_offset "),
                             HasSubstr("the run says 0.3, with noise 0 ... 0, and "),
                             Not(HasSubstr("give less"))));
   const double low = After(advice, "base_distance "), high = After(advice, " ... ");
-  run.task.As<PickTaskConfig>().base_height_offset = After(advice, "base_height_offset ");
-  run.task.As<PickTaskConfig>().base_distance = {std::lerp(low, high, 0.4),
-                                                 std::lerp(low, high, 0.8)};
+  run.start.base_height_offset = After(advice, "base_height_offset ");
+  run.start.base_distance = {std::lerp(low, high, 0.4), std::lerp(low, high, 0.8)};
   PickTaskSampler sampler(run);
   int accepted = 0;
   for (int attempt = 0; attempt < 4; ++attempt) {
@@ -52,7 +51,7 @@ TEST(ReachAdvice, ALiftThatIsTooHighIsNamed) {
   EXPECT_THAT(ReachAdvice(run),
               AllOf(HasSubstr("no place of the base lets the arm lift by 1.25 m (task.lift_height, "
                               "1.2 m, and what a grasp slips): give less. Without the lift a grasp "
-                              "from above is in reach with task.base_height_offset ")));
+                              "from above is in reach with start.base_height_offset ")));
 }
 
 }  // namespace

@@ -4,10 +4,11 @@
 
 #include <map>
 #include <string>
+#include <utility>
 
 namespace robocell {
 
-// How often each reason came up.
+// How often each reason came up, by what Refusal::counted_as() says.
 using RefusalCounts = std::map<std::string, int>;
 
 // Reasons are few and counted, details are for reading. A task of one's own may have reasons of its
@@ -23,11 +24,35 @@ struct Refusal {
   static constexpr const char* kCameraConstraint = "camera constraint";
   static constexpr const char* kInvalidScene = "invalid scene";
 
+  // The stages of a StartSampler (start_sampler.h), in their order.
+  static constexpr const char* kObjectsStage = "objects";
+  static constexpr const char* kTaskStage = "task";  // what the task does and asks for itself
+  static constexpr const char* kBaseStage = "base";
+  static constexpr const char* kCamerasStage = "cameras";
+  static constexpr const char* kSettlingStage = "settling";
+
   std::string reason = kInvalidScene;
   std::string detail = {};
   // Places that were tried and refused before, in the same call of Sample.
   RefusalCounts redrawn = {};
   std::string object_kind = {};  // the target's, when it was chosen already
+  std::string stage = {};        // that refused; "" for samplers without stages
+
+  // "base: no base pose reaches the object".
+  std::string counted_as() const { return stage.empty() ? reason : stage + ": " + reason; }
+  // The same refusal of a stage, unless one inside of it made it.
+  Refusal MadeBy(const char* by) && {
+    if (stage.empty()) stage = by;
+    return std::move(*this);
+  }
 };
+
+// Whether any stage refused for this reason.
+inline bool HasReason(const RefusalCounts& counts, const std::string& reason) {
+  for (const auto& [counted, count] : counts) {
+    if (counted == reason || counted.ends_with(": " + reason)) return true;
+  }
+  return false;
+}
 
 }  // namespace robocell

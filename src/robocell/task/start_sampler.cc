@@ -8,15 +8,12 @@
 #include <cmath>
 
 #include "robocell/base/error.h"
-#include "robocell/base/units.h"
-#include "robocell/motion/clearance.h"
 #include "robocell/motion/gripper_shape.h"
-#include "robocell/motion/robot_outline.h"
 #include "robocell/scene/scene_cache.h"
 #include "robocell/scenes/object_places.h"
 #include "robocell/scenes/scene_source.h"
 #include "robocell/scenes/settle.h"
-#include "robocell/spec/problem_lines.h"
+#include "robocell/spec/problems.h"
 #include "robocell/spec/validate.h"
 #include "robocell/task/task_kind.h"
 
@@ -29,9 +26,6 @@ constexpr int kArrangements = 8;
 constexpr int kPlaceTries = 60;           // of objects, until a base pose is clear of the support
 constexpr size_t kMostSupports = 64;      // that are remembered
 constexpr double kSamePlace = 1e-6;       // metres
-constexpr double kBaseClearance = 0.01;   // metres between the robot and everything else
-constexpr double kFacingNoise = 0.35;     // rad
-constexpr int kBearings = 72;             // directions that a base pose is looked for in
 const Eigen::Vector3d kParked(20, 0, 1);  // where the robot waits while the objects settle
 
 // Where the base's placement of an episode stands in a sequence that is even over any stretch, and
@@ -54,7 +48,7 @@ void RequireValid(const std::vector<SceneObject>& objects, const std::string& wh
 }  // namespace
 
 SceneSpec StartSampler::MakeBaseScene(int scene_index) {
-  return robocell::MakeBaseScene(run_, scene_index);
+  return robocell::MakeBaseScene(run_, *source_, scene_index);
 }
 
 struct StartSampler::Measured {
@@ -63,7 +57,9 @@ struct StartSampler::Measured {
 };
 
 StartSampler::StartSampler(RunConfig run)
-    : run_(std::move(run)), measured_(std::make_unique<Measured>()) {}
+    : run_(std::move(run)),
+      source_(MakeSceneSource(run_)),
+      measured_(std::make_unique<Measured>()) {}
 StartSampler::~StartSampler() = default;
 
 ObjectSizes& StartSampler::sizes() { return measured_->sizes; }
@@ -71,7 +67,9 @@ std::shared_ptr<const GripperShape>& StartSampler::shape() { return measured_->s
 
 // Many scenes of a run may have the same base, and a subclass may make another one every time, or
 // another file of the same name.
-Support StartSampler::SupportOf(const SceneSpec& base) {
+Support StartSampler::FindSupportOf(const SceneSpec& base, int scene_index, Rng& rng) {
+  if (const auto known = source_->KnownAnnotations(scene_index); known && !known->supports.empty())
+    return known->supports[rng.UniformInt(known->supports.size())].face;
   const std::string key = SceneKey(base);
   const auto it = supports_.find(key);
   if (it != supports_.end()) return it->second;
@@ -94,36 +92,17 @@ bool StartSampler::PlaceObjects(const Support& support, std::vector<SceneObject>
 std::optional<Pose> StartSampler::ProposeBasePose(const Robot& robot, const Support& support,
                                                   const Pose& target,
                                                   const BasePlacement& placement, Rng& rng) {
-  const RobotOutline outline(robot);
-  const double first = rng.Uniform(-kPi, kPi);
-  const double turn = kPi + rng.Uniform(-kFacingNoise, kFacingNoise);
-  std::vector<Pose> clear;
-  for (int i = 0; i < kBearings; ++i) {
-    const double bearing = first + 2 * kPi * i / kBearings;
-    const Eigen::Vector3d offset(placement.distance * std::cos(bearing),
-                                 placement.distance * std::sin(bearing), placement.height);
-    const Pose base = Pose::FromRpy(target.translation() + offset, {0, 0, bearing + turn});
-    if (outline.IsClearOf(support.box(), base, kBaseClearance)) clear.push_back(base);
-  }
-  if (clear.empty()) return std::nullopt;
-  return clear[rng.UniformInt(clear.size())];
+  return robocell::ProposeBasePose(robot, support, target, placement, run_.start, rng);
 }
 
-std::optional<Refusal> StartSampler::CheckBasePose(Scene& scene, Robot& robot,
-                                                   const std::string& target_body) {
-  const Eigen::Vector3d target = scene.body_pose(target_body).translation();
-  const double distance = (target - robot.base_in_world().translation()).norm();
-  if (distance > kReachShare * robot.reach()) {
-    return Refusal{Refusal::kNoReachableBasePose,
-                   fmt::format("{:.2f} m away, reach is {:.2f} m", distance, robot.reach())};
-  }
-  const Clearance nearest = RobotClearance(scene, robot, kBaseClearance);
-  if (nearest.distance < kBaseClearance) {
-    return Refusal{Refusal::kBaseInCollision,
-                   fmt::format("{} is {:.3f} m from {}", nearest.robot_geom, nearest.distance,
-                               nearest.other_geom)};
-  }
-  return std::nullopt;
+std::optional<Refusal> StartSampler::ValidateBasePose(Scene& scene, Robot& robot,
+                                                      const std::string& target_body) {
+  if (auto refusal = ValidateBaseReach(robot, scene.body_pose(target_body))) return refusal;
+  return ValidateBaseClearance(scene, robot, run_.start.base_clearance);
+}
+
+std::optional<Refusal> StartSampler::ValidateCameras(Scene& scene, const std::string& target_body) {
+  return ValidateVisibility(scene, target_body, run_);
 }
 
 struct StartSampler::Setup {
@@ -131,7 +110,7 @@ struct StartSampler::Setup {
   Scene scene;
   Robot robot;
   std::string target_body;
-  StopCheck stop;
+  StopRequest stop;
   RefusalCounts redrawn = {};
 };
 
@@ -142,7 +121,8 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& su
   Pose target;
   for (int t = 0; t < kPlaceTries && !base; ++t) {
     if (!PlaceObjects(support, setup.objects, rng))
-      return Refusal{Refusal::kNoFreePlace, "the objects do not fit beside each other"};
+      return Refusal{Refusal::kNoFreePlace, "the objects do not fit beside each other"}.MadeBy(
+          Refusal::kObjectsStage);
     moved = TaskStarts(rng);
     target = setup.objects.front().pose();
     for (const auto& [body, pose] : moved) {
@@ -154,7 +134,8 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& su
     return Refusal{Refusal::kBaseInCollision,
                    fmt::format("{:.2f} m from the target and {:.2f} m above it the robot overlaps "
                                "the support wherever the target lies",
-                               placement.distance, placement.height)};
+                               placement.distance, placement.height)}
+        .MadeBy(Refusal::kBaseStage);
   }
   for (const SceneObject& object : setup.objects) {
     if (!IsFixed(object))
@@ -163,23 +144,28 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& su
   for (const auto& [body, pose] : moved) setup.scene.SetBodyPose(body, pose);
   setup.robot.base().SetPose(*base);
   setup.scene.Forward();
-  if (auto refusal = ArrangeTask(setup.scene, rng)) return refusal;
-  if (auto refusal = CheckDistance(setup, target)) return refusal;
-  return CheckBasePose(setup.scene, setup.robot, setup.target_body);
+  if (auto refusal = ArrangeTask(setup.scene, rng))
+    return std::move(*refusal).MadeBy(Refusal::kTaskStage);
+  if (auto refusal = ValidateDistance(setup, target))
+    return std::move(*refusal).MadeBy(Refusal::kBaseStage);
+  return ValidatePlaced(setup);
 }
 
 // A task that moves its target once more may take it out of the range that it asked for.
-std::optional<Refusal> StartSampler::CheckDistance(const Setup& setup,
-                                                   const Pose& proposed_for) const {
-  const Eigen::Vector3d target = setup.scene.body_pose(setup.target_body).translation();
-  if ((target - proposed_for.translation()).norm() < kSamePlace) return std::nullopt;
-  const Vec2 range = base_range().distance;
-  const double distance = (target - setup.robot.base().pose().translation()).head<2>().norm();
-  if (distance > range[0] - kSamePlace && distance < range[1] + kSamePlace) return std::nullopt;
-  return Refusal{Refusal::kNoReachableBasePose,
-                 fmt::format("the task moved the object to {:.2f} m from the base, out of its "
-                             "base range of {:g} to {:g} m",
-                             distance, range[0], range[1])};
+std::optional<Refusal> StartSampler::ValidateDistance(const Setup& setup,
+                                                      const Pose& proposed_for) const {
+  const Pose target = setup.scene.body_pose(setup.target_body);
+  if ((target.translation() - proposed_for.translation()).norm() < kSamePlace) return std::nullopt;
+  return ValidateBaseDistance(setup.robot, target, base_range());
+}
+
+// What holds before and after settling.
+std::optional<Refusal> StartSampler::ValidatePlaced(Setup& setup) {
+  if (auto refusal = ValidateBasePose(setup.scene, setup.robot, setup.target_body))
+    return std::move(*refusal).MadeBy(Refusal::kBaseStage);
+  if (auto refusal = ValidateCameras(setup.scene, setup.target_body))
+    return std::move(*refusal).MadeBy(Refusal::kCamerasStage);
+  return std::nullopt;
 }
 
 // Draws places for the objects and for the base until both fit, and counts those that do not.
@@ -189,7 +175,7 @@ std::optional<Refusal> StartSampler::Arrange(Setup& setup, const Support& suppor
   std::optional<Refusal> refusal = ArrangeOnce(setup, support, placement, rng);
   for (int t = 1; t < kArrangements && refusal && !ShouldStop(setup.stop); ++t) {
     if (refusal->reason == Refusal::kNoGrasp) break;  // no base pose changes that
-    ++setup.redrawn[refusal->reason];
+    ++setup.redrawn[refusal->counted_as()];
     refusal = ArrangeOnce(setup, support, placement, rng);
   }
   return refusal;
@@ -201,8 +187,8 @@ std::optional<Refusal> StartSampler::PrepareStart(Setup& setup, const Support& s
   if (auto refusal = Arrange(setup, support, placement, rng)) return refusal;
   if (auto why_not = Settle(setup.scene, {&setup.robot, 1}, setup.target_body,
                             {.sim_steps = run_.rates.sim_steps(), .stop = setup.stop}))
-    return Refusal{Refusal::kUnsettled, *why_not};
-  if (auto refusal = CheckBasePose(setup.scene, setup.robot, setup.target_body)) return refusal;
+    return Refusal{Refusal::kUnsettled, *why_not}.MadeBy(Refusal::kSettlingStage);
+  if (auto refusal = ValidatePlaced(setup)) return refusal;
   setup.scene.data()->time = 0;
   setup.scene.Forward();
   return std::nullopt;
@@ -211,7 +197,8 @@ std::optional<Refusal> StartSampler::PrepareStart(Setup& setup, const Support& s
 SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
   measured_ = std::make_unique<Measured>();
   SceneSpec spec = MakeBaseScene(request.scene);
-  const Support support = SupportOf(spec);
+  Rng support_rng = rng.Fork("support");
+  const Support support = FindSupportOf(spec, request.scene, support_rng);
   const size_t before = spec.objects.size();
   StartContents contents = AddContents(request, spec, rng);
   std::vector<std::string>& kinds = contents.kinds;
@@ -227,7 +214,8 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
     return {.start = {},
             .refusal = {.reason = Refusal::kNoFreePlace,
                         .detail = "the objects do not fit beside each other",
-                        .object_kind = kinds[0]}};
+                        .object_kind = kinds[0],
+                        .stage = Refusal::kObjectsStage}};
   }
   for (size_t i = 0; i < contents.objects.size(); ++i) {
     if (before + i < spec.objects.size())
@@ -284,7 +272,7 @@ std::shared_ptr<Task> TaskStartSampler::MakeTask(const std::string& /*target*/,
   return task_;
 }
 
-BaseRange TaskStartSampler::base_range() const { return task_->base_range(); }
+BaseRange TaskStartSampler::own_base_range() const { return task_->base_range(); }
 
 BodyPoses TaskStartSampler::TaskStarts(Rng& rng) { return task_->Starts(rng); }
 

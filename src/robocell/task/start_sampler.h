@@ -1,11 +1,11 @@
 // StartSampler: where the episodes of a run start, stage by stage: a base scene from the run's
-// source, objects that come to rest on its support, and a robot placed beside the first of them:
-// its base in an annulus around that object with a height offset and noise, facing it, free of
-// collisions and with the object in reach. Distances and heights are spread evenly over the
-// episodes of a run (a low-discrepancy sequence), so that a short run covers the ranges too.
+// source, objects that come to rest on its support, what the task does itself, a robot placed
+// beside the first object (base_placement.h), cameras that see it, and settling. Distances and
+// heights are spread evenly over the episodes of a run (a low-discrepancy sequence), so that a
+// short run covers the ranges too.
 //
 // Stages can be replaced one by one by subclassing, in C++ and in Python. All randomness comes from
-// the Rng given to Sample; a start that cannot be made is a Refusal with the stage's reason.
+// the Rng given to Sample; a start that cannot be made is a Refusal with its stage and reason.
 // TaskStartSampler makes starts of any registered task.
 #pragma once
 
@@ -24,6 +24,7 @@
 namespace robocell {
 
 class GripperShape;
+class SceneSource;
 class TaskKind;
 
 // The objects of a start: what it is about first.
@@ -34,8 +35,6 @@ struct StartContents {
 
 class StartSampler : public TaskSampler {
  public:
-  static constexpr double kReachShare = 0.95;  // of the robot's reach that is used
-
   explicit StartSampler(RunConfig run);
   ~StartSampler() override;
 
@@ -44,6 +43,9 @@ class StartSampler : public TaskSampler {
 
   // The stages, in their order.
   virtual SceneSpec MakeBaseScene(int scene_index);
+  // Where objects are put in the base scene: one of the supports that the source knows of, chosen
+  // at random, else the one that its geometry has.
+  virtual Support FindSupportOf(const SceneSpec& base, int scene_index, Rng& rng);
   // Adds what the episode is about to the base scene and says what was added.
   virtual StartContents AddContents(const SampleRequest& request, SceneSpec& spec, Rng& rng) = 0;
   // Puts the objects that can move on the support without overlap; false when there is no room.
@@ -57,15 +59,17 @@ class StartSampler : public TaskSampler {
                                               const Pose& target_in_world,
                                               const BasePlacement& placement, Rng& rng);
   // Whether the robot stands free there, with the target in reach; the refusal says why not.
-  virtual std::optional<Refusal> CheckBasePose(Scene& scene, Robot& robot,
-                                               const std::string& target_body);
+  virtual std::optional<Refusal> ValidateBasePose(Scene& scene, Robot& robot,
+                                                  const std::string& target_body);
+  // Whether the cameras of `start.visible_from` see the target; the refusal says why not.
+  virtual std::optional<Refusal> ValidateCameras(Scene& scene, const std::string& target_body);
   // What the episode is about: `target` among `objects`, names in the scene.
   virtual std::shared_ptr<Task> MakeTask(const std::string& target, const std::string& kind,
                                          const std::vector<std::string>& objects) = 0;
 
  protected:
-  // The ranges of base poses.
-  virtual BaseRange base_range() const { return {}; }
+  // The task's own range of base poses, where `start` of the run says nothing.
+  virtual BaseRange own_base_range() const { return {}; }
   // Where the task itself puts bodies of the scene, by their names; asked before the base is placed,
   // each time that objects are.
   virtual BodyPoses TaskStarts(Rng& /*rng*/) { return {}; }
@@ -79,16 +83,18 @@ class StartSampler : public TaskSampler {
  private:
   struct Setup;  // the scene being made
   struct Measured;
-  Support SupportOf(const SceneSpec& base);
   std::optional<Refusal> Arrange(Setup& setup, const Support& support,
                                  const BasePlacement& placement, Rng& rng);
-  std::optional<Refusal> CheckDistance(const Setup& setup, const Pose& proposed_for) const;
+  BaseRange base_range() const { return BaseRangeOf(run_.start, own_base_range()); }
+  std::optional<Refusal> ValidateDistance(const Setup& setup, const Pose& proposed_for) const;
+  std::optional<Refusal> ValidatePlaced(Setup& setup);
   std::optional<Refusal> ArrangeOnce(Setup& setup, const Support& support,
                                      const BasePlacement& placement, Rng& rng);
   std::optional<Refusal> PrepareStart(Setup& setup, const Support& support,
                                       const BasePlacement& placement, Rng& rng);
 
   RunConfig run_;
+  std::shared_ptr<SceneSource> source_;
   std::map<std::string, Support> supports_;  // by the base scene's spec
   std::unique_ptr<Measured> measured_;       // anew in each Sample
 };
@@ -104,7 +110,7 @@ class TaskStartSampler : public StartSampler {
                                  const std::vector<std::string>& objects) override;
 
  protected:
-  BaseRange base_range() const override;
+  BaseRange own_base_range() const override;
   BodyPoses TaskStarts(Rng& rng) override;
   std::optional<Refusal> ArrangeTask(Scene& scene, Rng& rng) override;
 

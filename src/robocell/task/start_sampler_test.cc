@@ -24,7 +24,7 @@ struct BlocksConfig {
   static constexpr const char* kTypeName = "BlocksConfig";
   template <class V>
   static void Fields(V&& v) {
-    v("blocks", &BlocksConfig::blocks, "How many.", Check::kNonNegative);
+    v("blocks", &BlocksConfig::blocks, "How many.", Bound::kNonNegative);
     v("refuses", &BlocksConfig::refuses, "Whether every start is refused.");
     v("moves", &BlocksConfig::moves, "Whether the first is put at a place of its own.");
     v("moves_late", &BlocksConfig::moves_late, "The same, once the robot stands.");
@@ -83,6 +83,7 @@ RunConfig BlocksRun(const BlocksConfig& fields = {}) {
   (void)kRegistered;
   RunConfig run = ExampleRun("demo.yaml");
   run.task = fields;
+  run.start = {};  // the task's own range
   return run;
 }
 
@@ -136,8 +137,39 @@ TEST(TaskStartSampler, ATaskMayRefuseForAReasonOfItsOwn) {
   Rng rng = Rng::Stream(5, "refused");
   const SampleResult result = sampler.Sample({}, rng);
   EXPECT_FALSE(result.start.has_value());
-  EXPECT_TRUE(result.refusal.reason == "a reason of its own" ||
-              result.refusal.redrawn.contains("a reason of its own"));
+  EXPECT_TRUE(result.refusal.counted_as() == "task: a reason of its own" ||
+              result.refusal.redrawn.contains("task: a reason of its own"));
+}
+
+TEST(TaskStartSampler, TheStartOfARunComesBeforeTheRangeOfTheTask) {
+  RunConfig run = BlocksRun();
+  run.start.base_distance = {0.45, 0.5};
+  TaskStartSampler sampler(run);
+  const SampleResult result = FirstAccepted(sampler, 0);
+  ASSERT_TRUE(result.start) << result.refusal.detail;
+  const Eigen::Vector3d target = result.start->scene.body_pose("block_0").translation();
+  const double distance = (target - result.start->base_in_world.translation()).head<2>().norm();
+  EXPECT_GE(distance, 0.45 - 0.01);
+  EXPECT_LE(distance, 0.50 + 0.01);
+}
+
+TEST(TaskStartSampler, ACameraThatDoesNotSeeTheObjectRefusesTheStart) {
+  RunConfig run = BlocksRun();
+  run.start.visible_from = {"exo_camera"};
+  run.start.visible_share = 0.2;
+  TaskStartSampler sampler(run);
+  EXPECT_TRUE(FirstAccepted(sampler, 0).start);
+  // At its home the hand looks straight down beside its own base.
+  run.start.visible_from = {"wrist_camera"};
+  run.start.visible_share = 1;
+  run.cameras.resolution = {16, 2};
+  TaskStartSampler blind(run);
+  Rng rng = Rng::Stream(5, 0, 0);
+  const SampleResult result = blind.Sample({}, rng);
+  ASSERT_FALSE(result.start);
+  EXPECT_TRUE(result.refusal.counted_as() == "cameras: camera constraint" ||
+              result.refusal.redrawn.contains("cameras: camera constraint"))
+      << result.refusal.counted_as();
 }
 
 // The base is placed around where the object is, whoever put it there.

@@ -87,7 +87,8 @@ class Task {
   virtual std::vector<std::string> resting_objects() const { return {}; }
   // What TaskVerdict::subtask counts through.
   virtual std::vector<std::string> subtasks() const { return {}; }
-  // In runs: where the robot's base may stand around the first of objects().
+  // In runs: where the robot's base may stand around the first of objects(), as far as `start` of
+  // the run does not say.
   virtual BaseRange base_range() const { return {}; }
   // Why an episode that ran out of time is no success, in few words for counting.
   virtual std::string why_not_done() const { return "the task was not done"; }
@@ -135,10 +136,10 @@ struct SampleResult {
 
 // Which start is asked for. Samplers may use the numbers to spread their choices evenly over a run.
 struct SampleRequest {
-  int scene = 0;        // which scene of the source
-  int episode = 0;      // which episode in that scene
-  int attempt = 0;      // which try at that episode
-  StopCheck stop = {};  // when it says true, the sampler may refuse with any reason
+  int scene = 0;          // which scene of the source
+  int episode = 0;        // which episode in that scene
+  int attempt = 0;        // which try at that episode
+  StopRequest stop = {};  // when it says true, the sampler may refuse with any reason
 };
 
 class TaskSampler {

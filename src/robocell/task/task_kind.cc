@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
-#include "robocell/task/pick_kind.h"
+#include "robocell/base/suggestions.h"
+#include "robocell/task/pick_sampler.h"
 #include "robocell/task/start_sampler.h"
 
 namespace robocell {
@@ -41,7 +41,7 @@ std::vector<SceneObject> TaskKind::Contents(const RunConfig& run) const {
   return objects;
 }
 
-void RegisterTask(const std::string& kind, std::shared_ptr<const TaskFields> fields,
+void RegisterTask(const std::string& kind, std::shared_ptr<const KindFields> fields,
                   std::shared_ptr<const TaskKind> task, bool replace) {
   if (!task) throw ArgumentError("task '" + kind + "' needs a TaskKind that makes it");
   RegisterTaskFields(kind, std::move(fields), replace);

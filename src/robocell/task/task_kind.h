@@ -32,9 +32,10 @@ class TaskKind {
 
   // What can be known of a run before its first episode. `scene` holds the run's robot and one of
   // each of Contents(run).
-  virtual void CheckFields(const RunConfig& /*run*/, Problems& /*problems*/) const {}
-  virtual void CheckScene(const RunConfig& /*run*/, const Scene& /*scene*/, Robot& /*robot*/,
-                          Problems& /*problems*/, std::vector<std::string>& /*warnings*/) const {}
+  virtual void ValidateRun(const RunConfig& /*run*/, Problems& /*problems*/) const {}
+  virtual void ValidateScene(const RunConfig& /*run*/, const Scene& /*scene*/, Robot& /*robot*/,
+                             Problems& /*problems*/, std::vector<std::string>& /*warnings*/) const {
+  }
   // One of each kind of object that the run's scenes may hold, for their models.
   virtual std::vector<SceneObject> Contents(const RunConfig& run) const;
   // Source files that define it, for kinds that users write: a dataset remembers what they held.
@@ -45,20 +46,20 @@ class TaskKind {
 
 // Makes a kind known on all threads, from now on. `fields` are its defaults. ArgumentError for a
 // name that is taken, unless `replace` allows it.
-void RegisterTask(const std::string& kind, std::shared_ptr<const TaskFields> fields,
+void RegisterTask(const std::string& kind, std::shared_ptr<const KindFields> fields,
                   std::shared_ptr<const TaskKind> task, bool replace = false);
 
 // A kind whose tasks are made as T(const Config&).
-template <IsTaskConfig Config, class T>
+template <NamesItsKind Config, class T>
 class TaskKindOf : public TaskKind {
  public:
   std::shared_ptr<Task> Make(const TaskSpec& spec) const override {
     return std::make_shared<T>(spec.As<Config>());
   }
 };
-template <IsTaskConfig Config>
+template <NamesItsKind Config>
 void RegisterTask(std::shared_ptr<const TaskKind> task) {
-  RegisterTask(Config::kKind, std::make_shared<TaskFieldsOf<Config>>(), std::move(task));
+  RegisterTask(Config::kKind, std::make_shared<KindFieldsOf<Config>>(), std::move(task));
 }
 
 // NotFoundError lists the kinds, for those whose fields are registered without a task.

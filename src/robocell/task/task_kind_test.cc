@@ -20,10 +20,10 @@ TEST(TaskKind, TheBuiltInOnesAreThere) {
 TEST(TaskKind, ItsFieldsAreRegisteredWithIt) {
   const auto pick = FindTaskKind("pick");
   ExpectThrow<ArgumentError>(
-      [&] { RegisterTask("pick", std::make_shared<TaskFieldsOf<PickTaskConfig>>(), pick); },
+      [&] { RegisterTask("pick", std::make_shared<KindFieldsOf<PickTaskConfig>>(), pick); },
       "task 'pick' is registered already");
   ExpectThrow<ArgumentError>(
-      [] { RegisterTask("none", std::make_shared<TaskFieldsOf<PickTaskConfig>>(), nullptr); },
+      [] { RegisterTask("none", std::make_shared<KindFieldsOf<PickTaskConfig>>(), nullptr); },
       "task 'none' needs a TaskKind");
   EXPECT_FALSE(IsTaskKind("none"));
 }
@@ -41,7 +41,7 @@ TEST(TaskKind, UnknownKindsOfObjectsAreProblemsOfTheirPlace) {
   RunConfig run = ExampleRun("demo.yaml");
   run.task.As<PickTaskConfig>().objects = {"box", "mgu"};
   Problems problems;
-  FindTaskKind("pick")->CheckFields(run, problems);
+  FindTaskKind("pick")->ValidateRun(run, problems);
   ASSERT_EQ(problems.list().size(), 1u);
   EXPECT_EQ(problems.list()[0].path, "task.objects[1]");
   EXPECT_THAT(problems.list()[0].message, ::testing::HasSubstr("Did you mean 'mug'?"));

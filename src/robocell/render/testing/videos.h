@@ -27,8 +27,8 @@ inline double Psnr(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b)
   return 10 * std::log10(255.0 * 255.0 * static_cast<double>(a.size()) / sum);
 }
 
-// Where most of the red is in each frame, in pixels from the top; NaN without red. Frames are
-// `width` pixels wide.
+// Returns the row with most of the red in each frame, in pixels from the top; NaN without red.
+// Frames are `width` pixels wide.
 inline std::vector<double> RowsOfRed(const std::filesystem::path& file, size_t width = 64) {
   std::vector<double> rows;
   for (const std::vector<uint8_t>& rgb : FramesOf(file)) {

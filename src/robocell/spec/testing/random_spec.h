@@ -54,7 +54,7 @@ class RandomSpec {
       value.clear();
       for (uint64_t n = rng_.UniformInt(3); n > 0; --n) Fill(value[Text()]);
     } else if constexpr (HasFields<T>) {
-      ForEachField(value, [&](const char*, auto& field, const char*, Check) { Fill(field); });
+      ForEachField(value, [&](const char*, auto& field, const char*, Bound) { Fill(field); });
     } else {
       FillOther(value);
     }
@@ -88,6 +88,14 @@ class RandomSpec {
     value.index = static_cast<int>(rng_.UniformInt(9));
   }
   void FillOther(RobotSource& value) { Fill(value.config); }
+  void FillOther(SceneSourceSpec& value) {
+    value = SceneSourceSpec();
+    if (rng_.UniformInt(2)) {
+      value = FilesScenes();
+      Fill(value.As<FilesScenes>());
+    }
+    FillOther(value.houses);
+  }
   void FillOther(TaskSpec& value) {
     if (rng_.UniformInt(2)) {
       value = TaskSpec();

@@ -87,7 +87,7 @@ class PickTaskConfig(BaseTaskConfig):
     def _add_task(self, config: rc.EnvConfig, name: str) -> None:
         if self.kind == PICK_AND_PLACE:
             raise rc.ArgumentError(
-                "task_cfg: pick_place is told where the object goes; PickPlaceTaskConfig has goal"
+                "task_cfg: pick_place needs the place of the object; PickPlaceTaskConfig has goal"
             )
         config.task = {"kind": self.kind}
         # A task of one's own may be about an object or not.

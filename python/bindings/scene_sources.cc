@@ -1,0 +1,248 @@
+// Sources of scenes and what is known of their scenes; subclassing them in Python. C++ threads may
+// call them: each call takes the GIL.
+#include "robocell/scenes/scene_source.h"
+
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/array.h>
+
+#include "bindings.h"
+#include "spec_fields.h"
+#include "task_trampolines.h"
+
+namespace nb = nanobind;
+
+namespace robocell::python {
+
+using namespace nb::literals;
+
+namespace {
+
+class PySceneSource : public SceneSource {
+ public:
+  NB_TRAMPOLINE(SceneSource);
+  std::optional<int> size() const override {
+    return CallMethod<std::optional<int>>(nb_trampoline, "size",
+                                          static_cast<const SceneSource*>(this), nullptr);
+  }
+  SceneSpec Make(int index) override {
+    return CallMethod<SceneSpec>(nb_trampoline, "make", static_cast<SceneSource*>(this), nullptr,
+                                 index);
+  }
+  std::optional<SceneAnnotations> KnownAnnotations(int index) override {
+    if (!Defines(nb_trampoline, "annotations")) return std::nullopt;
+    const nb::gil_scoped_acquire acquire;
+    const nb::handle self = nb_trampoline.base();
+    return Returned<std::optional<SceneAnnotations>>(self, "annotations",
+                                                     self.attr("annotations")(index));
+  }
+};
+
+Vec3 ToArray(const Eigen::Vector3d& vector) { return ToVec3(vector); }
+
+// A field of a struct of plain data.
+template <class C, class T>
+void DefVector(nb::class_<C>& c, const char* name, T C::*field, const char* doc) {
+  c.def_prop_ro(
+      name, [field](const C& value) { return nb::cast(ToArray(value.*field)); }, doc,
+      nb::sig(("def " + std::string(name) + "(self) -> list[float]").c_str()));
+}
+
+void BindSupportFace(nb::module_& m) {
+  nb::class_<SupportFace>(m, "SupportFace", "A level face that objects can be put on.")
+      .def(
+          "__init__",
+          [](SupportFace* self, const Support& face, const std::string& body, double free_area,
+             const std::string& room) {
+            new (self) SupportFace{face, body, free_area, room};
+          },
+          "face"_a, "body"_a = "", "free_area"_a = 0.0, "room"_a = "")
+      .def_ro("face", &SupportFace::face)
+      .def_ro("body", &SupportFace::body)
+      .def_ro("free_area", &SupportFace::free_area, "With room above it, square metres.")
+      .def_ro("room", &SupportFace::room);
+}
+
+void BindContainer(nb::module_& m) {
+  nb::class_<Container> c(m, "Container", "A hollow that objects can be put into.");
+  c.def(
+       "__init__",
+       [](Container* self, const std::string& body, const Pose& frame, const Vec3& half_extents,
+          const Vec3& opening, const std::string& moved_by, const std::string& room) {
+         new (self) Container{body, frame, half_extents, ToEigen(opening), moved_by, room};
+       },
+       "body"_a, "frame_to_world"_a, "half_extents"_a, "opening"_a = Vec3{0, 0, 1},
+       "moved_by"_a = "", "room"_a = "")
+      .def_ro("body", &Container::body)
+      .def_ro("frame_to_world", &Container::frame_to_world, "The middle of the hollow.")
+      .def_prop_ro(
+          "half_extents", [](const Container& value) { return value.half_extents; },
+          "Of the hollow along its frame's axes, metres.",
+          nb::sig("def half_extents(self) -> list[float]"))
+      .def_ro("moved_by", &Container::moved_by, "The joint of a drawer; '' if it stands.")
+      .def_ro("room", &Container::room);
+  DefVector(c, "opening", &Container::opening, "Out of it, in the world.");
+}
+
+void BindArticulation(nb::module_& m) {
+  nb::enum_<ArticulationKind>(m, "ArticulationKind", "How a part of the surroundings moves.")
+      .value("HINGE", ArticulationKind::kHinge)
+      .value("SLIDE", ArticulationKind::kSlide);
+  nb::class_<Articulation> c(m, "Articulation",
+                             "A joint of the surroundings: a door, a drawer, a lid, a knob.");
+  c.def(
+       "__init__",
+       [](Articulation* self, const std::string& joint, const std::string& body,
+          ArticulationKind kind, const Vec2& range, double start, const Vec3& axis,
+          const Vec3& anchor, const std::vector<std::string>& handle_geoms) {
+         new (self) Articulation{joint,           body,        kind, range, start, ToEigen(axis),
+                                 ToEigen(anchor), handle_geoms};
+       },
+       "joint"_a, "body"_a, "kind"_a = ArticulationKind::kHinge, "range"_a = Vec2{0, 0},
+       "start"_a = 0.0, "axis"_a = Vec3{0, 0, 1}, "anchor"_a = Vec3{0, 0, 0},
+       "handle_geoms"_a = std::vector<std::string>())
+      .def_ro("joint", &Articulation::joint)
+      .def_ro("body", &Articulation::body, "That it moves.")
+      .def_ro("kind", &Articulation::kind)
+      .def_prop_ro(
+          "range", [](const Articulation& value) { return value.range; },
+          "Of its value, rad or m; infinite without limits.",
+          nb::sig("def range(self) -> list[float]"))
+      .def_ro("start", &Articulation::start, "Its value in the scene as compiled.")
+      .def_ro("handle_geoms", &Articulation::handle_geoms,
+              "What it is opened by; empty if that is not known.");
+  DefVector(c, "axis", &Articulation::axis, "In the world.");
+  DefVector(c, "anchor", &Articulation::anchor, "A point of the axis, in the world.");
+}
+
+void BindRooms(nb::module_& m) {
+  nb::class_<Room>(m, "Room", "A room of a house.")
+      .def(
+          "__init__",
+          [](Room* self, const std::string& name, const std::string& category,
+             const std::vector<Vec2>& outline, double floor_height) {
+            new (self) Room{name, category, outline, floor_height};
+          },
+          "name"_a, "category"_a = "", "outline"_a = std::vector<Vec2>(), "floor_height"_a = 0.0)
+      .def_ro("name", &Room::name)
+      .def_ro("category", &Room::category, "'kitchen'")
+      .def_ro("outline", &Room::outline, "Corners on the floor, counter-clockwise, in the world.")
+      .def_ro("floor_height", &Room::floor_height, "Metres.");
+  nb::class_<FloorArea>(m, "FloorArea", "A level rectangle of the floor on which nothing stands.")
+      .def(
+          "__init__",
+          [](FloorArea* self, const Pose& frame, double half_x, double half_y,
+             const std::string& room) {
+            new (self) FloorArea{frame, half_x, half_y, room};
+          },
+          "frame_to_world"_a, "half_x"_a, "half_y"_a, "room"_a = "")
+      .def_ro("frame_to_world", &FloorArea::frame_to_world, "Its middle, z up.")
+      .def_ro("half_x", &FloorArea::half_x, "Half extent along its x axis, metres.")
+      .def_ro("half_y", &FloorArea::half_y, "Half extent along its y axis, metres.")
+      .def_ro("room", &FloorArea::room);
+}
+
+void BindWords(nb::module_& m) {
+  nb::class_<ObjectWords>(m, "ObjectWords", "What an object of a scene is called.")
+      .def(
+          "__init__",
+          [](ObjectWords* self, const std::string& object, const std::string& category,
+             const std::vector<std::string>& words, const std::string& room) {
+            new (self) ObjectWords{object, category, words, room};
+          },
+          "object"_a, "category"_a = "", "words"_a = std::vector<std::string>(), "room"_a = "")
+      .def_ro("object", &ObjectWords::object, "Its name in the scene.")
+      .def_ro("category", &ObjectWords::category, "'mug'")
+      .def_ro("words", &ObjectWords::words, "For instructions: 'the blue cup'.")
+      .def_ro("room", &ObjectWords::room);
+  nb::class_<SceneLight> light(m, "SceneLight", "A light of a scene.");
+  light
+      .def(
+          "__init__",
+          [](SceneLight* self, const std::string& name, const Vec3& position, const Vec3& direction,
+             bool directional) {
+            new (self) SceneLight{name, ToEigen(position), ToEigen(direction), directional};
+          },
+          "name"_a = "", "position"_a = Vec3{0, 0, 0}, "direction"_a = Vec3{0, 0, -1},
+          "directional"_a = false)
+      .def_ro("name", &SceneLight::name)
+      .def_ro("directional", &SceneLight::directional);
+  DefVector(light, "position", &SceneLight::position, "In the world, metres.");
+  DefVector(light, "direction", &SceneLight::direction, "In the world.");
+}
+
+void BindAnnotations(nb::module_& m) {
+  BindSupportFace(m);
+  BindContainer(m);
+  BindArticulation(m);
+  BindRooms(m);
+  BindWords(m);
+  using A = SceneAnnotations;
+  nb::class_<A>(m, "SceneAnnotations",
+                "What is known of a scene beside its geometry. Poses are in the world, names those "
+                "of the compiled scene.")
+      .def(
+          "__init__",
+          [](A* self, const std::vector<SupportFace>& supports,
+             const std::vector<Container>& containers,
+             const std::vector<Articulation>& articulations, const std::vector<Room>& rooms,
+             const std::vector<FloorArea>& free_floor, const std::vector<ObjectWords>& objects,
+             const std::vector<SceneLight>& lights) {
+            new (self) A{supports, containers, articulations, rooms, free_floor, objects, lights};
+          },
+          nb::kw_only(), "supports"_a = std::vector<SupportFace>(),
+          "containers"_a = std::vector<Container>(),
+          "articulations"_a = std::vector<Articulation>(), "rooms"_a = std::vector<Room>(),
+          "free_floor"_a = std::vector<FloorArea>(), "objects"_a = std::vector<ObjectWords>(),
+          "lights"_a = std::vector<SceneLight>(),
+          nb::sig("def __init__(self, *, supports: collections.abc.Sequence[SupportFace] = (), "
+                  "containers: collections.abc.Sequence[Container] = (), articulations: "
+                  "collections.abc.Sequence[Articulation] = (), rooms: "
+                  "collections.abc.Sequence[Room] = (), free_floor: "
+                  "collections.abc.Sequence[FloorArea] = (), objects: "
+                  "collections.abc.Sequence[ObjectWords] = (), lights: "
+                  "collections.abc.Sequence[SceneLight] = ()) -> None"))
+      .def_ro("supports", &A::supports, "Faces to put objects on.")
+      .def_ro("containers", &A::containers, "Hollows to put objects into.")
+      .def_ro("articulations", &A::articulations, "Doors, drawers, lids, knobs.")
+      .def_ro("rooms", &A::rooms)
+      .def_ro("free_floor", &A::free_floor, "Where one can stand.")
+      .def_ro("objects", &A::objects, "Categories and words.")
+      .def_ro("lights", &A::lights);
+  m.def("derive_annotations", &DeriveAnnotations, "spec"_a,
+        nb::call_guard<nb::gil_scoped_release>(),
+        "What follows from the geometry of a SceneSpec, which is compiled: level faces, hollows, "
+        "joints with the geoms that are named handles or knobs, objects and lights.");
+}
+
+}  // namespace
+
+void BindSceneSources(nb::module_& m) {
+  BindAnnotations(m);
+  nb::class_<SceneSource, PySceneSource>(
+      m, "SceneSource",
+      "Numbered scenes in which episodes take place. Subclass it with size() -> int | None and\n"
+      "make(index) -> SceneSpec, and with annotations(index) -> SceneAnnotations | None for what "
+      "it\nknows of them. The same index gives the same scene, whenever it is asked for.\n"
+      "`@register_scene_source('lab')` makes a subclass known by a name.")
+      .def(nb::init<>())
+      .def("size", &SceneSource::size,
+           "How many scenes there are, counted from 0; None for as many as are asked for.")
+      .def("make", &SceneSource::Make, "index"_a,
+           "The SceneSpec, without a task's objects and the run's robot. The run sets its name, "
+           "timestep and options.")
+      .def(
+          "annotations",
+          [](SceneSource& source, int index) -> std::optional<SceneAnnotations> {
+            return source.Derive(index);
+          },
+          "index"_a,
+          "What is known of a scene: all that follows from its geometry, unless a subclass knows "
+          "more.");
+  m.def("make_scene_source", &MakeSceneSource, "run"_a, "The SceneSource of a run.");
+  m.def(
+      "base_scene", [](const RunConfig& run, int index) { return MakeBaseScene(run, index); },
+      "run"_a, "index"_a = 0,
+      "A scene of a run's source, with the run's name, timestep and options.");
+}
+
+}  // namespace robocell::python

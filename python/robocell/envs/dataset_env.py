@@ -1,0 +1,276 @@
+"""Environments from datasets: the cell that a dataset was made in, with its schema.
+
+A policy trained on the columns of the dataset acts here without any mapping. With `flat=True`
+observations and actions are vectors in the order of the chosen names, as in
+`robocell.data.rows(dataset, names)`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from robocell._extras import needed_by
+
+with needed_by("robocell.envs", "envs", "Without it: robocell.envs.RunEnv"):
+    import gymnasium
+    from gymnasium import spaces
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robocell._core import (
+    ArgumentError,
+    CameraSystemConfig,
+    Dataset,
+    Feature,
+    NotFoundError,
+    RunEnv,
+)
+from robocell.dataset_run import run_of_dataset
+from robocell.envs.recorded_env import RecordedEnv, is_recorded
+from robocell.generate.run_source import import_named
+
+__all__ = ["DatasetEnv", "from_dataset"]
+
+# Number of episodes whose features are compared: features that all of them have are observed.
+LOOKED_AT = 50
+
+
+def from_dataset(
+    dataset: str | Path | Dataset,
+    observations: Sequence[str] | None = None,
+    actions: Sequence[str] | None = None,
+    *,
+    privileged: bool = False,
+    cameras: bool = True,
+    flat: bool = False,
+    imports: Sequence[str] = (),
+) -> DatasetEnv:
+    """Makes the environment of a dataset: its cell, task, rates, cameras and schema.
+
+    Args:
+        dataset: A dataset, or its folder.
+        observations: Names of columns and image streams to observe. Default: all columns that
+            every episode has and that exist outside of simulation too, and all streams; of a
+            recorded environment those that it showed.
+        actions: Names of the action columns that a step takes. Default: the absolute target of each
+            group; of a recorded environment those that it took.
+        privileged: Whether the default includes columns that only simulation knows, such as poses
+            of objects.
+        cameras: False renders no images.
+        flat: Whether observations and actions are vectors of float64: columns one after another,
+            in the order of the names, without images.
+        imports: Modules to import first, which register the task or features. A dataset never
+            imports modules by itself.
+
+    Raises:
+        NotFoundError: The dataset has no such name (the message has the nearest), or the task is
+            not registered.
+        SpecError: The task's code differs from the code that made the dataset.
+
+    The first reset raises ArgumentError or NotFoundError with the first difference if the cell has
+    other features than the dataset.
+    """
+    opened = dataset if isinstance(dataset, Dataset) else Dataset(Path(dataset))
+    for module in imports:
+        import_named(module, Path.cwd())
+    shared = _shared_features(opened)
+    core = _core_of(opened, cameras and not flat)
+    streams = [stream.name for stream in core.cameras.streams]
+    if observations is None:
+        observations = [*_default_observations(core, shared, privileged), *streams]
+    if actions is None:
+        actions = _default_actions(core, shared)
+    for kind, names in (("observation", observations), ("action", actions)):
+        for name in names:
+            _require(opened, shared, streams, kind, name)
+    return DatasetEnv(core, shared, list(observations), list(actions), flat)
+
+
+class _RunCell(RunEnv):
+    """The cell of a run."""
+
+    @property
+    def cameras(self) -> CameraSystemConfig:
+        return self.run.cameras
+
+
+def _core_of(dataset: Dataset, images: bool) -> _RunCell | RecordedEnv:
+    if is_recorded(dataset):
+        return RecordedEnv(dataset, images)
+    run = run_of_dataset(dataset.folder)
+    if not images:
+        run.cameras.streams.clear()
+    return _RunCell(run)
+
+
+def _default_observations(
+    core: _RunCell | RecordedEnv, features: Mapping[str, Feature], privileged: bool
+) -> list[str]:
+    roles = ("observation", "privileged") if privileged else ("observation",)
+    names = [name for name, feature in features.items() if feature.role in roles]
+    if isinstance(core, RecordedEnv):  # what its policy saw, not all that there is
+        return [name for name in names if name.startswith("observation/")]
+    return names
+
+
+def _default_actions(core: _RunCell | RecordedEnv, features: Mapping[str, Feature]) -> list[str]:
+    names = _names(features, "action")
+    if isinstance(core, RecordedEnv):
+        return [name for name in names if name.startswith("action/")]
+    return [name for name in names if f"{name}_relative" in features]
+
+
+class DatasetEnv(gymnasium.Env[Any, Any]):
+    """An environment made by `from_dataset`; `core` is its RunEnv.
+
+    `reset(seed=i)` goes to start i of the dataset's run, and later resets continue from there. The
+    first starts are those of the dataset's episodes; larger numbers are new starts. In a dataset
+    of `EnvRecorder` start i is that of seed i. The spaces have the ranges of the dataset's schema.
+    """
+
+    metadata = {"render_modes": []}  # noqa: RUF012  (as in Gymnasium)
+
+    def __init__(
+        self,
+        core: _RunCell | RecordedEnv,
+        features: Mapping[str, Feature],
+        observations: list[str],
+        actions: list[str],
+        flat: bool = False,
+    ) -> None:
+        self.core = core
+        self.features = dict(features)
+        self.observations, self.actions = observations, actions
+        self._flat = flat
+        self._start = -1
+        self._checked = False
+        seen = {name: self._space(name) for name in observations}
+        done = {name: self._space(name) for name in actions}
+        self.observation_space = _flattened(seen) if flat else spaces.Dict({**seen})
+        self.action_space = _flattened(done) if flat else spaces.Dict({**done})
+
+    def _space(self, name: str) -> spaces.Box:
+        feature = self.features.get(name)
+        if feature is not None:
+            shape = feature.shape
+            if not feature.lower:
+                return spaces.Box(-np.inf, np.inf, shape, np.float64)
+            lower, upper = (np.reshape(b, shape) for b in (feature.lower, feature.upper))
+            slack = np.where(np.isfinite(upper - lower), 0.1 * (upper - lower), 0)
+            if feature.role != "action":  # limits of joints give way a little
+                lower, upper = lower - slack, upper + slack
+            return spaces.Box(lower, upper, shape, np.float64)
+        stream, _, kind = name.partition(".")
+        cameras = self.core.cameras
+        (config,) = [s for s in cameras.streams if s.name == stream]
+        width, height = (int(size) for size in cameras.resolution)
+        shape = (config.height or height, config.width or width)
+        if kind:
+            return spaces.Box(0, 65535, shape, np.uint16)
+        return spaces.Box(0, 255, (*shape, 3), np.uint8)
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
+        """Resets to start number `seed`, or to the one after the last."""
+        super().reset(seed=seed)
+        if options:
+            raise ArgumentError(f"reset takes no options here, got {', '.join(options)}")
+        self._start = self._start + 1 if seed is None else int(seed)
+        self.core.reset(self._start)
+        if not self._checked:
+            self._check_schema()
+        info = {
+            "start": self._start,
+            "instruction": self.core.instruction,
+            "object_kinds": self.core.object_kinds,
+        }
+        return self._observe(), info
+
+    def _check_schema(self) -> None:
+        """What was chosen is here what it is in the dataset."""
+        here = {f.name: f for f in [*self.core.observed, *self.core.commanded]}
+        for name in [*self.observations, *self.actions]:
+            recorded = self.features.get(name)
+            if recorded is None:
+                continue
+            if name not in here:
+                raise NotFoundError(f"feature '{name}' is in the dataset and not in the cell here")
+            if difference := recorded.difference_from(here[name]):
+                raise ArgumentError(f"{difference}: the dataset is of another cell")
+        self._checked = True
+
+    def _observe(self) -> Any:
+        row = self.core.row()
+        if not self._flat:
+            return {name: row[name] for name in self.observations}
+        return np.concatenate([np.ravel(row[name]) for name in self.observations])
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """Makes one step, a row of a dataset; `info["is_success"]` says if the task is done."""
+        if self._flat:
+            action = self._split(np.asarray(action, dtype=np.float64))
+        reward, terminated, truncated, info = self.core.act(dict(action))
+        return self._observe(), reward, terminated, truncated, info
+
+    def _split(self, action: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+        sizes = [int(np.prod(self.features[name].shape)) for name in self.actions]
+        if action.shape != (sum(sizes),):
+            raise ArgumentError(f"an action has {sum(sizes)} numbers, got the shape {action.shape}")
+        parts = np.split(action, np.cumsum(sizes)[:-1])
+        return dict(zip(self.actions, parts, strict=True))
+
+
+def _flattened(parts: Mapping[str, spaces.Box]) -> spaces.Box:
+    low = np.concatenate([np.ravel(part.low) for part in parts.values()])
+    high = np.concatenate([np.ravel(part.high) for part in parts.values()])
+    return spaces.Box(low, high, dtype=np.float64)
+
+
+def _names(features: Mapping[str, Feature], role: str) -> list[str]:
+    return [name for name, feature in features.items() if feature.role == role]
+
+
+def _shared_features(dataset: Dataset) -> dict[str, Feature]:
+    """Those that all episodes that are looked at have, in the order of the first."""
+    count = len(dataset)
+    if not count:
+        raise ArgumentError(f"'{dataset.folder}' has no episode, so nothing says what its cell is")
+    step = max(1, count // LOOKED_AT)
+    shared: dict[str, Feature] | None = None
+    for index in range(0, count, step):
+        features = {feature.name: feature for feature in dataset[index].features}
+        shared = features if shared is None else {n: f for n, f in shared.items() if n in features}
+    if not shared:
+        raise ArgumentError(
+            f"'{dataset.folder}' has no schema of its features: it was made by an older robocell; "
+            "make it anew"
+        )
+    return shared
+
+
+def _require(
+    dataset: Dataset,
+    features: Mapping[str, Feature],
+    streams: list[str],
+    kind: str,
+    name: str,
+) -> None:
+    if kind == "observation" and name.partition(".")[0] in streams:
+        return
+    wanted = ("action",) if kind == "action" else ("observation", "privileged")
+    known = [n for n, feature in features.items() if feature.role in wanted]
+    if name in known:
+        return
+    import difflib
+
+    known += streams if kind == "observation" else []
+    near = difflib.get_close_matches(name, known, 1)
+    hint = f" Did you mean '{near[0]}'?" if near else ""
+    raise NotFoundError(
+        f"dataset '{dataset.folder}': no {kind} '{name}' in all of its episodes.{hint} "
+        f"There are: {', '.join(known)}"
+    )

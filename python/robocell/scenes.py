@@ -1,0 +1,58 @@
+"""Where runs take place: sources of scenes, your own too, and what is known of their scenes.
+
+    @register_scene_source("lab")
+    class Lab(SceneSource):
+        @dataclass
+        class Fields:
+            tables: int = 3
+
+        def __init__(self, fields): ...
+        def size(self): ...
+        def make(self, index): ...
+
+`scenes: {source: lab, tables: 2}` of a run file then works like `scenes: {source: tabletop}`.
+"""
+
+from __future__ import annotations
+
+from robocell._core import (
+    Articulation,
+    ArticulationKind,
+    Container,
+    FilesScenes,
+    FloorArea,
+    ObjectWords,
+    Room,
+    SceneAnnotations,
+    SceneLight,
+    SceneSource,
+    SceneSourceSpec,
+    Support,
+    SupportFace,
+    base_scene,
+    derive_annotations,
+    make_scene_source,
+    scene_source_kinds,
+)
+from robocell.tasks import register_scene_source
+
+__all__ = [
+    "Articulation",
+    "ArticulationKind",
+    "Container",
+    "FilesScenes",
+    "FloorArea",
+    "ObjectWords",
+    "Room",
+    "SceneAnnotations",
+    "SceneLight",
+    "SceneSource",
+    "SceneSourceSpec",
+    "Support",
+    "SupportFace",
+    "base_scene",
+    "derive_annotations",
+    "make_scene_source",
+    "register_scene_source",
+    "scene_source_kinds",
+]

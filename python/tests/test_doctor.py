@@ -1,0 +1,213 @@
+"""What draws on this machine, and how one is told when nothing does."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import robocell as rc
+from robocell.cli import probes
+from robocell.cli.doctor import advice
+from robocell.cli.probes import State
+from robocell.cli.robot_picture import SIZE_PX, robot_points, view_of
+from robocell.cli.robot_scene import load_robot
+from robocell.cli.robot_table import frames
+from robocell.generate.check import graphics_warnings
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+def describe(**environment: str) -> subprocess.CompletedProcess[str]:
+    """`describe_gl()` in a process of its own."""
+    code = "import robocell; print('draws:', robocell.diagnose.describe_gl())"
+    return subprocess.run(
+        [sys.executable, "-c", code],
+        env={"PYTHONPATH": ":".join(sys.path), **environment},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_it_is_described():
+    said = describe().stdout
+    assert said.startswith(("draws: egl: ", "draws: osmesa: "))
+
+
+def test_an_error_says_what_was_tried_when_nothing_draws():
+    result = describe(ROBOCELL_GL="egl", __EGL_VENDOR_LIBRARY_FILENAMES="/no")
+    assert result.returncode == 1
+    assert "draws" not in result.stdout
+    assert "Error: no OpenGL for off-screen rendering. Tried:\n  egl: " in result.stderr
+
+
+def test_the_doctor_does_not_take_an_error_for_a_description(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("__EGL_VENDOR_LIBRARY_FILENAMES", "/no")
+    monkeypatch.setenv("PYTHONPATH", ":".join(sys.path))
+    egl = next(finding for finding in probes.graphics() if finding.what == "graphics: egl")
+    assert egl.state is not State.OK
+    assert egl.detail.startswith("egl: ")
+
+
+def machine_with_a_card(root: Path) -> str:
+    """A machine's files: a card, and a driver without its graphics libraries."""
+    (root / "dev").mkdir(parents=True)
+    (root / "dev" / "nvidia0").touch()
+    return str(root)
+
+
+def test_software_on_a_machine_with_a_card_is_not_ok(tmp_path: Path):
+    llvmpipe = probes.Finding("graphics: egl", State.OK, "egl: llvmpipe (LLVM 15.0.6), OpenGL 4.5")
+    card = probes.Finding("graphics: egl", State.OK, "egl: NVIDIA H100 PCIe/PCIe/SSE2, OpenGL 4.6")
+    assert probes.judged(llvmpipe, str(tmp_path)) == llvmpipe
+    root = machine_with_a_card(tmp_path)
+    assert probes.judged(card, root) == card
+    found = probes.judged(llvmpipe, root)
+    assert found.state is State.SLOW
+    assert found.detail == llvmpipe.detail
+    lines = advice([found])
+    assert lines[1].startswith("graphics: egl is slow: images are drawn on the processor (egl: llv")
+    assert "(/dev/nvidia0). The driver's EGL library libEGL_nvidia.so.0 is missing." in lines[1]
+    assert lines[-1] == "this machine can generate datasets"
+
+
+def test_a_run_with_cameras_says_once_that_a_card_is_idle(tmp_path: Path):
+    run = rc.RunConfig.load(str(EXAMPLES / "demo.yaml"))
+    assert run.cameras.streams
+    assert run.cameras.renderer.backend == "soft"
+    root = machine_with_a_card(tmp_path / "card")
+    assert graphics_warnings(run, root) == []  # it uses no card on purpose
+    run.cameras.renderer.backend = "auto"
+    assert graphics_warnings(run, str(tmp_path)) == []
+    drawing = describe().stdout.removeprefix("draws: ").strip()
+    if "llvmpipe" in drawing:
+        (warning,) = graphics_warnings(run, root)
+        assert warning.startswith(f"images are drawn on the processor ({drawing}), although this")
+    run.cameras.streams.clear()
+    assert graphics_warnings(run, root) == []
+
+
+def test_a_misspelt_back_end_is_named():
+    result = describe(ROBOCELL_GL="elg")
+    assert result.returncode == 1
+    assert "environment variable ROBOCELL_GL: no GL back end 'elg'" in result.stderr
+    assert issubclass(rc.NotFoundError, rc.Error)
+
+
+def test_a_bad_mujoco_gl_is_named_by_all_that_needs_mujoco_and_hinders_nothing_else(tmp_path: Path):
+    # One process for all: the package is imported once in each.
+    (tmp_path / ".quarantine").mkdir()  # a dataset, and nothing in it
+    code = (
+        "import sys, robocell\n"
+        "from robocell.cli import main, probes\n"
+        "print(probes.engine())\n"
+        "def command(*words):\n"
+        "    sys.argv[1:] = words\n"
+        "    try: main()\n"
+        "    except SystemExit as end: print('ended with', end.code, flush=True)\n"
+        f"command('check', {rc.models.robot_file('rc7')!r})\n"
+        f"command('verify', {str(tmp_path)!r})\n"
+        f"command('report', {str(tmp_path)!r})\n"
+    )
+    result = subprocess.run(
+        [sys.executable, "-c", code],
+        env={"PYTHONPATH": ":".join(sys.path), "MUJOCO_GL": "foo"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    message = (
+        "the environment variable MUJOCO_GL is 'foo', and with that the Python package mujoco "
+        "cannot be imported. It may be egl, osmesa, glfw or unset: `unset MUJOCO_GL`, or "
+        "`export MUJOCO_GL=egl`"
+    )
+    assert result.returncode == 0, result.stderr
+    assert "State.BROKEN" in result.stdout
+    assert message in result.stdout
+    assert "remedy='unset MUJOCO_GL, or export MUJOCO_GL=egl'" in result.stdout
+    assert result.stderr.splitlines() == [
+        f"error: {message}",
+        f"error: '{tmp_path}' holds no episodes and no report",
+    ]
+    assert "ended with 2\n0 episodes good, 0 bad\nended with 0\nended with 2\n" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("image", "message"),
+    [
+        (np.zeros((4, 6, 3)), "got float64 of shape (4, 6, 3); of values 0 ... 1: (x * 255).ast"),
+        (np.zeros((4, 6, 3), int), "got int64 of shape (4, 6, 3), of values 0 ... 255: x.astype("),
+        (np.zeros((4, 6), np.uint8), "got uint8 of shape (4, 6)"),
+        (None, "got None"),
+    ],
+)
+def test_a_picture_of_anything_but_bytes_is_refused(tmp_path: Path, image: object, message: str):
+    with pytest.raises(TypeError) as caught:
+        rc.render.write_png(tmp_path / "x.png", image)  # type: ignore[arg-type]
+    expected = "write_png: `rgb` must be a uint8 array of shape (height, width, 3), "
+    assert expected + message in str(caught.value)
+    assert not (tmp_path / "x.png").exists()
+
+
+def test_a_picture_may_be_a_view(tmp_path: Path):
+    image = np.arange(4 * 6 * 3, dtype=np.uint8).reshape(4, 6, 3)
+    rc.render.write_png(tmp_path / "view.png", image[::2, ::-1])
+    rc.render.write_png(tmp_path / "copy.png", image[::2, ::-1].copy())
+    assert (tmp_path / "view.png").read_bytes() == (tmp_path / "copy.png").read_bytes()
+
+
+def test_a_png_is_not_written_under_the_name_of_another_kind(tmp_path: Path):
+    image = np.zeros((4, 6, 3), np.uint8)
+    with pytest.raises(rc.ArgumentError, match=r"end in \.png or \.PNG: give '.*/a\.png' instead"):
+        rc.render.write_png(tmp_path / "a.jpg", image)
+    assert list(tmp_path.iterdir()) == []
+
+
+MAST = """<mujoco><worldbody><body name="mast">
+<geom type="box" size="0.1 0.1 {half}" pos="0 0 {half}"/>
+<body name="link" pos="0 0 {top}"><joint name="hip" axis="0 1 0" range="-90 90"/>
+<geom type="capsule" size="0.05" fromto="0 0 0 {reach} 0 0" mass="1"/>
+<site name="tip" pos="{reach} 0 0"/>
+</body></body></worldbody><actuator><position name="drive" joint="hip" kp="900" kv="90"/></actuator>
+</mujoco>"""
+
+
+@pytest.mark.parametrize(("tall", "reach"), [(6, 0.5), (0.4, 3)])
+def test_a_picture_has_the_whole_robot_and_what_is_near_it(
+    tmp_path: Path, tall: float, reach: float
+):
+    (tmp_path / "mast.xml").write_text(MAST.format(half=tall / 2, top=tall, reach=reach))
+    robot_file = tmp_path / "mast.yaml"
+    robot_file.write_text(
+        "name: mast\nmodel: mast.xml\n"
+        "move_groups: {arm: {kind: arm, joints: [hip], leaf: {site: tip}}}\n"
+        "cameras:\n"
+        f"  - {{name: near, attach_to: {{body: mast}}, pos: [0, -1, {tall}], fovy: 60}}\n"
+        "  - {name: far, attach_to: {body: mast}, pos: [0, 500, 0], fovy: 60}\n"
+    )
+    loaded = load_robot(robot_file)
+    loaded.scene.reset()
+    width, height = SIZE_PX[0] // 8, SIZE_PX[1] // 8
+    view = rc.render.Renderer(loaded.scene).render(view_of(loaded), width=width, height=height)
+    points = np.vstack([robot_points(loaded), frames(loaded)["near"].translation])
+    seen = view["extrinsics"] @ np.vstack([points.T, np.ones(len(points))])
+    across, down, depth = view["intrinsics"] @ seen[:3]
+    assert np.all(depth > 0)
+    assert np.all((across / depth > 0) & (across / depth < width))
+    assert np.all((down / depth > 0) & (down / depth < height))
+    filled = max(np.ptp(across / depth) / width, np.ptp(down / depth) / height)
+    assert filled > 0.5, "and not as a dot"
+
+
+def test_a_camera_is_a_name_or_a_view():
+    scene = rc.Scene.build(rc.SceneSpec(name="s", timestep=0.002, add_floor=True, add_skybox=True))
+    renderer = rc.render.Renderer(scene)
+    for wrong in (5, None, rc.render.CameraSpec(name="wrist")):
+        with pytest.raises(TypeError, match="must be the name of a camera, an OrbitCamera, a Free"):
+            renderer.render(wrong)  # type: ignore[arg-type]
+    with pytest.raises(rc.ArgumentError, match="an image of 1000000 x 240 pixels"):
+        renderer.render(rc.render.OrbitCamera(), width=1_000_000)

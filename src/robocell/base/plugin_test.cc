@@ -1,0 +1,39 @@
+#include "robocell/base/plugin.h"
+
+#include <dlfcn.h>
+#include <gtest/gtest.h>
+
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+// What a plugin does is tried with one that is built, in tests/integration/test_plugin.py.
+TEST(Plugin, AFileThatIsNotThereIsNamed) {
+  ExpectThrow<IoError>([] { LoadPlugin("no_such_plugin.so"); },
+                       "cannot load plugin 'no_such_plugin.so': No such file");
+}
+
+TEST(Plugin, AFileThatIsNoLibraryIsNamed) {
+  const TempDir folder;
+  AtomicWrite(folder / "text.so", "not a library");
+  ExpectThrow<IoError>([&] { LoadPlugin((folder / "text.so").string()); }, "text.so");
+}
+
+TEST(Plugin, ALibraryThatRegistersNothingIsNone) {
+  Dl_info own;
+  ASSERT_NE(dladdr(reinterpret_cast<const void*>(&LoadPlugin), &own), 0);
+  ExpectThrow<ArgumentError>([&] { LoadPlugin(own.dli_fname); },
+                             "is no plugin: no source file of it says ROBOCELL_PLUGIN(function)");
+}
+
+TEST(Plugin, ObjectsOfTheProgramAreOfNoPlugin) {
+  const Error error("of this program");
+  EXPECT_EQ(PluginOf(error), "");
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,398 @@
+// Whether the arms, with the controllers that runs use, stay at home and follow a small step of each
+// joint. What a file and its model say can be right and the servos still be too weak, too slow or
+// blocked. Takes a few seconds for each joint that does not follow, and less for the others.
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "robocell/base/error.h"
+#include "robocell/diagnose/checks.h"
+#include "robocell/mujoco/actuators.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/mujoco/tree.h"
+#include "robocell/robot/arm_group.h"
+#include "robocell/robot/arrival.h"
+#include "robocell/scene/actuator_kind.h"
+#include "robocell/scene/hold_ctrl.h"
+#include "robocell/spec/problems.h"
+
+namespace robocell {
+namespace {
+
+constexpr double kHoldSeconds = 1.0;
+// A drift of a hinge and of a slide up to these is tolerated, or the robot's arrival_tolerance.
+constexpr double kHeldRad = 0.01, kHeldMetres = 0.001;
+constexpr double kRampSeconds = 0.5, kFollowSeconds = 2.5;  // of a step
+constexpr double kTurn = 0.1, kShift = 0.05;                // a step of a hinge, of a slide
+constexpr double kShareOfRange = 0.25;                      // that a step has at most
+constexpr double kShareMissing = 0.2;                       // of a step, that need not be reached
+constexpr double kSaturated = 0.98;                         // of what a servo may push with
+constexpr double kSlow = 0.4;                               // a servo's time constant, seconds
+constexpr double kExplains = 0.5;                           // of what is missing, for a cause
+
+// Why a joint is not where it should be, and what to do about it.
+struct Cause {
+  std::string why, remedy;
+  std::string field;         // of the robot's file
+  bool in_warnings = false;  // the scene's
+};
+
+struct Miss {
+  std::string joint, how;  // "drifts by 0.2 rad"
+  double amount = 0;
+  Cause cause;
+};
+
+std::vector<double> HeldWithin(const Robot& robot, const ArmGroup& arm) {
+  std::vector<double> tolerances = ArrivalTolerances(robot, arm.name());
+  const mjModel* m = robot.scene().model();
+  for (size_t i = 0; i < tolerances.size(); ++i) {
+    const int joint = FindId(m, mjOBJ_JOINT, arm.joint_names()[i]);
+    const bool slide = m->jnt_type[joint] == mjJNT_SLIDE;
+    tolerances[i] = std::max(tolerances[i], slide ? kHeldMetres : kHeldRad);
+  }
+  return tolerances;
+}
+
+// One arm.
+class ArmTrial {
+ public:
+  ArmTrial(Robot& robot, ArmGroup& arm, bool beside_warnings, Findings& findings)
+      : robot_(robot),
+        arm_(arm),
+        scene_(robot.scene()),
+        beside_warnings_(beside_warnings),
+        findings_(findings) {
+    for (const std::string& name : arm.joint_names())
+      joints_.push_back(FindId(model(), mjOBJ_JOINT, name));
+    tolerances_ = HeldWithin(robot, arm);
+  }
+
+  void Run() {
+    scene_.Reset();
+    home_ = arm_.joint_pos();
+    if (Holds() && TakesPositions()) Follows();
+  }
+
+ private:
+  const mjModel* model() const { return scene_.model(); }
+  const mjData* data() const { return scene_.data(); }
+  const RobotConfig& config() const { return robot_.config(); }
+  std::string Field() const { return "move_groups." + arm_.name(); }
+  bool IsSlide(size_t i) const { return *Unit(i) == 'm'; }
+  const char* Unit(size_t i) const {
+    return model()->jnt_type[joints_[i]] == mjJNT_SLIDE ? "m" : "rad";
+  }
+  const char* ForceUnit(size_t i) const {
+    return model()->jnt_type[joints_[i]] == mjJNT_SLIDE ? "N" : "N m";
+  }
+  std::string JointName(size_t i) const { return WithoutPrefix(arm_.joint_names()[i]); }
+  std::string WithoutPrefix(const std::string& name) const {
+    return name.starts_with(robot_.prefix()) ? name.substr(robot_.prefix().size()) : name;
+  }
+
+  // False when the simulation diverges.
+  bool Step() {
+    robot_.Update();
+    const StepResult result = scene_.Step();
+    if (!result.ok()) diverged_ = result.message;
+    return result.ok();
+  }
+
+  bool Diverged(const char* while_doing) {
+    findings_.WarnAbout(Field(), fmt::format("the simulation diverges while the arm {}: {}",
+                                             while_doing, diverged_));
+    return false;
+  }
+
+  bool Holds() {
+    touching_ = Touching();
+    const int steps = static_cast<int>(std::ceil(kHoldSeconds / scene_.timestep()));
+    for (int k = 0; k < steps; ++k) {
+      if (!Step()) return Diverged("holds still");
+    }
+    std::vector<Miss> misses;
+    bool slides = false;
+    const std::vector<double> now = arm_.joint_pos();
+    for (size_t i = 0; i < home_.size(); ++i) {
+      const double drift = std::abs(now[i] - home_[i]);
+      if (drift <= tolerances_[i]) continue;
+      slides = slides || IsSlide(i);
+      misses.push_back({JointName(i), fmt::format("drifts by {:.3g} {}", drift, Unit(i)), drift,
+                        Why(i, home_[i], touching_[i])});
+    }
+    const bool holds = misses.empty();
+    if (beside_warnings_)
+      std::erase_if(misses, [](const Miss& miss) { return miss.cause.in_warnings; });
+    std::stable_sort(misses.begin(), misses.end(),
+                     [](const Miss& a, const Miss& b) { return a.amount > b.amount; });
+    Tell(misses,
+         fmt::format(" in {:g} s while it should hold home (up to {:g} rad{} is tolerated)",
+                     kHoldSeconds, std::max(config().arrival_tolerance, kHeldRad),
+                     slides ? fmt::format(", {:g} m of slides",
+                                          std::max(config().slide_arrival_tolerance(), kHeldMetres))
+                            : ""));
+    return holds;
+  }
+
+  // A controller of torques or velocities is told no positions, and one of poses may choose others.
+  bool TakesPositions() const {
+    const TargetKind kind = robot_.controller(arm_.name()).target_kind();
+    return kind == TargetKind::kJointPositions || kind == TargetKind::kJointSteps;
+  }
+
+  void Follows() {
+    std::vector<Miss> misses;
+    for (size_t i = 0; i < home_.size(); ++i) {
+      const std::optional<Miss> miss = TryJoint(i);
+      if (!diverged_.empty()) return void(Diverged("takes a small step"));
+      if (miss) misses.push_back(*miss);
+    }
+    Tell(misses, fmt::format(" when it is sent there from home and given {:g} s", kFollowSeconds));
+  }
+
+  // Nothing when the joint follows in one direction: the other may be blocked.
+  std::optional<Miss> TryJoint(size_t i) {
+    const Interval limits = arm_.joint_pos_limits()[i];
+    const double up = limits.upper - home_[i], down = home_[i] - limits.lower;
+    const double most = *Unit(i) == 'm' ? kShift : kTurn;
+    const double step = std::min(most, kShareOfRange * (limits.upper - limits.lower));
+    std::optional<Miss> first;
+    for (const double sign : {up >= down ? 1.0 : -1.0, up >= down ? -1.0 : 1.0}) {
+      const double room = sign > 0 ? up : down;
+      if (room < step / 2 || step <= 0) continue;
+      const std::optional<Miss> miss = TryStep(i, sign * std::min(step, room));
+      if (!miss || !diverged_.empty()) return std::nullopt;
+      if (!first) first = miss;
+    }
+    return first;
+  }
+
+  std::optional<Miss> TryStep(size_t i, double step) {
+    scene_.Reset();
+    const double size = std::abs(step);
+    const double enough = std::max(std::min(tolerances_[i], size / 2), kShareMissing * size);
+    std::vector<double> q = home_, now = home_;
+    const int steps = static_cast<int>(std::ceil(kFollowSeconds / scene_.timestep()));
+    for (int k = 0; k < steps; ++k) {
+      const double part = std::min(1.0, k * scene_.timestep() / kRampSeconds);
+      q[i] = home_[i] + part * step;
+      robot_.Apply({{arm_.name(), GroupCommand::Joints(q)}});
+      if (!Step()) return std::nullopt;
+      arm_.GetJointPos(now);
+      if (part == 1 && std::abs(now[i] - q[i]) <= enough) return std::nullopt;
+    }
+    const double moved = (now[i] - home_[i]) * (step > 0 ? 1 : -1);
+    return Miss{JointName(i), fmt::format("moves {:.3g} of {:.3g} {}", moved + 0.0, size, Unit(i)),
+                size - moved, Why(i, q[i], Touching()[i])};
+  }
+
+  // One text for all joints with the same remedy.
+  void Tell(std::vector<Miss> misses, const std::string& when) {
+    while (!misses.empty()) {
+      const Miss worst = misses.front();
+      std::string others;
+      std::erase_if(misses, [&](const Miss& miss) {
+        const bool same = miss.cause.remedy == worst.cause.remedy;
+        if (same && miss.joint != worst.joint)
+          others += fmt::format("{}'{}' {}", others.empty() ? "" : ", ", miss.joint, miss.how);
+        return same;
+      });
+      findings_.WarnAbout(
+          worst.cause.field,
+          fmt::format("joint '{}' {}{}{}{}. {}", worst.joint, worst.how, when, worst.cause.why,
+                      others.empty() ? "" : "; likewise " + others, worst.cause.remedy));
+    }
+  }
+
+  // Per joint: what touches what the joint moves, "'hand' and 'floor'"; "" for nothing.
+  std::vector<std::string> Touching() const {
+    std::vector<std::string> out(joints_.size());
+    for (const Contact& contact : scene_.contacts()) {
+      if (contact.distance > 0) continue;
+      const int a = FindId(model(), mjOBJ_BODY, contact.body1),
+                b = FindId(model(), mjOBJ_BODY, contact.body2);
+      for (size_t i = 0; i < joints_.size(); ++i) {
+        const int moved = model()->jnt_bodyid[joints_[i]];
+        if (IsInSubtree(model(), a, moved) == IsInSubtree(model(), b, moved)) continue;
+        out[i] = fmt::format("'{}' and '{}'", WithoutPrefix(contact.body1),
+                             WithoutPrefix(contact.body2));
+      }
+    }
+    return out;
+  }
+
+  // The position servo of a joint; -1 when something else drives it.
+  int ServoOf(size_t i) const {
+    for (const std::string& name : arm_.actuator_names()) {
+      const int a = FindId(model(), mjOBJ_ACTUATOR, name);
+      if (ActsOnJoint(model(), a) && model()->actuator_trnid[2 * a] == joints_[i] &&
+          IsPositionServo(model(), a))
+        return a;
+    }
+    return -1;
+  }
+
+  // What a servo may push a joint with; unset without a limit.
+  std::optional<double> MostForce(size_t i, int servo) const {
+    std::optional<double> most;
+    const auto limit = [&](const mjtNum* range) {
+      const double larger = std::max(std::abs(range[0]), std::abs(range[1]));
+      most = std::min(most.value_or(larger), larger);
+    };
+    const double gear = std::abs(Gear(model(), servo));
+    if (model()->actuator_forcelimited[servo]) limit(model()->actuator_forcerange + 2 * servo);
+    if (most) *most *= gear;
+    if (model()->jnt_actfrclimited[joints_[i]]) limit(model()->jnt_actfrcrange + 2 * joints_[i]);
+    return most;
+  }
+
+  // Why it is not at `wanted`.
+  Cause Why(size_t i, double wanted, const std::string& touching) const {
+    if (!touching.empty()) {
+      return {fmt::format(": {} touch", touching),
+              "Exclude the pair in the model if they may overlap, or choose another `home`",
+              Field()};
+    }
+    const int servo = ServoOf(i);
+    if (servo < 0) return {"", "Look at its controller", Field()};
+    const double off = std::abs(wanted - data()->qpos[model()->jnt_qposadr[joints_[i]]]);
+    if (const std::optional<Cause> cut = CutOff(i, servo, wanted, off)) return *cut;
+    const double gravity = GravityAtHome(i);
+    const std::optional<double> most = MostForce(i, servo);
+    if (most && Force(i) >= kSaturated * *most) return TooWeak(i, servo, *most, gravity);
+    return TooSoft(i, servo, gravity, off);
+  }
+
+  double Force(size_t i) const {
+    return std::abs(data()->qfrc_actuator[model()->jnt_dofadr[joints_[i]]]);
+  }
+
+  std::string ServoName(int servo) const {
+    return WithoutPrefix(ElementName(model(), mjOBJ_ACTUATOR, servo));
+  }
+
+  // When the servo's ctrlrange ends so far before `wanted` that this is why.
+  std::optional<Cause> CutOff(size_t i, int servo, double wanted, double off) const {
+    const int input = model()->actuator_ctrladr[servo];
+    if (!model()->actuator_ctrllimited[input]) return std::nullopt;
+    const double gear = Gear(model(), servo);
+    const std::optional<double> ctrl = FreeRestingCtrl(model(), servo, gear * wanted);
+    if (!ctrl) return std::nullopt;
+    const mjtNum* range = model()->actuator_ctrlrange + 2 * input;
+    const double cut = std::abs(*ctrl - std::clamp(*ctrl, range[0], range[1]));
+    const double per_ctrl = -model()->actuator_gainprm[mjNGAIN * servo] /
+                            (model()->actuator_biasprm[mjNBIAS * servo + 1] * gear);
+    const double missing = cut * std::abs(per_ctrl);
+    if (missing < kExplains * off) return std::nullopt;
+    const std::string name = ServoName(servo);
+    const mjtNum* limits = model()->jnt_range + 2 * joints_[i];
+    const bool in_warnings = model()->jnt_limited[joints_[i]] && wanted == home_[i] &&
+                             missing > kServoSlack * (limits[1] - limits[0]);
+    return Cause{
+        fmt::format(": to be at {:.4g} {} its servo '{}' needs the control {:.4g}, but its "
+                    "ctrlrange is [{:g}, {:g}]",
+                    wanted, Unit(i), name, *ctrl, range[0], range[1]),
+        fmt::format("Widen it (edits: [{{actuator: '{}', ctrlrange: [LOWER, UPPER]}}]) or choose "
+                    "another `home`",
+                    name),
+        Field(), in_warnings};
+  }
+
+  double GravityAtHome(size_t i) const {
+    if (!arm_.has_chain()) return 0;
+    std::vector<double> torques(home_.size());
+    arm_.GravityTorques(home_, torques);
+    return std::abs(torques[i]);
+  }
+
+  bool compensated() const { return config().gravcomp.value_or(false); }
+
+  Cause TooWeak(size_t i, int servo, double most, double gravity) const {
+    Cause cause{fmt::format(": its servo '{}' pushes with all it may, {:.3g} {}", ServoName(servo),
+                            most, ForceUnit(i)),
+                "", config().force_limit ? "force_limit" : Field()};
+    if (gravity > most / 2)
+      cause.why += fmt::format(", and gravity asks for {:.3g} at home", gravity);
+    cause.remedy = config().force_limit
+                       ? fmt::format("Raise `force_limit` ({:g} is set)", *config().force_limit)
+                       : "Give the servos larger forces (edits: [{actuator: NAME, forcerange: [-F, "
+                         "F]}], or `force_limit` for all)";
+    if (gravity > most / 2 && !compensated()) cause.remedy += ", or set `gravcomp: true`";
+    return cause;
+  }
+
+  // Gravity or damping where they explain it; else only what is measured is told.
+  Cause TooSoft(size_t i, int servo, double gravity, double off) const {
+    const int dof = model()->jnt_dofadr[joints_[i]];
+    const mjtNum* bias = model()->actuator_biasprm + mjNBIAS * servo;
+    const double gear = Gear(model(), servo);
+    const double stiffness = -bias[1] * gear * gear;
+    const double damping = -bias[2] * gear * gear + model()->dof_damping[dof];
+    Cause cause{
+        fmt::format(": its servo's stiffness is {:g} {}/{}", stiffness, ForceUnit(i), Unit(i)), "",
+        config().stiffness ? "stiffness" : Field()};
+    if (gravity >= kExplains * off * stiffness) {
+      cause.why +=
+          fmt::format(", and gravity pulls with {:.3g} {} at home ({:g} would do)", gravity,
+                      ForceUnit(i), Rounded(2 * std::max(stiffness, gravity / tolerances_[i])));
+      if (!compensated()) cause.remedy = "Set `gravcomp: true` or ";
+    } else if (damping > kSlow * stiffness &&
+               damping * std::abs(data()->qvel[dof]) >= kExplains * off * stiffness) {
+      cause.why +=
+          fmt::format(" against a damping of {:g}, so that it takes {:g} s ({:g} would do)",
+                      Rounded(damping), Rounded(damping / stiffness), Rounded(2 * damping / kSlow));
+      if (config().damping)
+        cause.remedy = fmt::format("Lower `damping` ({:g} is set) or ", *config().damping);
+    } else {
+      cause.why += fmt::format(", it pushes with {:.3g} {} and the joint is still {:.3g} {} away",
+                               Force(i), ForceUnit(i), off, Unit(i));
+      cause.remedy =
+          "Look for what holds it (its limits, frictionloss, equality constraints, margins of "
+          "geoms, other actuators) or ";
+    }
+    const std::string raise = cause.remedy.empty() ? "Raise" : "raise";
+    cause.remedy += config().stiffness
+                        ? fmt::format("{} `stiffness` ({:g} is set)", raise, *config().stiffness)
+                        : fmt::format("{} the servos' stiffness (`stiffness`, N m/rad)", raise);
+    return cause;
+  }
+
+  // To two digits.
+  static double Rounded(double value) {
+    if (value <= 0) return 0;
+    const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
+    return std::round(value / unit) * unit;
+  }
+
+  Robot& robot_;
+  ArmGroup& arm_;
+  Scene scene_;
+  bool beside_warnings_;
+  Findings& findings_;
+  std::vector<int> joints_;
+  std::vector<double> tolerances_;  // within which each joint has arrived, rad or m
+  std::vector<double> home_;
+  std::vector<std::string> touching_;
+  std::string diverged_;
+};
+
+}  // namespace
+
+void TryArms(Robot& robot, const TrialOptions& options, Findings& findings) {
+  for (const std::string& name : robot.group_names()) {
+    auto* arm = dynamic_cast<ArmGroup*>(&robot.group(name));
+    if (!arm) continue;
+    try {
+      robot.controller(name);
+    } catch (const NotFoundError&) {
+      continue;  // which makes the robot invalid (robot/validate_config.h)
+    }
+    ArmTrial(robot, *arm, options.beside_warnings, findings).Run();
+  }
+}
+
+}  // namespace robocell

@@ -1,0 +1,18 @@
+#include "robocell/diagnose/check_robot.h"
+
+#include "robocell/diagnose/checks.h"
+
+namespace robocell {
+
+std::vector<Finding> CheckRobot(Robot robot, const RobotCheckOptions& options) {
+  Findings findings("robot '" + robot.name() + "'",
+                    [&](const std::string& /*subject*/, std::string_view field) {
+                      return robot.config().locations.At(field);
+                    });
+  const TrialOptions trial{.beside_warnings = options.beside_warnings, .for_run = options.for_run};
+  robot.scene().Reset();
+  for (RobotTrial* attempt : RobotTrials()) attempt(robot, trial, findings);
+  return findings.list();
+}
+
+}  // namespace robocell

@@ -1,0 +1,85 @@
+#include "robocell/diagnose/check_run.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/menagerie.h"
+#include "robocell/testing/source_dir.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+RunConfig Demo() {
+  RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
+  run.locations = {};
+  return run;
+}
+
+TEST(CheckRun, WhatWorksAndMayNotBeMeantIsReturned) {
+  RunConfig run = Demo();
+  EXPECT_THAT(CheckRun(run), IsEmpty());
+  TempDir folder;
+  AtomicWrite(folder / "table.xml",
+              "<mujoco><option cone='elliptic'/><worldbody><body><geom type='box' size='.4 .4 .01' "
+              "pos='0 0 -.01'/><site name='table_top'/></body></worldbody></mujoco>");
+  run.scenes = FilesScenes{.files = {(folder / "table.xml").string()}};
+  run.cameras.resolution = {4, 4};
+  run.options.cone = FrictionCone::kPyramidal;  // the table and the robot want another one
+  EXPECT_THAT(CheckRun(run),
+              ElementsAre(HasSubstr("base: asks for cone elliptic, the scene uses pyramidal"),
+                          HasSubstr("robot 'rc7': asks for cone elliptic"),
+                          HasSubstr("cameras.streams[0]: images of 'wrist' have 4 x 4 pixels"),
+                          HasSubstr("cameras.streams[1]: images of 'exo'")));
+}
+
+TEST(CheckRun, AnArmThatDoesNotFollowIsTold) {
+  RunConfig run = Demo();
+  run.robot.config.force_limit = 0.01;
+  const std::vector<std::string> warnings = CheckRun(run);
+  ASSERT_FALSE(warnings.empty());
+  EXPECT_THAT(warnings[0], HasSubstr("pushes with all it may, 0.01 N m"));
+  EXPECT_THAT(warnings[0], HasSubstr("Raise `force_limit` (0.01 is set)"));
+  EXPECT_THAT(CheckRun(run, {.scripted_expert = false}), IsEmpty());
+}
+
+TEST(CheckRun, AnArmThatItsWeightPullsDownIsTold) {
+  RunConfig run = Demo();
+  run.robot.config.gravcomp = false;
+  EXPECT_THAT(CheckRun(run), Not(Contains(HasSubstr("touch at home"))));
+  run.robot.config.force_limit = 3;
+  EXPECT_THAT(CheckRun(run), Contains(AllOf(HasSubstr("pushes with all it may, 3 N m"),
+                                            HasSubstr("gravity asks for"))));
+}
+
+// A group that nothing drives has no actions, and is no reason to refuse a run.
+TEST(CheckRun, AGroupWithoutAControllerIsToldAndRecordedWithoutActions) {
+  TempDir folder;
+  RunConfig run = Demo();
+  std::string model = ReadFile(run.robot.config.source_dir + "/rc7.xml");
+  const std::string end = "</actuator>";
+  model.insert(model.find(end), "<motor name=\"fan\" joint=\"joint1\" gear=\"0.001\"/>");
+  // The keyframe has a number for each actuator.
+  const size_t ctrl = model.find(" 100\"", model.find("<keyframe>"));
+  model.insert(ctrl + 4, " 0");
+  AtomicWrite(folder / "rc7.xml", model);
+  run.robot.config.source_dir = folder.path().string();
+  run.robot.config.move_groups["fan"] = {.kind = MoveGroupKind::kGeneric, .actuators = {"fan"}};
+  EXPECT_THAT(CheckRun(run, {.on_this_machine = false}),
+              Contains(AllOf(HasSubstr("group 'fan' has no controller"),
+                             HasSubstr("Without one nothing commands it"))));
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,63 @@
+// Whether the distance of a gripper's fingers, which is its opening, says what the gripper does.
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "robocell/base/error.h"
+#include "robocell/diagnose/checks.h"
+#include "robocell/robot/gripper_group.h"
+
+namespace robocell {
+namespace {
+
+// A gripper's opening is the distance of its fingers.
+void WarnOfHinges(const Robot& robot, Findings& findings) {
+  const mjModel* m = robot.scene().model();
+  const std::span<const double> qpos(robot.scene().data()->qpos, static_cast<size_t>(m->nq));
+  for (const std::string& name : robot.group_names()) {
+    const auto* gripper = dynamic_cast<const ActuatedGripper*>(&robot.group(name));
+    if (!gripper) continue;
+    const FingerPair pair{.hand = gripper->hand_body(),
+                          .fingers = {gripper->finger(0), gripper->finger(1)}};
+    const std::optional<Jaw> jaw = FindJaw(m, pair);
+    if (!jaw || !IsMeasuredAtItsHinge(m, qpos, pair, *jaw)) continue;
+    findings.WarnAbout("move_groups." + name + ".fingers", HowToNameTips(m, pair, *jaw));
+  }
+}
+
+// Where the file says the controls, it says which of them are openings.
+void WarnOfEarlyMeeting(const Robot& robot, Findings& findings) {
+  for (const auto& [name, config] : robot.config().move_groups.entries()) {
+    if (!config->ctrl || !robot.has_group(name)) continue;
+    const auto* gripper = dynamic_cast<const ActuatedGripper*>(&robot.group(name));
+    if (!gripper) continue;
+    double meets = 0;
+    try {
+      meets = gripper->Measure().meets;
+    } catch (const Error&) {
+      continue;  // told by whoever needs the distances
+    }
+    if (meets == 0) continue;
+    const auto [open, closed] = *config->ctrl;
+    const double at = closed + meets * (open - closed);
+    findings.WarnAbout(
+        "move_groups." + name + ".ctrl",
+        fmt::format("the fingers meet at control {:.3g}, {:.0f} % of the way from closed to "
+                    "open: smaller openings all look closed. Leave `ctrl` out, so that "
+                    "openings are shares of the measured distance, or write {{open: {}, "
+                    "closed: {:.3g}}}",
+                    at, 100 * meets, open, at));
+  }
+}
+
+}  // namespace
+
+void TryFingerDistance(Robot& robot, const TrialOptions&, Findings& findings) {
+  WarnOfHinges(robot, findings);
+  WarnOfEarlyMeeting(robot, findings);
+}
+
+}  // namespace robocell

@@ -1,0 +1,53 @@
+// Models in other units than metres.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include "robocell/scene/scene.h"
+#include "robocell/scene/testing/scenes.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
+
+class Scales : public ::testing::Test {
+ protected:
+  std::shared_ptr<const CompiledScene> Compiled(const std::string& model) {
+    SceneSpec spec = EmptyScene();
+    spec.robots.push_back({.name = "a", .config = ArmConfig(folder.Write("arm", model))});
+    return CompileScene(spec);
+  }
+  // The arm with something put before a text of its model.
+  static std::string With(const std::string& what, const std::string& before) {
+    std::string model = kTwoJointArm;
+    return model.insert(model.find(before), what);
+  }
+  ModelFolder folder;
+};
+
+TEST_F(Scales, ARobotInMillimetresIsToldWithTheScale) {
+  EXPECT_THAT(Compiled(kTwoJointArm)->warnings(), IsEmpty());
+  EXPECT_THAT(
+      Compiled(With(R"(<geom name="link" type="box" size="15 15 130" mass="1"/>)", "<site"))
+          ->warnings(),
+      ElementsAre(StartsWith("robot 'a': geom 'link' is 263 m large, and models are in metres. Is "
+                             "it in millimetres? Then write sizes and positions of the model a "
+                             "thousandth as large (in millimetres it would be 0.263 m)")));
+  const std::string mesh = R"(<asset><mesh name="link" vertex="0 0 0  9 0 0  0 9 0  0 0 200"/>
+                              </asset>)";
+  std::string model = With(R"(<geom name="link" type="mesh" mesh="link" mass="1"/>)", "<site");
+  model.insert(model.find("<worldbody>"), mesh);
+  EXPECT_THAT(
+      Compiled(model)->warnings(),
+      ElementsAre(::testing::HasSubstr("Then give its <mesh> scale=\"0.001 0.001 0.001\"")));
+  EXPECT_THAT(
+      Compiled(With(R"(<geom type="box" size="20 20 1"/>)", "<body name=\"upper\""))->warnings(),
+      IsEmpty())
+      << "what it stands on";
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,151 @@
+// Where servos can send their joints, against home and the joints' ranges. A servo that stops short
+// of its joint is meant so more often than not: that is a note. One that goes far beyond was given
+// degrees: the engine converts joints' ranges, and never controls.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "robocell/base/suggestions.h"
+#include "robocell/base/units.h"
+#include "robocell/diagnose/checks.h"
+#include "robocell/diagnose/joint_ranges.h"
+#include "robocell/mujoco/actuators.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/scene/actuator_kind.h"
+#include "robocell/scene/compile_problem.h"
+#include "robocell/scene/control_modes.h"
+#include "robocell/scene/hold_ctrl.h"
+
+namespace robocell {
+namespace {
+
+constexpr double kHardlyAny = 0.05;  // of a joint's range: no safety margin
+constexpr double kManyTimes = 20;    // a joint's range; degrees are 57 times
+constexpr double kManyTurns = 4 * kPi;
+constexpr double kHardlyTurns = Radians(4 * kPi);  // what 4 pi become that are taken for degrees
+
+class ServoCheck {
+ public:
+  ServoCheck(const CompiledRobot& robot, Findings& findings)
+      : m_(robot.model),
+        home_key_(robot.home_key),
+        ranges_(robot),
+        part_(robot.part),
+        findings_(findings) {}
+
+  void Run(const std::string& name, const MoveGroupConfig& arm) {
+    for (const std::string& joint_name : arm.joints) {
+      const int joint = ranges_.Joint(joint_name);
+      if (joint < 0 || !m_->jnt_limited[joint]) continue;
+      const int servo = ranges_.ServoOf(arm, joint);
+      if (const auto span = ranges_.ServoSpan(servo)) Check(joint, servo, *span);
+    }
+    if (short_.empty()) return;
+    findings_.Note(
+        fmt::format("servos of '{}' stop before their joints do (their "
+                    "ctrlrange): {}",
+                    name, ListNames(short_, 40)));
+  }
+
+ private:
+  void Check(int joint, int servo, const Reach& span) {
+    const Reach range = ranges_.RangeOf(joint);
+    const double slack = kServoSlack * range.width();
+    if (span.lower <= range.lower + slack && span.upper >= range.upper - slack) return;
+    const double home = m_->key_qpos[home_key_ * m_->nq + m_->jnt_qposadr[joint]];
+    const bool without_home = home < span.lower - slack || home > span.upper + slack;
+    const bool apart = span.upper < range.lower || span.lower > range.upper;
+    const bool hardly = span.width() < kHardlyAny * range.width() &&
+                        (!ranges_.IsHinge(joint) || span.width() < kHardlyTurns);
+    if (apart || without_home || hardly) {
+      Warn(joint, servo, span,
+           (apart    ? "it is driven against its limit"
+            : hardly ? "it hardly moves"
+                     : "commands beyond stop there") +
+               (without_home ? fmt::format(", and the way to home, {:.4g}, stops there", home)
+                             : std::string()));
+    } else {
+      short_.push_back(fmt::format("{} {} of {}", ranges_.Name(mjOBJ_ACTUATOR, servo), span.text(),
+                                   range.text()));
+    }
+  }
+
+  void Warn(int joint, int servo, const Reach& span, const std::string& so) {
+    const Reach range = ranges_.RangeOf(joint);
+    const std::string name = ranges_.Name(mjOBJ_ACTUATOR, servo);
+    double low = ranges_.Ctrl(servo, range.lower), high = ranges_.Ctrl(servo, range.upper);
+    if (low > high) std::swap(low, high);
+    const char* unit = ranges_.Unit(joint);
+    const std::string edit =
+        fmt::format("{{actuator: '{}', ctrlrange: [{:.4g}, {:.4g}]}}", name, low, high);
+    findings_.WarnAt(
+        PlaceInModel(part_, mjOBJ_ACTUATOR, name),
+        fmt::format("the servo '{}' sends joint '{}' from {} {} (its ctrlrange), but the joint may "
+                    "move from {} {}: {}. To use all of it: edits: [{}]",
+                    name, ranges_.Name(mjOBJ_JOINT, joint), span.text(), unit, range.text(), unit,
+                    so, edit),
+        edit);
+  }
+
+  const mjModel* m_;
+  int home_key_;
+  const JointRanges ranges_;
+  const Part& part_;
+  Findings& findings_;
+  std::vector<std::string> short_;
+};
+
+// The hinge with a range that a position servo drives; -1 without.
+int HingeOf(const mjModel* m, int actuator) {
+  if (actuator < 0 || !ActsOnJoint(m, actuator) || !IsPositionServo(m, actuator)) return -1;
+  const int joint = m->actuator_trnid[2 * actuator];
+  return m->jnt_type[joint] == mjJNT_HINGE && m->jnt_limited[joint] ? joint : -1;
+}
+
+// Of arms and grippers: a finger's controls are the ends of this very range unless it is said.
+void CheckForDegrees(const CompiledRobot& robot, const MoveGroupConfig& group, Findings& findings) {
+  const mjModel* m = robot.model;
+  const Part& part = robot.part;
+  const JointRanges ranges(robot);
+  const bool arm = group.kind == MoveGroupKind::kArm;
+  for (const std::string& name :
+       arm ? ArmActuators(group, part.spec.get()) : group.actuators.names) {
+    const int servo = FindId(m, mjOBJ_ACTUATOR, robot.robot.prefix + name);
+    const int joint = HingeOf(m, servo);
+    const auto span = joint < 0 ? std::nullopt : ranges.ServoSpan(servo);
+    if (!span || span->width() < std::max(kManyTurns, kManyTimes * ranges.RangeOf(joint).width()))
+      continue;
+    const Reach range = ranges.RangeOf(joint);
+    const double a = ranges.Ctrl(servo, range.lower), b = ranges.Ctrl(servo, range.upper);
+    const std::string edit = fmt::format("{{actuator: '{}', ctrlrange: [{:.4g}, {:.4g}]}}", name,
+                                         std::min(a, b), std::max(a, b));
+    findings.WarnAt(
+        PlaceInModel(part, mjOBJ_ACTUATOR, name),
+        fmt::format("the servo '{}' takes {} rad for joint '{}' (its ctrlrange), which may move "
+                    "from {} rad. Are these degrees? The engine converts joints' ranges, never "
+                    "ctrlrange: edits: [{}]",
+                    name, span->text(), ranges.Name(mjOBJ_JOINT, joint), range.text(), edit),
+        edit);
+  }
+}
+
+bool IsOfPositions(const RobotConfig& config, const std::string& group) {
+  const ControlKind* control = config.control.find(group);
+  return !control || ModeOf(*control) == CtrlMode::kPosition;
+}
+
+}  // namespace
+
+void CheckServos(const CompiledRobot& robot, Findings& findings) {
+  const RobotConfig& config = robot.robot.config;
+  for (const auto& [name, group] : config.move_groups.entries()) {
+    CheckForDegrees(robot, *group, findings);
+    if (group->kind == MoveGroupKind::kArm && IsOfPositions(config, name))
+      ServoCheck(robot, findings).Run(name, *group);
+  }
+}
+
+}  // namespace robocell

@@ -1,0 +1,110 @@
+// Whether an arm's TCP is where its gripper holds things. A site of another unit or on another body
+// goes unnoticed otherwise: what is picked up is picked up all the same, and the poses and twists
+// that a dataset records are those of a point where nothing is.
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <Eigen/Core>
+
+#include "robocell/diagnose/checks.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/robot/gripper_group.h"
+
+namespace robocell {
+namespace {
+
+using Eigen::Vector3d;
+using RowMatrix3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+constexpr double kTcpFar = 0.15;  // metres: a TCP at the wrist is nearer, with most grippers
+
+// The box around a geom.
+struct GeomBox {
+  Vector3d center, half;  // in the geom's frame
+  Vector3d pos;
+  RowMatrix3d axes;
+
+  GeomBox(const mjModel* m, const mjData* d, int geom)
+      : center(Eigen::Map<const Vector3d>(m->geom_aabb + 6 * geom)),
+        half(Eigen::Map<const Vector3d>(m->geom_aabb + 6 * geom + 3)),
+        pos(Eigen::Map<const Vector3d>(d->geom_xpos + 3 * geom)),
+        axes(Eigen::Map<const RowMatrix3d>(d->geom_xmat + 9 * geom)) {}
+
+  double DistanceTo(const Vector3d& point) const {
+    const Vector3d inside = axes.transpose() * (point - pos) - center;
+    return (inside.cwiseAbs() - half).cwiseMax(0).norm();
+  }
+  Vector3d Middle() const { return pos + axes * center; }
+};
+
+double DistanceTo(const mjModel* m, const mjData* d, const Finger& finger, const Vector3d& point) {
+  double nearest = std::numeric_limits<double>::infinity();
+  if (finger.site >= 0)
+    nearest = (Eigen::Map<const Vector3d>(d->site_xpos + 3 * finger.site) - point).norm();
+  for (const int geom : finger.side)
+    nearest = std::min(nearest, GeomBox(m, d, geom).DistanceTo(point));
+  return nearest;
+}
+
+// Of what the distance of the fingers is measured between.
+Vector3d MiddleOf(const mjModel* m, const mjData* d, const Finger& finger) {
+  if (finger.site >= 0) return Eigen::Map<const Vector3d>(d->site_xpos + 3 * finger.site);
+  if (finger.geoms.empty()) return Eigen::Map<const Vector3d>(d->xpos + 3 * finger.body);
+  Vector3d sum = Vector3d::Zero();
+  for (const int geom : finger.geoms) sum += GeomBox(m, d, geom).Middle();
+  return sum / static_cast<double>(finger.geoms.size());
+}
+
+std::string PlaceText(Vector3d p) {
+  p = (p * 1e4).array().round() / 1e4 + 0.0;  // no -0
+  return fmt::format("[{:.3g}, {:.3g}, {:.3g}]", p.x(), p.y(), p.z());
+}
+
+// An arm whose TCP is farther than that, and than the fingers are apart, from both fingers of its
+// gripper. Nothing of arms without such a gripper.
+void WarnOfFarTcp(const Robot& robot, const MoveGroup& arm, Findings& findings) {
+  const std::string name = robot.gripper_of(arm.name());
+  if (name.empty()) return;
+  const auto* gripper = dynamic_cast<const ActuatedGripper*>(&robot.group(name));
+  if (!gripper) return;
+  const mjModel* m = robot.scene().model();
+  const mjData* d = robot.scene().data();
+  const Vector3d tcp = arm.leaf_frame_to_world().translation();
+  const double distance = std::min(DistanceTo(m, d, gripper->finger(0), tcp),
+                                   DistanceTo(m, d, gripper->finger(1), tcp));
+  if (distance <= kTcpFar || distance <= gripper->inter_finger_dist()) return;
+
+  const int hand = gripper->hand_body();
+  const Vector3d origin = Eigen::Map<const Vector3d>(d->xpos + 3 * hand);
+  const RowMatrix3d axes = Eigen::Map<const RowMatrix3d>(d->xmat + 9 * hand);
+  const auto in_hand = [&](const Vector3d& p) {
+    return PlaceText(axes.transpose() * (p - origin));
+  };
+  const std::string middle =
+      in_hand((MiddleOf(m, d, gripper->finger(0)) + MiddleOf(m, d, gripper->finger(1))) / 2);
+  std::string body = ElementName(m, mjOBJ_BODY, hand);
+  if (body.starts_with(robot.prefix())) body.erase(0, robot.prefix().size());
+  const std::string edit = fmt::format("{{add_site: tcp, body: {}, pos: {}}}", body, middle);
+  findings.WarnAbout(
+      "move_groups." + arm.name() + ".leaf",
+      fmt::format(
+          "the TCP is {:.3g} m away from the fingers of '{}', and it is what poses are commanded "
+          "and recorded of. In the frame of '{}' it is at {} m, and the middle between the fingers "
+          "at {}: name a site there (edits: [{}] adds one)",
+          distance, name, body, in_hand(tcp), middle, edit),
+      edit);
+}
+
+}  // namespace
+
+void TryTcpPlaces(Robot& robot, const TrialOptions&, Findings& findings) {
+  for (const std::string& name : robot.group_names()) {
+    const MoveGroup& group = robot.group(name);
+    if (group.kind() == MoveGroupKind::kArm) WarnOfFarTcp(robot, group, findings);
+  }
+}
+
+}  // namespace robocell

@@ -1,0 +1,305 @@
+// max_target_lead: how far targets may run ahead of an arm that something blocks.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "robocell/assets/resolve.h"
+#include "robocell/env/env.h"
+#include "robocell/env/env_batch.h"
+#include "robocell/env/testing/envs.h"
+#include "robocell/env/testing/one_hinge.h"
+#include "robocell/math/rotation.h"
+#include "robocell/testing/menagerie.h"
+
+namespace robocell {
+namespace {
+
+using Numbers = std::vector<double>;
+
+double TargetOf(const Env& env) {
+  return Robot::Of(env.scene(), "robot").controller("arm").commanded_joint_pos()[0];
+}
+
+TEST(EnvTargetLead, AJointIsLedByNoMoreThanTheLeadAndOneAction) {
+  ModelFolder folder;
+  EnvConfig config = OneHingeOnABlock(folder);
+  for (const double lead : {0.1, 0.05}) {
+    if (lead != 0.1) config.max_target_lead = {lead};
+    Env env(config);
+    env.Reset({.seed = 1});
+    for (int i = 0; i < 60; ++i) env.Step(Numbers{0.04});
+    const double blocked = env.scene().joint_pos("robotrobot_hip");
+    EXPECT_LE(TargetOf(env) - blocked, lead + 0.04 + 0.001) << lead;
+    const int back = static_cast<int>(std::ceil((lead + SagOfOneHinge(env)) / 0.04)) + 1;
+    for (int i = 0; i < back; ++i) env.Step(Numbers{-0.04});
+    EXPECT_LT(env.scene().joint_pos("robotrobot_hip"), blocked - 0.005) << lead;
+  }
+}
+
+// What a fast arm lags behind is lead as soon as something stops the arm.
+TEST(EnvTargetLead, AFastApproachLeadsABlockedArmNoMore) {
+  ModelFolder folder;
+  EnvConfig config = OneHingeOnABlock(folder);
+  config.max_relative_movement = {0.2};
+  config.sim.async_control = true;
+  for (const double frequency : {30.0, 60.0}) {
+    config.sim.frequency = frequency;
+    for (const double action : {0.05, 0.1, 0.15}) {
+      Env env(config);
+      env.Reset({.seed = 1});
+      for (int i = 0; i < 10; ++i) env.Step(Numbers{-0.1});  // a way to gather speed on
+      for (int i = 0; i < 60; ++i) env.Step(Numbers{action});
+      const double blocked = env.scene().joint_pos("robotrobot_hip");
+      EXPECT_LE(TargetOf(env) - blocked, SagOfOneHinge(env) + 0.1 + action + 0.001)
+          << frequency << " " << action;
+    }
+  }
+}
+
+// An arm that cannot follow loses way: how much, the motion of the step says.
+TEST(EnvTargetLead, WhatIsTakenBackIsTold) {
+  ModelFolder folder;
+  Env env(OneHingeOnABlock(folder));
+  env.Reset({.seed = 1});
+  bool told = false;
+  for (int i = 0; i < 20; ++i) {
+    const double before = TargetOf(env);
+    env.Step(Numbers{0.04});
+    const double taken = env.motions()[0].joint_taken_back;
+    EXPECT_NEAR(TargetOf(env), before - taken + 0.04, 1e-12);
+    told = told || taken > 0.01;
+  }
+  EXPECT_TRUE(told);
+  env.Step(Numbers{0});
+  EXPECT_EQ(env.motions()[0].joint_taken_back, 0);
+}
+
+// Many small steps add up to the whole way, whatever the arm lags and sags; and so do fast ones, as
+// long as the lead allows for what starts the arm.
+TEST(EnvTargetLead, RampsGoAllTheWay) {
+  for (const bool sagging : {true, false}) {
+    for (const double step : {-0.0005, -0.02}) {
+      ModelFolder folder;
+      EnvConfig config = sagging ? OneHinge(folder) : Rc7Env();
+      // A slow ramp: less than the hinge sags.
+      if (step > -0.01) config.max_target_lead = {0.02};
+      config.sim.async_control = true;
+      config.sim.frequency = 50;
+      Env env(config);
+      env.Reset({.seed = 1});
+      const double start = TargetOf(env);
+      Numbers action(static_cast<size_t>(env.layout().action.size()), 0);
+      for (int i = 0; i < 50; ++i) env.Step(action);  // until it hangs in its servo
+      action[0] = step;
+      const int steps = static_cast<int>(std::lround(0.4 / -step));
+      for (int i = 0; i < steps; ++i) env.Step(action);
+      EXPECT_NEAR(TargetOf(env), start - 0.4, 1e-9) << sagging << " " << step;
+    }
+  }
+}
+
+TEST(EnvTargetLead, ZerosKeepTheTargetOfAnArmThatIsHeldAway) {
+  ModelFolder folder;
+  Env env(OneHingeOnABlock(folder));
+  env.Reset({.seed = 1});
+  for (int i = 0; i < 10; ++i) env.Step(Numbers{0.08});
+  const double target = TargetOf(env);
+  for (int i = 0; i < 10; ++i) env.Step(Numbers{0});
+  EXPECT_EQ(TargetOf(env), target);
+}
+
+// Nothing but what is pushed is taken back: the tool keeps its direction and its place.
+TEST(EnvTargetLead, AToolThatIsPressedOntoSomethingIsNotTurnedAway) {
+  EnvConfig config = Rc7Env(ControlMode::kCartesianTrpy);
+  config.add_floor = true;
+  config.sim.on_collision = OnCollision::kReport;
+  Env env(config);
+  env.Reset({.seed = 1});
+  const Robot robot = Robot::Of(env.scene(), "robot");
+  const auto target = [&] { return robot.FkFrame(robot.controller("arm").commanded_joint_pos()); };
+  const Pose before = target();
+  Numbers down(7, 0);
+  down[2] = -0.02;
+  for (int i = 0; i < 60; ++i) {
+    if (!env.Step(down).ik_failed.empty()) break;
+    if (env.motions()[0].position_shortfall > 0) break;
+    EXPECT_NEAR(target().translation().x(), before.translation().x(), 1e-3) << i;
+    EXPECT_NEAR(target().translation().y(), before.translation().y(), 1e-3) << i;
+    EXPECT_LT(AngleBetween(target().quaternion(), before.quaternion()), 1e-3) << i;
+  }
+}
+
+// What a blocked arm was sent before does not make it slow to leave, whatever actions are
+// relative to.
+TEST(EnvTargetLead, AbsoluteActionsLeaveAtOnceToo) {
+  ModelFolder folder;
+  EnvConfig config = OneHingeOnABlock(folder);
+  config.max_relative_movement = {0.05};
+  for (const RelativeTo relative_to : {RelativeTo::kNone, RelativeTo::kConfiguredOrigin}) {
+    config.relative_to = relative_to;
+    Env env(config);
+    env.Reset({.seed = 1});
+    for (int i = 0; i < 30; ++i) env.Step(Numbers{1.5});
+    const double blocked = env.scene().joint_pos("robotrobot_hip");
+    EXPECT_LE(TargetOf(env) - blocked, 0.1 + 0.05 + 0.001);
+    for (int i = 0; i < 5; ++i) env.Step(Numbers{-0.5});
+    EXPECT_LT(env.scene().joint_pos("robotrobot_hip"), blocked - 0.01);
+  }
+}
+
+// One robot over a floor, its hand open, pressed onto the floor by actions of 2 cm. Returns by how
+// much the TCP has risen after each of five actions of 2 cm up.
+// `ahead` is by how much the target was below the TCP.
+Numbers RiseAfterPushing(EnvConfig config, bool batched, int pushes, double* ahead = nullptr) {
+  config.add_floor = true;
+  config.control_mode = ControlMode::kCartesianTquat;
+  config.relative_to = RelativeTo::kLastStep;
+  config.sim.on_collision = OnCollision::kReport;
+  config.task = {};
+  config.cameras.streams.clear();
+  EnvBatch batch(config, batched ? 2 : 1);
+  batch.Reset({});
+  const auto n = static_cast<size_t>(batch.layout().action.size());
+  const auto tcp_z = [&] {
+    const VectorPart& part = batch.layout().robots[0].tquat;
+    return batch.observations()[static_cast<size_t>(part.begin) + 2];
+  };
+  const auto move = [&](double z) {
+    Numbers actions(n * static_cast<size_t>(batch.size()), 0);
+    for (int i = 0; i < batch.size(); ++i) {
+      const size_t first = n * static_cast<size_t>(i);
+      actions[first + 2] = z;
+      actions[first + 6] = 1;
+      if (n > 7) actions[first + 7] = 1;
+    }
+    batch.Step(actions);
+  };
+  for (int i = 0; i < pushes; ++i) move(-0.02);
+  Numbers rise;
+  const double pressed = tcp_z();
+  if (ahead) {
+    const Robot robot = Robot::Of(batch.env(0).scene(), batch.layout().robots[0].robot);
+    const Pose target = batch.env(0).scene().shared_base_frame_to_world().inverse() *
+                        robot.base_in_world() *
+                        robot.FkFrame(robot.controller("arm").commanded_joint_pos());
+    *ahead = pressed - target.translation().z();
+  }
+  for (int i = 0; i < 5; ++i) {
+    move(0.02);
+    rise.push_back(tcp_z() - pressed);
+  }
+  return rise;
+}
+
+// An arm lags behind its target also where nothing blocks it, so what it is compared with is
+// itself, free and at rest.
+void ExpectToRiseAtOnce(const EnvConfig& config) {
+  for (const bool batched : {false, true}) {
+    const Numbers free = RiseAfterPushing(config, batched, 0);
+    const Numbers rise = RiseAfterPushing(config, batched, 60);
+    for (size_t i = 0; i < rise.size(); ++i)
+      EXPECT_GT(rise[i], free[i] - 0.005)
+          << ::testing::PrintToString(rise) << " " << ::testing::PrintToString(free);
+  }
+}
+
+// At 30 actions a second arms are fast when they meet the floor.
+void ExpectToBeLedLittle(EnvConfig config) {
+  config.sim.async_control = true;
+  config.sim.frequency = 30;
+  for (const bool batched : {false, true}) {
+    double ahead = 0;
+    const Numbers rise = RiseAfterPushing(config, batched, 80, &ahead);
+    EXPECT_LT(ahead, 0.02 + 0.02 + 0.001) << batched;
+    EXPECT_GT(rise[2], 0.005) << ::testing::PrintToString(rise);
+  }
+}
+
+TEST(EnvTargetLead, ABuiltInArmIsLedLittleAfterAFastApproach) { ExpectToBeLedLittle(Rc7Env()); }
+
+TEST(EnvTargetLead, AnFr3IsLedLittleAfterAFastApproach) {
+  REQUIRE_MENAGERIE("franka_fr3");
+  ExpectToBeLedLittle(EnvConfig::Load(assets::BuiltinCellFile("fr3")));
+}
+
+TEST(EnvTargetLead, ABuiltInArmRisesAtOnceAfterItWasPushedIntoTheFloor) {
+  ExpectToRiseAtOnce(Rc7Env());
+}
+
+TEST(EnvTargetLead, AnFr3RisesAtOnceAfterItWasPushedIntoTheFloor) {
+  REQUIRE_MENAGERIE("franka_fr3");
+  ExpectToRiseAtOnce(EnvConfig::Load(assets::BuiltinCellFile("fr3")));
+}
+
+// A link that is blocked holds its joints back, while the TCP gets along by the others.
+struct BlockedLink {
+  Eigen::Vector3d box, push;
+};
+
+// Pushes so often; returns the largest lead of a joint, rad, and how far the first action back
+// brings the TCP, m.
+std::pair<double, double> PushLinkAgainstABox(EnvConfig config, const BlockedLink& blocked,
+                                              int pushes) {
+  config.root_frame_objects["box"] = {.offset = Pose(blocked.box),
+                                      .fixed = true,
+                                      .shape = Shape::kBox,
+                                      .size = Vec3{0.1, 0.1, 0.3},
+                                      .mass = 1};
+  config.control_mode = ControlMode::kCartesianTrpy;
+  config.relative_to = RelativeTo::kLastStep;
+  config.sim.on_collision = OnCollision::kReport;
+  config.task = {};
+  config.cameras.streams.clear();
+  Env env(config);
+  env.Reset({.seed = 10});
+  const Robot robot = Robot::Of(env.scene(), env.layout().robots[0].robot);
+  const auto move = [&](const Eigen::Vector3d& way) {
+    Numbers action(7, 0);
+    std::copy_n(way.data(), 3, action.begin());
+    action[6] = 1;
+    env.Step(action);
+  };
+  for (int i = 0; i < pushes; ++i) move(blocked.push);
+  double most = 0;
+  const Numbers q = robot.arm().joint_pos();
+  const std::span<const double> sent = robot.controller("arm").commanded_joint_pos();
+  for (size_t i = 0; i < q.size(); ++i) most = std::max(most, std::abs(sent[i] - q[i]));
+  const Pose pressed = robot.tcp_in_world();
+  move(-blocked.push);
+  const Eigen::Vector3d way = robot.tcp_in_world().translation() - pressed.translation();
+  return {most, -way.dot(blocked.push.normalized())};
+}
+
+// The lead of joints is three times that of poses, 0.3 rad, and one action.
+void ExpectJointsToBeLedLittle(EnvConfig config, const BlockedLink& blocked) {
+  for (const bool async : {true, false}) {
+    config.sim.async_control = async;
+    config.sim.frequency = 30;
+    const double free = PushLinkAgainstABox(config, blocked, 0).second;
+    const auto [lead, back] = PushLinkAgainstABox(config, blocked, 60);
+    EXPECT_LT(lead, 0.3 + 0.1) << async;
+    EXPECT_GT(back, free - 0.005) << async;
+    EXPECT_GT(back, 0.003) << async;
+  }
+}
+
+const BlockedLink kShoulderBehind = {{-0.35, 0.1, 0.3}, {-0.0129, 0.0061, -0.0141}};
+
+TEST(EnvTargetLead, JointsOfABlockedLinkOfABuiltInArmAreLedLittle) {
+  ExpectJointsToBeLedLittle(Rc7Env(), {{0.3, 0.3, 0.3}, {-0.0099, 0.0028, 0.0172}});
+}
+
+TEST(EnvTargetLead, JointsOfABlockedLinkOfAnFr3AreLedLittle) {
+  REQUIRE_MENAGERIE("franka_fr3");
+  ExpectJointsToBeLedLittle(EnvConfig::Load(assets::BuiltinCellFile("fr3")), kShoulderBehind);
+}
+
+TEST(EnvTargetLead, JointsOfABlockedLinkOfAPandaAreLedLittle) {
+  REQUIRE_MENAGERIE("franka_emika_panda");
+  ExpectJointsToBeLedLittle(EnvConfig::Load(assets::BuiltinCellFile("panda")), kShoulderBehind);
+}
+
+}  // namespace
+}  // namespace robocell

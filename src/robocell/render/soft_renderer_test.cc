@@ -1,0 +1,363 @@
+// What `soft` draws, beside OpenGL's exact pass, the engine's rays and other instruction sets.
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+#include <mujoco/mujoco.h>
+
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "robocell/base/error.h"
+#include "robocell/base/rng.h"
+#include "robocell/mujoco/clip_planes.h"
+#include "robocell/mujoco/compile.h"
+#include "robocell/render/renderer.h"
+#include "robocell/testing/count_allocations.h"
+#include "robocell/testing/instruction_sets.h"
+#include "robocell/testing/menagerie.h"
+#include "robocell/testing/skip.h"
+
+namespace robocell {
+namespace {
+
+constexpr int kAcross = 320, kDown = 240, kShown = kAcross * kDown;
+
+// Every shape, textures of both kinds, lights of both kinds, and flexible objects.
+constexpr char kZoo[] = R"(<mujoco>
+  <option gravity="0 0 -9.81"/>
+  <asset>
+    <texture name="sky" type="skybox" builtin="gradient" rgb1=".3 .5 .7" rgb2="0 0 .2" width="64" height="384"/>
+    <texture name="grid" type="2d" builtin="checker" rgb1=".2 .3 .4" rgb2=".7 .8 .9" width="128" height="128" mark="edge" markrgb=".9 .1 .1"/>
+    <texture name="cube" type="cube" builtin="checker" rgb1=".8 .6 .4" rgb2=".4 .3 .2" width="64" height="64"/>
+    <material name="floor" texture="grid" texrepeat="3 3" texuniform="true" reflectance=".3"/>
+    <material name="wood" texture="cube" shininess=".2" specular=".2"/>
+    <material name="wall" texture="grid" texrepeat="2 2"/>
+    <hfield name="hills" nrow="12" ncol="14" size=".4 .3 .15 .05"/>
+    <mesh name="tetra" vertex="0 0 0  .2 0 0  0 .2 0  0 0 .2"/>
+  </asset>
+  <visual><map haze=".3"/><quality numslices="96" numstacks="64"/></visual>
+  <worldbody>
+    <light type="directional" pos="0 0 3" dir=".2 .3 -1" diffuse=".5 .5 .5"/>
+    <light type="spot" pos="1 -1 2" dir="-.4 .4 -1" cutoff="40" exponent="5" attenuation="1 .1 .05" diffuse=".6 .5 .4"/>
+    <geom type="plane" size="0 0 .1" material="floor"/>
+    <body name="wall"><geom type="plane" size=".5 .4 .1" pos="-.9 1.2 .5" euler="70 0 20" material="wall"/></body>
+    <geom type="hfield" hfield="hills" pos="1.1 .9 .04" rgba=".4 .6 .3 1"/>
+    <body name="sphere" pos="0 0 .5"><freejoint/><geom size=".15" rgba="1 0 0 1"/></body>
+    <body name="capsule" pos=".5 0 .5"><freejoint/><geom type="capsule" size=".08 .2" rgba="0 1 0 1"/></body>
+    <body name="cylinder" pos="-.5 0 .5"><freejoint/><geom type="cylinder" size=".1 .15" material="wood"/></body>
+    <body name="ellipsoid" pos="0 .5 .5"><freejoint/><geom type="ellipsoid" size=".1 .2 .15" rgba="0 0 1 1"/></body>
+    <body name="box" pos="0 -.5 .5"><freejoint/><geom type="box" size=".1 .15 .05" material="wood"/></body>
+    <body name="mesh" pos=".5 .5 .5"><freejoint/><geom type="mesh" mesh="tetra" rgba=".9 .9 0 1"/></body>
+    <body name="arm" pos="-.5 .5 .8"><joint type="ball"/><geom type="capsule" fromto="0 0 0 .3 0 0" size=".03"/>
+      <site name="a" pos=".3 0 0"/></body>
+    <site name="b" pos="-.5 .2 .3"/>
+    <body pos="-.8 -.6 .6"><freejoint/>
+      <geom type="box" size=".1 .1 .1" rgba=".2 .7 .7 .4"/></body>
+  </worldbody>
+  <tendon><spatial width=".01" rgba=".9 .4 .1 1"><site site="a"/><site site="b"/></spatial></tendon>
+</mujoco>)";
+
+struct SoftImages {
+  std::vector<uint8_t> rgb = std::vector<uint8_t>(3 * kShown);
+  std::vector<float> depth = std::vector<float>(kShown);
+  std::vector<int32_t> ids = std::vector<int32_t>(kShown);
+  CameraModel camera;
+};
+
+SoftImages TakeOf(Renderer& renderer, const mjData* data, const CameraView& view) {
+  SoftImages out;
+  out.camera = renderer.Render(data, {.camera = view, .width = kAcross, .height = kDown},
+                               {.rgb = out.rgb, .depth = out.depth, .segmentation = out.ids});
+  return out;
+}
+
+// Structural similarity of the brightness (Wang et al. 2004), over windows of 8 x 8 pixels.
+double Similarity(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
+  constexpr double kC1 = 6.5025, kC2 = 58.5225;
+  double sum = 0;
+  int windows = 0;
+  for (int y = 0; y + 8 <= kDown; y += 4) {
+    for (int x = 0; x + 8 <= kAcross; x += 4, ++windows) {
+      double ma = 0, mb = 0, aa = 0, bb = 0, ab = 0;
+      for (int k = 0; k < 64; ++k) {
+        const int at = 3 * ((y + k / 8) * kAcross + x + k % 8);
+        const double va = (a[at] + a[at + 1] + a[at + 2]) / 3.0,
+                     vb = (b[at] + b[at + 1] + b[at + 2]) / 3.0;
+        ma += va / 64;
+        mb += vb / 64;
+        aa += va * va / 64;
+        bb += vb * vb / 64;
+        ab += va * vb / 64;
+      }
+      sum += (2 * ma * mb + kC1) * (2 * (ab - ma * mb) + kC2) /
+             ((ma * ma + mb * mb + kC1) * (aa - ma * ma + bb - mb * mb + kC2));
+    }
+  }
+  return sum / windows;
+}
+
+// A model in random states, seen from random places.
+class RandomViews {
+ public:
+  explicit RandomViews(const std::string& path)
+      : RandomViews(path.empty() ? ParseXmlString(kZoo) : ParseXmlFile(path)) {}
+  explicit RandomViews(SpecPtr spec) {
+    SetClipPlanes(spec.get(), 1, 0.01, 30);
+    model_ = Compile(spec.get());
+    data_ = MakeData(model_.get());
+  }
+
+  void Next() {
+    mj_resetData(model_.get(), data_.get());
+    for (int j = 0; j < model_->njnt; ++j) {
+      double* q = data_->qpos + model_->jnt_qposadr[j];
+      switch (model_->jnt_type[j]) {
+        case mjJNT_FREE:
+          for (int k = 0; k < 3; ++k) q[k] += Random(-0.2, 0.2);
+          Turn(q + 3);
+          break;
+        case mjJNT_BALL:
+          Turn(q);
+          break;
+        default:
+          *q = model_->jnt_limited[j]
+                   ? Random(model_->jnt_range[2 * j], model_->jnt_range[2 * j + 1])
+                   : Random(-2, 2);
+      }
+    }
+    mj_forward(model_.get(), data_.get());
+    do {
+      view_ = OrbitCamera{.lookat = {Random(-0.2, 0.2), Random(-0.2, 0.2), Random(0.2, 0.6)},
+                          .distance = Random(0.4, 3),
+                          .azimuth = Random(0, 360),
+                          .elevation = Random(-70, -2),
+                          .fovy = Random(30, 75)};
+    } while (StandsInABody());
+  }
+  const mjModel* model() const { return model_.get(); }
+  const mjData* data() const { return data_.get(); }
+  const OrbitCamera& view() const { return view_; }
+  double Random(double low, double high) { return random_.Uniform(low, high); }
+
+ private:
+  // Rays meet the inside of shapes, which images do not show.
+  bool StandsInABody() const {
+    const Eigen::Vector3d eye = view_.camera_in_world().translation();
+    for (int b = 1; b < model_->nbody; ++b) {
+      if ((eye - Eigen::Map<const Eigen::Vector3d>(data_->xpos + 3 * b)).norm() < 0.3) return true;
+    }
+    return false;
+  }
+  void Turn(double* q) {
+    for (int k = 0; k < 4; ++k) q[k] = Random(-1, 1);
+    mju_normalize4(q);
+  }
+
+  Rng random_ = Rng::Stream(7, "views");
+  ModelPtr model_;
+  DataPtr data_;
+  OrbitCamera view_;
+};
+
+class SoftAgrees : public testing::TestWithParam<std::string> {
+ protected:
+  void SetUp() override {
+    if (GetParam() != "zoo") REQUIRE_MENAGERIE(Folder());
+  }
+  static std::string Folder() { return GetParam().substr(0, GetParam().find('/')); }
+  static std::string Path() {
+    if (GetParam() == "zoo") return "";
+    return MenagerieModel(Folder(), GetParam().substr(GetParam().find('/') + 1));
+  }
+};
+
+TEST_P(SoftAgrees, WithOpenGl) {
+  RandomViews views(Path());
+  std::unique_ptr<Renderer> gl, soft = MakeRenderer({.backend = "soft"});
+  try {
+    gl = MakeRenderer({.backend = "gl"});
+  } catch (const Error& error) {
+    SKIP_OR_FAIL(error.what());
+  }
+  gl->SetModel(views.model());
+  soft->SetModel(views.model());
+  constexpr int kViews = 10;
+  int ids = 0, depth = 0;
+  double least_similar = 1;
+  for (int i = 0; i < kViews; ++i) {
+    views.Next();
+    const SoftImages a = TakeOf(*gl, views.data(), views.view()),
+                     b = TakeOf(*soft, views.data(), views.view());
+    int ids_here = 0, depth_here = 0;
+    for (int k = 0; k < kShown; ++k) {
+      ids_here += a.ids[k] != b.ids[k];
+      // Beyond 5 m OpenGL's own depths are wrong by millimetres: there the engine's rays judge,
+      // which the next test holds to one millimetre.
+      depth_here += !(std::abs(a.depth[k] - b.depth[k]) <= std::max(1e-3f, 2e-4f * b.depth[k]));
+    }
+    EXPECT_LE(ids_here, 1e-3 * kShown) << "view " << i;
+    EXPECT_LE(depth_here, 1e-3 * kShown) << "view " << i;
+    const double similar = Similarity(a.rgb, b.rgb);
+    EXPECT_GE(similar, 0.95) << "view " << i;
+    least_similar = std::min(least_similar, similar);
+    ids += ids_here;
+    depth += depth_here;
+  }
+  RecordProperty("ids", ids);
+  if (std::getenv("ROBOCELL_TEST_VERBOSE")) {
+    std::printf("%s: ids differ in %.4f %%, depth in %.4f %%, least similarity %.4f\n",
+                GetParam().c_str(), 100.0 * ids / (kViews * kShown),
+                100.0 * depth / (kViews * kShown), least_similar);
+  }
+}
+
+// Rays of the engine, from the camera through pixels. They meet the true shapes, where images show
+// round ones in facets, and no tendons.
+TEST_P(SoftAgrees, WithTheEnginesRays) {
+  RandomViews views(Path());
+  const std::unique_ptr<Renderer> soft = MakeRenderer({.backend = "soft"});
+  soft->SetModel(views.model());
+  const int wall = mj_name2id(views.model(), mjOBJ_BODY, "wall");
+  int rays = 0, ids = 0, depth = 0;
+  for (int i = 0; i < 10; ++i) {
+    views.Next();
+    const SoftImages images = TakeOf(*soft, views.data(), views.view());
+    const Eigen::Vector3d eye = images.camera.camera_in_world.translation();
+    for (int k = 0; k < 100; ++k) {
+      const int x = static_cast<int>(views.Random(1, kAcross - 1)),
+                y = static_cast<int>(views.Random(1, kDown - 1)), pixel = y * kAcross + x;
+      const Eigen::Vector3d along =
+          (images.camera.Unproject({static_cast<double>(x), static_cast<double>(y)}, 1) - eye);
+      // Rays go through the back of planes, which images show.
+      if (wall > 0 && images.ids[pixel] == wall) continue;
+      const mjtByte groups[mjNGROUP] = {1, 1, 1, 0, 0, 0};
+      int geom = -1;
+      const double distance = mj_ray(views.model(), views.data(), eye.data(), along.data(), groups,
+                                     1, -1, &geom, nullptr);
+      if (distance >= 0 && (distance < 0.0101 || distance > 29)) continue;  // clipped in the image
+      ++rays;
+      const int body = geom < 0 ? -1 : views.model()->geom_bodyid[geom];
+      const double far = distance < 0 ? 0 : distance;
+      ids += body != images.ids[pixel];
+      depth += body == images.ids[pixel] && std::abs(far - images.depth[pixel]) > 1e-3;
+    }
+  }
+  EXPECT_GT(rays, 900);
+  EXPECT_LE(ids, 0.02 * rays);  // facets and tendons
+  EXPECT_LE(depth, 0.02 * rays);
+  if (std::getenv("ROBOCELL_TEST_VERBOSE")) {
+    std::printf("%s: of %d rays %d other bodies, %d other depths\n", GetParam().c_str(), rays, ids,
+                depth);
+  }
+}
+
+// Calls `test` with SSE4 and nothing wider, which other kernels do not have.
+void OnSse4(const std::function<void()>& test) {
+  hwy::SetSupportedTargetsForTest(-HWY_SSE4);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  test();
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+}
+
+TEST_P(SoftAgrees, WithItselfOnEveryInstructionSet) {
+  RandomViews views(Path());
+  views.Next();
+  std::unique_ptr<SoftImages> first;
+  std::set<std::string> descriptions;
+  const auto draw = [&] {
+    const std::unique_ptr<Renderer> soft = MakeRenderer(
+        {.backend = "soft",
+         .quality = {.shadows = true, .reflections = true, .multisamples = 4, .shadow_size = 512}});
+    descriptions.insert(soft->description());
+    soft->SetModel(views.model());
+    SoftImages images = TakeOf(*soft, views.data(), views.view());
+    if (!first) first = std::make_unique<SoftImages>(images);
+    EXPECT_EQ(first->rgb, images.rgb) << soft->description();
+    EXPECT_EQ(first->depth, images.depth) << soft->description();
+    EXPECT_EQ(first->ids, images.ids) << soft->description();
+  };
+  OnEveryInstructionSet([&](const std::string&) { draw(); });
+  OnSse4(draw);
+  if (std::getenv("ROBOCELL_TEST_VERBOSE")) {
+    for (const std::string& one : descriptions) std::printf("same bytes: %s\n", one.c_str());
+  }
+}
+
+// Shadows and reflections. Shadows are softer than OpenGL's, and lie where its lie.
+TEST_P(SoftAgrees, WithOpenGlOnShadowsAndReflections) {
+  RandomViews views(Path());
+  RendererOptions options{
+      .quality = {.shadows = true, .reflections = true, .multisamples = 4, .shadow_size = 2048}};
+  std::unique_ptr<Renderer> gl, soft;
+  try {
+    options.backend = "gl";
+    gl = MakeRenderer(options);
+  } catch (const Error& error) {
+    SKIP_OR_FAIL(error.what());
+  }
+  options.backend = "soft";
+  soft = MakeRenderer(options);
+  gl->SetModel(views.model());
+  soft->SetModel(views.model());
+  for (int i = 0; i < 3; ++i) {
+    views.Next();
+    const double similar = Similarity(TakeOf(*gl, views.data(), views.view()).rgb,
+                                      TakeOf(*soft, views.data(), views.view()).rgb);
+    EXPECT_GE(similar, 0.9) << "view " << i;
+    if (std::getenv("ROBOCELL_TEST_VERBOSE")) {
+      std::printf("%s: with effects, similarity %.4f\n", GetParam().c_str(), similar);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Models, SoftAgrees,
+                         testing::Values("zoo", "ufactory_xarm7/scene.xml",
+                                         "franka_emika_panda/scene.xml", "franka_fr3/scene.xml",
+                                         "kinova_gen3/scene.xml", "robotiq_2f85/scene.xml"),
+                         [](const auto& info) {
+                           return info.param.substr(0, info.param.find('/'));
+                         });
+
+constexpr RenderQuality kEffects{
+    .shadows = true, .reflections = true, .multisamples = 4, .shadow_size = 512};
+
+// A shadow map is kept while nothing in it has moved.
+TEST(SoftEffects, AreTheSameWhateverWasDrawnBefore) {
+  RandomViews views("");
+  const auto make = [&] {
+    auto renderer = MakeRenderer({.backend = "soft", .quality = kEffects});
+    renderer->SetModel(views.model());
+    return renderer;
+  };
+  const auto kept = make();
+  for (int i = 0; i < 4; ++i) {
+    views.Next();
+    for (int camera = 0; camera < 2; ++camera) {
+      OrbitCamera view = views.view();
+      view.azimuth += 40 * camera;
+      EXPECT_EQ(TakeOf(*kept, views.data(), view).rgb, TakeOf(*make(), views.data(), view).rgb)
+          << "state " << i << ", camera " << camera;
+    }
+  }
+}
+
+TEST(SoftEffects, AllocateNothingOnceWarm) {
+  RandomViews views("");
+  const auto soft = MakeRenderer({.backend = "soft", .quality = kEffects});
+  soft->SetModel(views.model());
+  views.Next();
+  SoftImages images;
+  const RenderRequest request{.camera = views.view(), .width = kAcross, .height = kDown};
+  const RenderOutputs outputs{.rgb = images.rgb, .depth = images.depth, .segmentation = images.ids};
+  soft->Render(views.data(), request, outputs);
+  const AllocationCount count;
+  soft->Render(views.data(), request, outputs);
+  EXPECT_EQ(count.allocations(), 0);
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,131 @@
+#include "robocell/robot/validate_config.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "robocell/base/error.h"
+#include "robocell/kinematics/reach.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/robot/gripper_group.h"
+#include "robocell/scene/actuator_kind.h"
+
+namespace robocell {
+namespace {
+
+// A measured finger distance may differ this much from the configured one, metres.
+constexpr double kDistanceTolerance = 0.005;
+// A configured reach may be so much larger than the measured one, which is within a percent or two.
+constexpr double kMostReach = 1.1;
+
+void ValidateDistance(const ActuatedGripper& gripper, const GripperDistance& said,
+                      Problems& problems) {
+  const GripperDistance measured = gripper.Measure().distance;
+  if (std::abs(measured.closed - said.closed) <= kDistanceTolerance &&
+      std::abs(measured.open - said.open) <= kDistanceTolerance)
+    return;
+  problems.AddAt("distance",
+                 fmt::format("the fingers are {:.3f} m apart when closed and {:.3f} m when open, "
+                             "not {:.3f} and {:.3f}: correct it, or leave `distance` out to "
+                             "have it measured",
+                             measured.closed, measured.open, said.closed, said.open));
+}
+
+// `failed` gets what says that a gripper cannot be measured as it is configured.
+template <class Failed>
+void ValidateGrippers(const Robot& robot, Problems& problems, const Failed& failed) {
+  Problems::Scope groups(problems, "move_groups");
+  for (const auto& [name, config] : robot.config().move_groups.entries()) {
+    if (!config->distance || !robot.has_group(name)) continue;
+    const auto* gripper = dynamic_cast<const ActuatedGripper*>(&robot.group(name));
+    Problems::Scope group(problems, name);
+    if (!gripper) continue;
+    try {
+      ValidateDistance(*gripper, *config->distance, problems);
+    } catch (const Error& error) {
+      failed(error);
+    }
+  }
+}
+
+bool HasArm(const Robot& robot) {
+  const std::vector<std::string> names = robot.group_names();
+  return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+    return robot.group(name).kind() == MoveGroupKind::kArm;
+  });
+}
+
+// A box so wide that the arm ends above it: metres that were meant as centimetres.
+void ValidateBaseSize(const Robot& robot, Problems& problems) {
+  const std::optional<Vec3>& size = robot.config().base.size;
+  if (!size || !HasArm(robot)) return;
+  const double reach = robot.reach();
+  if (std::min((*size)[0], (*size)[1]) / 2 <= reach) return;
+  problems.AddAt("base.size",
+                 fmt::format("on a box of {:g} x {:g} x {:g} m the robot reaches nothing beside "
+                             "it: its reach is {:.2f} m. Length, width and height are in metres",
+                             (*size)[0], (*size)[1], (*size)[2], reach));
+}
+
+// Farther than the TCP gets: centimetres, or somebody else's robot.
+void ValidateReachField(const Robot& robot, Problems& problems) {
+  const std::optional<double>& said = robot.config().reach;
+  if (!said || !HasArm(robot)) return;
+  const double measured = ApproximateReach(robot.chain());
+  if (*said <= kMostReach * measured) return;
+  problems.AddAt("reach", fmt::format("the TCP gets {:.2f} m away from the root body, not {:g} m: "
+                                      "correct it, or leave `reach` out to have it measured",
+                                      measured, *said));
+}
+
+// The controllers that drive this arm to joint positions.
+std::string PositionControls(const Robot& robot, const std::string& arm) {
+  const mjModel* m = robot.scene().model();
+  bool servos = true;
+  for (const std::string& name : robot.group(arm).actuator_names())
+    servos &= IsPositionServo(m, FindId(m, mjOBJ_ACTUATOR, name));
+  return servos ? "joint_position, relative_joint_position or joint_impedance" : "joint_impedance";
+}
+
+}  // namespace
+
+void ValidateConfig(const Robot& robot, Problems& problems) {
+  ValidateReachField(robot, problems);
+  ValidateGrippers(robot, problems, [&](const Error& error) { problems.Add(error.what()); });
+  ValidateBaseSize(robot, problems);
+}
+
+void ValidateDistances(const Robot& robot, Problems& problems) {
+  ValidateGrippers(robot, problems, [](const Error&) {});
+}
+
+bool ValidateControllers(const Robot& robot, Problems& problems) {
+  const size_t before = problems.list().size();
+  Problems::Scope groups(problems, "move_groups");
+  for (const auto& [name, config] : robot.config().move_groups.entries()) {
+    if (config->kind != MoveGroupKind::kArm && config->kind != MoveGroupKind::kGripper) continue;
+    try {
+      robot.controller(name);
+    } catch (const NotFoundError& error) {
+      problems.AddAt(name, error.what());
+    }
+  }
+  return problems.list().size() == before;
+}
+
+// Pose controllers go their own way to where a joint target puts the leaf.
+void ValidateTakesJointPositions(const Robot& robot, Problems& problems) {
+  if (!HasArm(robot)) return;
+  const std::string arm = robot.arm().name();
+  const Controller& controller = robot.controller(arm);
+  const TargetKind kind = controller.target_kind();
+  if (kind == TargetKind::kJointPositions || kind == TargetKind::kJointSteps) return;
+  problems.AddAt(
+      "control." + arm,
+      fmt::format("the scripted expert sends the arm joint positions, and '{}' takes {}; choose {} "
+                  "(an expert of your own may use other commands)",
+                  controller.kind(), Describe(kind), PositionControls(robot, arm)));
+}
+
+}  // namespace robocell

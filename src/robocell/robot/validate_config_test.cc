@@ -1,0 +1,98 @@
+#include "robocell/robot/validate_config.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "robocell/robot/testing/robots.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::HasSubstr;
+
+// What is wrong with a configuration; "" when nothing is.
+std::string Wrong(const RobotConfig& config) {
+  Problems problems(config.locations);
+  ValidateConfig(RobotAlone(config), problems);
+  return problems.empty() ? "" : problems.Text("robot");
+}
+
+TEST(ValidateConfig, ShippedFilesSayWhatTheirModelsDo) {
+  EXPECT_EQ(Wrong(Rc7()), "");
+  for (const auto& [file, model] : {std::pair{"xarm7.yaml", "ufactory_xarm7"},
+                                    {"panda.yaml", "franka_emika_panda"},
+                                    {"fr3_2f85.yaml", "franka_fr3"},
+                                    {"gen3_2f85.yaml", "kinova_gen3"}}) {
+    REQUIRE_MENAGERIE(model);
+    EXPECT_EQ(Wrong(LoadShipped(std::string("examples/") + file)), "") << file;
+  }
+}
+
+TEST(ValidateConfig, ADistanceThatMeasuringContradictsIsToldWithItsLine) {
+  RobotConfig config = Rc7();
+  config.move_groups.find("gripper")->distance->closed = 0.02;
+  const std::string text = Wrong(config);
+  EXPECT_THAT(text, HasSubstr("rc7.yaml:15:"));
+  EXPECT_THAT(text, HasSubstr("move_groups.gripper.distance: the fingers are 0.002 m apart when "
+                              "closed and 0.090 m when open, not 0.020 and 0.090: correct it, or "
+                              "leave `distance` out to have it measured"));
+}
+
+TEST(ValidateConfig, AGripperThatCannotBeMeasuredAsItIsConfiguredIsTold) {
+  RobotConfig config = Rc7();
+  std::swap(config.move_groups.find("gripper")->ctrl->open,
+            config.move_groups.find("gripper")->ctrl->closed);
+  EXPECT_THAT(Wrong(config), HasSubstr("open and closed are swapped"));
+}
+
+// What is noticed first is the gripper, which is measured.
+TEST(ValidateConfig, MeasuringAGripperNamesTheGainThatItFailsBy) {
+  RobotConfig config = Rc7();
+  config.edits.push_back({.actuator = ElementRef{.name = "gripper"}, .kp = 5e9});
+  EXPECT_THAT(Wrong(config),
+              HasSubstr("or is its joint too slow for its actuator? The simulation cannot follow a "
+                        "gain: "));
+  EXPECT_THAT(Wrong(config), HasSubstr("the gain 5e+09 of servo 'gripper' is too high for tendon "
+                                       "'finger_opening', which moves 0.32 kg"));
+  config = Rc7();
+  config.edits.push_back({.actuator = ElementRef{.name = "servo1"},
+                          .forcerange = Vec2{-1e9, 1e9},
+                          .kp = 5e9,
+                          .kv = 1});
+  EXPECT_THAT(Wrong(config),
+              HasSubstr("(engine warnings: 1 x bad number in qacc). The simulation cannot follow a "
+                        "gain: "));
+  EXPECT_THAT(Wrong(config), HasSubstr("rc7.xml:199: robot 'rc7': the gain 5e+09 of servo "
+                                       "'servo1' is too high for joint 'joint1'"));
+  config.move_groups.find("gripper")->distance.reset();
+  ExpectThrow<EngineError>([&] { RobotAlone(config).gripper().opening(); },
+                           "of servo 'servo1' is too high for joint 'joint1'");
+}
+
+TEST(ValidateConfig, ABaseWiderThanTheReachIsTold) {
+  RobotConfig config = Rc7();
+  config.base.size = Vec3{22, 22, 25};
+  const std::string text = Wrong(config);
+  EXPECT_THAT(text, HasSubstr("base.size: on a box of 22 x 22 x 25 m the robot reaches nothing"));
+  EXPECT_THAT(text, HasSubstr("are in metres"));
+}
+
+TEST(ValidateConfig, AReachThatTheArmDoesNotHaveIsTold) {
+  RobotConfig config = Rc7();
+  const double measured = RobotAlone(config).reach();
+  config.reach = measured;
+  EXPECT_EQ(Wrong(config), "");
+  config.reach = 0.5;  // less than it has: only that is to be used
+  EXPECT_EQ(Wrong(config), "");
+  config.reach = 9;
+  EXPECT_THAT(Wrong(config),
+              HasSubstr(fmt::format("reach: the TCP gets {:.2f} m away from the root "
+                                    "body, not 9 m: correct it, or leave `reach` "
+                                    "out to have it measured",
+                                    measured)));
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,315 @@
+#include "robocell/rollout/validate_run.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/menagerie.h"
+#include "robocell/testing/source_dir.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+RunConfig Demo() {
+  RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
+  run.locations = {};
+  return run;
+}
+
+TEST(ValidateRun, TheExamplesPass) {
+  EXPECT_NO_THROW(ValidateRun(Demo()));
+  REQUIRE_MENAGERIE("ufactory_xarm7");
+  EXPECT_NO_THROW(ValidateRun(RunConfig::Load(SourceDir() + "/examples/xarm7_pick.yaml")));
+}
+
+TEST(ValidateRun, StreamsThatCannotBeRecordedAreToldAllAtOnce) {
+  RunConfig run = Demo();
+  run.cameras.streams[0].rgb = false;
+  run.cameras.streams[0].depth = true;
+  run.cameras.streams[1].rate = 5;
+  const std::string text =
+      ExpectThrow<SpecError>([&] { ValidateRun(run); }, "a recorded stream needs rgb: true");
+  EXPECT_THAT(text, HasSubstr("(cameras.streams[0]).rgb"));
+  EXPECT_THAT(text, HasSubstr("(cameras.streams[1]).rate"));
+}
+
+TEST(ValidateRun, AnUnknownKindIsToldWithTheNearest) {
+  RunConfig run = Demo();
+  run.task.As<PickTaskConfig>().objects.names = {"box", "mgu"};
+  const std::string text =
+      ExpectThrow<SpecError>([&] { ValidateRun(run); }, "task.objects[1]: task: no kind 'mgu'");
+  EXPECT_THAT(text, HasSubstr("Did you mean 'mug'?"));
+}
+
+TEST(ValidateRun, AnUnknownCameraIsToldWithNamesAsTheyAreWritten) {
+  RunConfig run = Demo();
+  run.cameras.streams[0].camera = "wirst_camera";
+  const std::string text =
+      ExpectThrow<SpecError>([&] { ValidateRun(run); }, "(cameras.streams[0]).camera: ");
+  EXPECT_THAT(text, HasSubstr("no camera 'wirst_camera'"));
+  EXPECT_THAT(text, HasSubstr("Did you mean 'wrist_camera'?"));
+  EXPECT_THAT(text, Not(HasSubstr("robot_0/")));
+}
+
+TEST(ValidateRun, TheFilesLinesAreNamed) {
+  TempDir folder;
+  AtomicWrite(folder / "run.yaml",
+              "run: lines\n"
+              "robot: " +
+                  SourceDir() +
+                  "/models/robots/rc7/rc7.yaml\n"
+                  "output: out\n"
+                  "task:\n"
+                  "  objects: [box]\n"
+                  "cameras:\n"
+                  "  streams:\n"
+                  "    - {name: a, camera: wrist_camera}\n"
+                  "    - {name: b, camera: nowhere}\n");
+  const std::string file = (folder / "run.yaml").string();
+  ExpectThrow<SpecError>([&] { ValidateRun(RunConfig::Load(file)); },
+                         file + ":9:25: stream 'b' (cameras.streams[1]).camera: ");
+  RunConfig wrong = RunConfig::Load(file);
+  wrong.task.As<PickTaskConfig>().objects.names = {"bix"};
+  ExpectThrow<SpecError>([&] { ValidateRun(wrong); }, file + ":5:");
+}
+
+TEST(ValidateRun, ARobotThatDoesNotCompileIsTold) {
+  RunConfig run = Demo();
+  run.robot.config.model = "rc8.xml";
+  ExpectThrow<SpecError>([&] { ValidateRun(run); }, "rc8.xml");
+}
+
+TEST(ValidateRun, ASceneWithoutATableIsTold) {
+  RunConfig run = Demo();
+  TempDir folder;
+  AtomicWrite(folder / "bare.xml", "<mujoco><worldbody><site name='floor'/></worldbody></mujoco>");
+  run.scenes = FilesScenes{.files = {(folder / "bare.xml").string()}};
+  ExpectThrow<SpecError>([&] { CheckRun(run); }, "nowhere to put objects");
+}
+
+TEST(ValidateRun, EverySceneNeedsATable) {
+  RunConfig run = Demo();
+  TempDir folder;
+  const std::string site = "<site name='table_top'/>", begin = "<mujoco><worldbody><body>",
+                    end = "</body></worldbody></mujoco>";
+  AtomicWrite(folder / "good.xml",
+              begin + "<geom type='box' size='.4 .4 .01' pos='0 0 -.01'/>" + site + end);
+  AtomicWrite(folder / "beside.xml",
+              begin + "<geom type='box' size='.4 .4 .01' pos='1 0 -.01'/>" + site + end);
+  AtomicWrite(folder / "bare.xml", begin + "<geom type='sphere' size='.4'/>" + site + end);
+  FilesScenes scenes;
+  for (const char* name : {"good.xml", "beside.xml", "bare.xml"})
+    scenes.files.push_back((folder / name).string());
+  run.scenes = scenes;
+  ExpectThrow<SpecError>([&] { CheckRun(run); }, "so that it is beside the box");
+  ExpectThrow<SpecError>([&] { CheckRun(run); }, "bare.xml': site 'table_top' needs a box geom");
+}
+
+TEST(ValidateRun, ATableThatFallsIsTold) {
+  RunConfig run = Demo();
+  TempDir folder;
+  const auto table = [&](const std::string& name, double height) {
+    AtomicWrite(folder / name,
+                fmt::format("<mujoco><worldbody><geom type='plane' size='5 5 1'/><body name='desk' "
+                            "pos='0 0 {}'><freejoint/><geom type='box' size='.4 .4 .2'/><site "
+                            "name='table_top' pos='0 0 .2'/></body></worldbody></mujoco>",
+                            height));
+    run.scenes = FilesScenes{.files = {(folder / name).string()}};
+  };
+  table("stands.xml", 0.2);
+  EXPECT_NO_THROW(ValidateRun(run));
+  table("falls.xml", 1);
+  const std::string text = ExpectThrow<SpecError>(
+      [&] { ValidateRun(run); },
+      "site 'table_top' does not stay where objects are to be put: its body 'desk' has a joint, "
+      "and moves by 0.8");
+  EXPECT_THAT(text, HasSubstr("Take the joint out, or have the body stand on something"));
+}
+
+TEST(ValidateRun, StreamsThatNoFileCanHoldAreToldWithoutAModel) {
+  RunConfig run = Demo();
+  run.cameras.streams[0].name = "left/wrist";
+  run.cameras.streams[1].width = 20000;
+  const std::string text = ExpectThrow<SpecError>([&] { ValidateRunFields(run); },
+                                                  "(cameras.streams[0]).name: stream name "
+                                                  "'left/wrist' contains '/'");
+  EXPECT_THAT(text,
+              HasSubstr("(cameras.streams[1]): camera 'exo': size 20000x240 px is not between "
+                        "2x2 and 16384x16384"));
+  run = Demo();
+  run.cameras.resolution = {3, 0};  // told once
+  EXPECT_THAT(ExpectThrow<SpecError>([&] { ValidateRunFields(run); }, "must be greater than 0"),
+              Not(HasSubstr("16384")));
+}
+
+TEST(ValidateRun, ADistanceThatTheGripperDoesNotHaveIsRefused) {
+  RunConfig run = Demo();
+  run.robot.config.move_groups.find("gripper")->distance->open = 0.9;
+  ExpectThrow<SpecError>([&] { ValidateRun(run, {.scripted_expert = false}); },
+                         "robot.move_groups.gripper.distance: the fingers are 0.002 m apart when "
+                         "closed and 0.090 m when open, not 0.002 and 0.900");
+}
+
+TEST(ValidateRun, DistancesOutOfReachAreToldWithTheReach) {
+  RunConfig run = Demo();
+  run.start.base_distance = {0.3, 60};
+  const std::string text = ExpectThrow<SpecError>([&] { CheckRun(run); },
+                                                  "start.base_distance: [0.3, 60] m goes beyond");
+  EXPECT_THAT(text, HasSubstr("of which 95 % is used"));
+  EXPECT_NO_THROW(ValidateRun(run, {.scripted_expert = false, .on_this_machine = false}))
+      << "a sampler of the user's own may mean something else by it";
+  // What is told as the most there is, is accepted: it is not rounded up.
+  const size_t at = text.find("goes beyond ") + 12;
+  (*run.start.base_distance)[1] = std::stod(text.substr(at));
+  EXPECT_NO_THROW(CheckRun(run)) << (*run.start.base_distance)[1];
+  (*run.start.base_distance)[1] += 0.001;
+  ExpectThrow<SpecError>([&] { CheckRun(run); }, "] m goes beyond " + text.substr(at, 5));
+  run = Demo();
+  run.start.base_height_offset = -25;
+  ExpectThrow<SpecError>([&] { CheckRun(run); }, "start.base_height_offset: -25 m puts the base");
+}
+
+TEST(ValidateRun, ALiftThatNoArmHasIsRefused) {
+  RunConfig run = Demo();
+  run.task.As<PickTaskConfig>().lift_height = 10;
+  const std::string text =
+      ExpectThrow<SpecError>([&] { ValidateRun(run); },
+                             "task.lift_height: 10 m is more than the arm can lift: it reaches ");
+  EXPECT_THAT(text,
+              HasSubstr(" m above the object, and lifts 0.05 m more than is asked for; give"));
+  run.task.As<PickTaskConfig>().lift_height = 0.1;
+  EXPECT_THAT(ValidateRun(run), IsEmpty());
+}
+
+// A run file beside a robot file: rc7's with other lines.
+class ValidateRobotFile : public ::testing::Test {
+ protected:
+  RunConfig WithRobot(const std::string& from, const std::string& to) {
+    std::string text = ReadFile(kRc7 + "/rc7.yaml");
+    for (const auto& [what, with] :
+         {std::pair{from, to}, {std::string("model: rc7.xml"), "model: " + kRc7 + "/rc7.xml"}}) {
+      EXPECT_NE(text.find(what), std::string::npos) << what;
+      text.replace(text.find(what), what.size(), with);
+    }
+    AtomicWrite(folder_ / "robot.yaml", text);
+    AtomicWrite(folder_ / "run.yaml", "run: r\nrobot: robot.yaml\noutput: out\n");
+    return RunConfig::Load((folder_ / "run.yaml").string());
+  }
+  // Where the text stands in the robot's file: "robot.yaml:7:15".
+  std::string PlaceOf(const std::string& text) const {
+    const std::string file = ReadFile((folder_ / "robot.yaml").string());
+    const size_t at = file.find(text), line = file.rfind('\n', at) + 1;
+    return fmt::format("robot.yaml:{}:{}: ", 1 + std::count(file.begin(), file.begin() + at, '\n'),
+                       at - line + 1);
+  }
+
+  const std::string kRc7 = SourceDir() + "/models/robots/rc7";
+  TempDir folder_;
+};
+
+TEST_F(ValidateRobotFile, BasesThatCannotBePlacedAreToldWithTheirLine) {
+  for (const auto& [kind, why] : {std::pair{"fixed", "a fixed base cannot be moved"},
+                                  {"planar", "a planar base moves in its plane only"},
+                                  {"free", "a free base falls from there"}}) {
+    const RunConfig run = WithRobot("kind: mocap", fmt::format("kind: {}", kind));
+    const std::string text = ExpectThrow<SpecError>([&] { ValidateRun(run); }, why);
+    EXPECT_THAT(text, AllOf(HasSubstr(PlaceOf(kind) + "robot.base.kind: pick tasks put the robot"),
+                            HasSubstr("give it `base: {kind: mocap}`")));
+  }
+}
+
+TEST_F(ValidateRobotFile, ControllersThatTakeNoJointPositionsAreToldWithThoseThatDo) {
+  for (const auto& [control, takes] : {std::pair{"joint_torque", "joint torques"},
+                                       {"joint_velocity", "joint velocities"},
+                                       {"cartesian_pose", "a pose"},
+                                       {"cartesian_impedance", "a pose"}}) {
+    const RunConfig run = WithRobot("arm: joint_position", fmt::format("arm: {}", control));
+    ExpectThrow<SpecError>(
+        [&] { ValidateRun(run); },
+        fmt::format("{}robot.control.arm: the scripted expert sends the arm joint positions, and "
+                    "'{}' takes {}; choose joint_position, relative_joint_position or "
+                    "joint_impedance (an expert of your own may use other commands)",
+                    PlaceOf(control), control, takes));
+    EXPECT_NO_THROW(ValidateRun(run, {.scripted_expert = false}));
+  }
+  for (const char* control : {"relative_joint_position", "joint_impedance"})
+    EXPECT_NO_THROW(ValidateRun(WithRobot("arm: joint_position", fmt::format("arm: {}", control))));
+}
+
+TEST(ValidateRun, AKindThatTheGripperCannotHoldIsTold) {
+  RunConfig run = Demo();
+  run.robot.config.move_groups.find("gripper")->ctrl = GripperCtrl{.open = 10, .closed = 0};
+  run.robot.config.move_groups.find("gripper")->distance.reset();
+  run.task.As<PickTaskConfig>().objects.names = {"mug"};
+  EXPECT_THAT(ValidateRun(run),
+              Contains(AllOf(HasSubstr("task.objects: gripper 'gripper' cannot hold 'mug' (it is "),
+                             HasSubstr(" m high, and the gripper holds "),
+                             HasSubstr("Leave the kind out of task.objects"))));
+}
+
+TEST(ValidateRun, WhyAGripperThatIsWideEnoughCannotHoldAKindIsTold) {
+  RunConfig run = Demo();
+  run.task.As<PickTaskConfig>().objects.names = {"box"};
+  // A spike between the fingers, long past the pads.
+  run.robot.config.edits.push_back(
+      {.geom = ElementRef{.name = "hand_palm"}, .size = Vec3{0.005, 0.005, 0.2}});
+  EXPECT_THAT(ValidateRun(run),
+              Contains(AllOf(HasSubstr("cannot hold 'box' (it is "),
+                             HasSubstr(", but on the way to that width its fingertips reach "),
+                             HasSubstr(" m below the middle of the pads, so that they touch what "
+                                       "it stands on before the pads have 0.012 m of it)"))));
+}
+
+TEST(ValidateRun, AGripperThatCannotBeMeasuredIsToldOnce) {
+  RunConfig run = Demo();
+  MoveGroupConfig& gripper = *run.robot.config.move_groups.find("gripper");
+  gripper.distance.reset();
+  Edit narrow;
+  narrow.actuator = ElementRef{.name = "gripper"};
+  narrow.ctrlrange = Vec2{99.999, 100};
+  run.robot.config.edits.push_back(narrow);
+  for (const bool said : {true, false}) {
+    gripper.ctrl = GripperCtrl{.open = 100, .closed = 99.999};
+    if (!said) gripper.ctrl.reset();
+    const std::string text =
+        ExpectThrow<SpecError>([&] { ValidateRun(run); }, "the finger distance stays at 0.0900 m");
+    EXPECT_EQ(text.find("finger distance stays"), text.rfind("finger distance stays")) << text;
+  }
+}
+
+TEST(ValidateRun, ARunWithStreamsNeedsAnEncoder) {
+  const RunConfig run = Demo();
+  setenv("ROBOCELL_FFMPEG", "/no/such/ffmpeg", 1);
+  ExpectThrow<IoError>([&] { ValidateRun(run); },
+                       "run 'demo' records 2 camera streams, on this machine that fails: "
+                       "ROBOCELL_FFMPEG is '/no/such/ffmpeg'");
+  EXPECT_NO_THROW(ValidateRun(run, {.on_this_machine = false}));
+  RunConfig blind = Demo();
+  blind.cameras.streams = {};
+  EXPECT_NO_THROW(ValidateRun(blind));
+  unsetenv("ROBOCELL_FFMPEG");
+}
+
+TEST(ValidateRun, WhatTheScriptedExpertNeedsIsAskedOfItsRunsOnly) {
+  RunConfig run = Demo();
+  run.robot.config.base.kind = BaseKind::kFixed;
+  ExpectThrow<SpecError>([&] { ValidateRun(run); }, "a fixed base cannot be moved");
+  EXPECT_NO_THROW(ValidateRun(run, {.scripted_expert = false}));
+}
+
+}  // namespace
+}  // namespace robocell

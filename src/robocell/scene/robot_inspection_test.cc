@@ -1,0 +1,37 @@
+#include "robocell/scene/robot_inspection.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "robocell/scene/testing/arm_with_hand.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::Contains;
+using ::testing::Not;
+
+// What another test's robots are inspected by is installed again.
+class RobotInspectionTest : public ArmWithHand {
+ protected:
+  ~RobotInspectionTest() override { InstallRobotInspection(before_); }
+
+ private:
+  RobotInspection before_ = InstalledRobotInspection();
+};
+
+void WarnOfItsHip(const CompiledRobot& robot, CompileLog& log) {
+  EXPECT_EQ(robot.model->key_qpos[robot.home_key * robot.model->nq], 0);
+  EXPECT_GT(robot.reference->xpos[5], 0) << "poses are those of the reference";
+  log.Warn(robot.place(), "looked at " + robot.robot.prefix);
+}
+
+TEST_F(RobotInspectionTest, WarnsAtEveryCompileThatFollows) {
+  Model();
+  EXPECT_THAT(Build().compiled()->warnings(), Not(Contains("robot 'arm': looked at a/")));
+  InstallRobotInspection(&WarnOfItsHip);
+  EXPECT_THAT(Build().compiled()->warnings(), Contains("robot 'arm': looked at a/"));
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,31 @@
+// Private to scene: is a pose `home` one that the joints can take? Asked of a robot's file and of
+// the keyframes that the parts' own models bring.
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "robocell/scene/compile_log.h"
+#include "robocell/scene/compiled_scene.h"
+#include "robocell/scene/part.h"
+
+namespace robocell {
+
+// How far outside its limits a number from a file may be: files round.
+inline constexpr double kLimitSlack = 1e-4;
+
+// "2 is outside the limits -1 to 1 of joint 'elbow'", with a hint at degrees that were meant as
+// radians; nothing for what is inside, for joints without limits, and for free and ball joints.
+// `shown` is the joint's name in the message.
+std::optional<std::string> OutsideLimits(const mjModel* model, int joint, double value,
+                                         const std::string& shown);
+
+// Reports the keyframe values that are outside the limits: as a problem where a reset would use
+// them (of `home`, unless a robot's file replaces them), as a warning in other keyframes.
+void ValidateKeyframes(const mjModel* model, const PartKeys& parts,
+                       const std::vector<RobotRecord>& robots, CompileLog& log);
+
+}  // namespace robocell

@@ -1,0 +1,169 @@
+#include "robocell/scene/validate_model_file.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+#include <vector>
+
+#include "robocell/base/suggestions.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/scene/compile_problem.h"
+#include "robocell/scene/spec_tree.h"
+
+namespace robocell {
+namespace {
+
+constexpr size_t kHead = 1 << 16;  // bytes in which the first element stands
+
+std::string HeadOf(const std::string& file) {
+  std::string head(kHead, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<size_t>(stream.gcount()));
+  return head;
+}
+
+// The name of the first element: "mujoco", "robot"; "" when there is none.
+std::string RootElement(std::string_view xml) {
+  for (size_t at = 0; (at = xml.find('<', at)) != std::string_view::npos; ++at) {
+    const std::string_view rest = xml.substr(at + 1);
+    if (rest.starts_with("!--")) {
+      at = xml.find("-->", at);
+      if (at == std::string_view::npos) return "";
+    } else if (!rest.starts_with("?") && !rest.starts_with("!")) {
+      return std::string(rest.substr(0, rest.find_first_of(" \t\r\n/>")));
+    }
+  }
+  return "";
+}
+
+}  // namespace
+
+void ValidateIsMjcf(const std::string& file, const std::string& place, const std::string& field,
+                    CompileLog& log) {
+  const std::string extension = std::filesystem::path(file).extension().string();
+  if (extension == ".yaml" || extension == ".yml") {
+    log.Problem(place,
+                fmt::format("{0} is YAML, and models are MJCF. If it is a robot's configuration, "
+                            "it goes into the `config` of a RobotSpec, without a `path`: "
+                            "config: {0} in YAML, RobotConfig.load('{0}') in Python",
+                            file),
+                field);
+    return;
+  }
+  if (RootElement(HeadOf(file)) != "robot") return;
+  const std::string mjcf = std::filesystem::path(file).replace_extension(".mjcf.xml").string();
+  log.Problem(
+      place,
+      fmt::format("{0} is a URDF, and robots are read from MJCF: a URDF has no actuators, sites or "
+                  "cameras. Convert it once: python -c \"import mujoco; "
+                  "s = mujoco.MjSpec.from_file('{0}'); s.compile(); "
+                  "open('{1}', 'w').write(s.to_xml())\"; then give the new file actuators "
+                  "(<position joint=... kp=... kv=.../>) and name it here",
+                  file, mjcf),
+      field);
+}
+
+void ValidateActuatorTargets(const Part& part, CompileLog& log) {
+  const mjSpec* spec = part.spec.get();
+  for (mjsElement* element : SpecElements(spec, mjOBJ_ACTUATOR)) {
+    const mjsActuator* actuator = mjs_asActuator(element);
+    const mjtObj kind = TargetKind(actuator->trntype);
+    const std::string target = mjs_getString(actuator->target);
+    if (kind == mjOBJ_UNKNOWN || FindSpecElement(spec, kind, target)) continue;
+    const std::string name = SpecName(element);
+    log.Thrown(part.place,
+               PlaceInModel(part, mjOBJ_ACTUATOR, name) + ": " +
+                   NoSuchName(fmt::format("the target of actuator '{}'", name), KindName(kind),
+                              target, SpecNames(spec, kind)),
+               part.field);
+  }
+}
+
+// The engine leaves joints that the keyframe has no numbers for at their reference. So it does for
+// those of an attached model, which the author may have meant.
+void ValidateHomeKeyLength(const Part& part, CompileLog& log) {
+  mjsElement* element = FindSpecElement(part.spec.get(), mjOBJ_KEY, "home");
+  if (!element) return;
+  int given = 0;
+  mjs_getDouble(mjs_asKey(element)->qpos, &given);
+  int wanted = 0;
+  std::vector<std::string> names, left_out;
+  for (const JointPositions& joint : PositionsInOrder(part.spec.get())) {
+    wanted += joint.count;
+    names.push_back(joint.count == 1 ? joint.name
+                                     : fmt::format("{} ({})", joint.name, joint.count));
+    if (wanted > given) left_out.push_back(joint.name);
+  }
+  if (given == 0 || given == wanted) return;  // none: all joints at their reference
+  const std::string message = fmt::format(
+      "the keyframe 'home' has {} numbers in qpos, and the model's joints need {}, in "
+      "this order: {}",
+      given, wanted, ListNames(names, 40));
+  if (given > wanted) return log.Thrown(part.place, part.file + ": " + message, part.field);
+  log.WarnAt(part.file, part.place,
+             fmt::format("{}. Without a number, and at their reference: {}", message,
+                         ListNames(left_out, 40)));
+}
+
+void ValidateHomeKeyControls(const Part& part, CompileLog& log) {
+  mjsElement* element = FindSpecElement(part.spec.get(), mjOBJ_KEY, "home");
+  if (!element) return;
+  int given = 0;
+  mjs_getDouble(mjs_asKey(element)->ctrl, &given);
+  std::vector<std::string> actuators;
+  for (mjsElement* actuator : SpecElements(part.spec.get(), mjOBJ_ACTUATOR))
+    actuators.push_back(DescribeSpecElement(actuator));
+  // Which of them have several inputs is known only after compiling: more numbers may be right.
+  if (given == 0 || given >= static_cast<int>(actuators.size())) return;
+  const std::vector<std::string> left_out(actuators.begin() + given, actuators.end());
+  log.WarnAt(part.file, part.place,
+             fmt::format("the keyframe 'home' has {} numbers in ctrl for {} actuators. Without "
+                         "a number, and at the control that holds home: {}",
+                         given, actuators.size(), ListNames(left_out, 40)));
+}
+
+void ValidatePresetSizes(Part& part, CompileLog& log) {
+  int wanted = 0;
+  for (const JointPositions& joint : PositionsInOrder(part.spec.get())) wanted += joint.count;
+  for (mjsElement* element : SpecElements(part.spec.get(), mjOBJ_KEY)) {
+    const std::string name = SpecName(element);
+    int given = 0;
+    mjs_getDouble(mjs_asKey(element)->qpos, &given);
+    if (name.empty() || name == "home" || given == 0 || given == wanted) continue;
+    log.WarnAt(part.file, part.place,
+               fmt::format("the keyframe '{}' has {} numbers in qpos, and the model's joints "
+                           "need {}: it is left out",
+                           name, given, wanted));
+    part.keys.Remove(name);
+  }
+}
+
+std::string OtherKeys(const Part& part) {
+  const std::vector<mjsElement*> keys = SpecElements(part.spec.get(), mjOBJ_KEY);
+  if (keys.empty() || FindSpecElement(part.spec.get(), mjOBJ_KEY, "home")) return "";
+  std::vector<std::string> names, values;
+  for (mjsElement* key : keys) {
+    const std::string name = SpecName(key);
+    names.push_back(name.empty() ? fmt::format("the {}. (unnamed)", names.size() + 1)
+                                 : "'" + name + "'");
+  }
+  int given = 0, at = 0;
+  const double* qpos = mjs_getDouble(mjs_asKey(keys[0])->qpos, &given);
+  for (const JointPositions& joint : PositionsInOrder(part.spec.get())) {
+    if (joint.count == 1 && at < given)
+      values.push_back(fmt::format("{} {:.6g}", joint.name, qpos[at]));
+    at += joint.count;
+  }
+  return fmt::format(
+      "{} has no keyframe 'home', only {}: the robot starts with all joints at their reference. "
+      "To start at a keyframe, write its numbers as `home`{}",
+      part.file, ListNames(names),
+      values.empty() ? "" : fmt::format(": {} has {}", names[0], ListNames(values, 40)));
+}
+
+}  // namespace robocell

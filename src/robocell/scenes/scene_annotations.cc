@@ -1,0 +1,127 @@
+#include "robocell/scenes/scene_annotations.h"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <limits>
+#include <set>
+
+#include "robocell/mujoco/names.h"
+#include "robocell/mujoco/tree.h"
+#include "robocell/scene/scene.h"
+#include "robocell/scenes/hollows.h"
+
+namespace robocell {
+namespace {
+
+std::string Lower(std::string text) {
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+bool IsHandleName(const std::string& name) {
+  const std::string lower = Lower(name);
+  return lower.find("handle") != std::string::npos || lower.find("knob") != std::string::npos;
+}
+
+// What is derived from one compiled scene.
+class Derivation {
+ public:
+  explicit Derivation(const SceneSpec& spec) : scene_(Scene::Build(spec)), m_(scene_.model()) {
+    of_robots_.assign(static_cast<size_t>(m_->nbody), false);
+    for (const RobotRecord& robot : scene_.compiled()->robots()) MarkSubtree(robot.root_body);
+    for (const std::string& object : scene_.parked_objects())
+      MarkSubtree(scene_.compiled()->object(object).root_body);
+  }
+
+  SceneAnnotations Result() {
+    SceneAnnotations found;
+    found.supports = FindSupportFaces(scene_);
+    for (int j = 0; j < m_->njnt; ++j) {
+      const bool opens = m_->jnt_type[j] == mjJNT_HINGE || m_->jnt_type[j] == mjJNT_SLIDE;
+      if (opens && !of_robots_[m_->jnt_bodyid[j]]) found.articulations.push_back(ArticulationOf(j));
+    }
+    for (int body = 1; body < m_->nbody; ++body) {
+      if (of_robots_[body]) continue;
+      if (const std::optional<Hollow> hollow = FindHollow(scene_, body))
+        found.containers.push_back(ContainerOf(body, *hollow));
+    }
+    for (const SceneObject& object : scene_.compiled()->spec().objects)
+      found.objects.push_back(WordsOf(object));
+    for (int light = 0; light < m_->nlight; ++light) found.lights.push_back(LightOf(light));
+    return found;
+  }
+
+ private:
+  void MarkSubtree(const std::string& root) {
+    const int id = FindId(m_, mjOBJ_BODY, root);
+    for (int body = 1; id >= 0 && body < m_->nbody; ++body) {
+      if (IsInSubtree(m_, body, id)) of_robots_[body] = true;
+    }
+  }
+  Articulation ArticulationOf(int joint) const {
+    const mjData* d = scene_.data();
+    const int body = m_->jnt_bodyid[joint];
+    constexpr double kInfinite = std::numeric_limits<double>::infinity();
+    Articulation out;
+    out.joint = ElementName(m_, mjOBJ_JOINT, joint);
+    out.body = ElementName(m_, mjOBJ_BODY, body);
+    out.kind =
+        m_->jnt_type[joint] == mjJNT_HINGE ? ArticulationKind::kHinge : ArticulationKind::kSlide;
+    out.range = m_->jnt_limited[joint]
+                    ? Vec2{m_->jnt_range[2 * joint], m_->jnt_range[2 * joint + 1]}
+                    : Vec2{-kInfinite, kInfinite};
+    out.start = d->qpos[m_->jnt_qposadr[joint]];
+    out.axis = Eigen::Map<const Eigen::Vector3d>(d->xaxis + 3 * joint);
+    out.anchor = Eigen::Map<const Eigen::Vector3d>(d->xanchor + 3 * joint);
+    for (int g = 0; g < m_->ngeom; ++g) {
+      const std::string name = ElementName(m_, mjOBJ_GEOM, g);
+      if (MovedJoint(m_->geom_bodyid[g]) == joint && IsHandleName(name))
+        out.handle_geoms.push_back(name);
+    }
+    return out;
+  }
+  // The joint next to a body on its way to the world, a hinge or a slide; -1 for none.
+  int MovedJoint(int body) const {
+    while (body > 0 && m_->body_jntnum[body] == 0) body = m_->body_parentid[body];
+    if (body == 0) return -1;
+    const int joint = m_->body_jntadr[body] + m_->body_jntnum[body] - 1;
+    const bool opens = m_->jnt_type[joint] == mjJNT_HINGE || m_->jnt_type[joint] == mjJNT_SLIDE;
+    return opens ? joint : -1;
+  }
+  Container ContainerOf(int body, const Hollow& hollow) const {
+    const mjData* d = scene_.data();
+    const Pose at = Pose::FromTranslationAndMatrix(d->xpos + 3 * body, d->xmat + 9 * body);
+    const int joint = MovedJoint(body);
+    return {.body = ElementName(m_, mjOBJ_BODY, body),
+            .frame_to_world = at * Pose(hollow.middle),
+            .half_extents = hollow.half_extents,
+            .opening = at.rotation() * hollow.opening,
+            .moved_by = joint < 0 ? "" : ElementName(m_, mjOBJ_JOINT, joint)};
+  }
+  static ObjectWords WordsOf(const SceneObject& object) {
+    const std::string category = object.mjcf_path.empty()
+                                     ? std::string(ToString(object.shape.value_or(Shape::kBox)))
+                                     : std::filesystem::path(object.mjcf_path).stem().string();
+    return {.object = object.name, .category = category, .words = {category}};
+  }
+  SceneLight LightOf(int light) const {
+    const mjData* d = scene_.data();
+    return {.name = ElementName(m_, mjOBJ_LIGHT, light),
+            .position = Eigen::Map<const Eigen::Vector3d>(d->light_xpos + 3 * light),
+            .direction = Eigen::Map<const Eigen::Vector3d>(d->light_xdir + 3 * light),
+            .directional = m_->light_type[light] == mjLIGHT_DIRECTIONAL};
+  }
+
+  Scene scene_;
+  const mjModel* m_;
+  std::vector<bool> of_robots_;  // bodies that are no surroundings
+};
+
+}  // namespace
+
+SceneAnnotations DeriveAnnotations(const SceneSpec& spec) { return Derivation(spec).Result(); }
+
+}  // namespace robocell

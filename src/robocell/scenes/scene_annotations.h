@@ -1,0 +1,99 @@
+// SceneAnnotations: what is known of a scene beside its geometry, as data: where things can be put
+// and stored, what opens, where one can stand, what things are called. Sources of scenes fill it in
+// (scene_source.h); what they leave out is derived from the geometry.
+//
+//   const SceneAnnotations known = DeriveAnnotations(spec);
+//   for (const Articulation& joint : known.articulations) ... joint.handle_geoms ...
+//
+// Poses are in the world, metres and radians, of the scene as it is compiled. Names are those of
+// the compiled scene.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "robocell/math/pose.h"
+#include "robocell/scenes/support.h"
+#include "robocell/spec/scene_spec.h"
+#include "robocell/spec/types.h"
+
+namespace robocell {
+
+// A level face that objects can be put on.
+struct SupportFace {
+  Support face;
+  std::string body;
+  double free_area = 0;  // square metres of it with room above
+  std::string room = {};
+};
+
+// A hollow that objects can be put into: a tray, a drawer, a shelf behind a door.
+struct Container {
+  std::string body;
+  Pose frame_to_world;                                 // the middle of the hollow
+  Vec3 half_extents = {};                              // of the hollow, along its frame's axes
+  Eigen::Vector3d opening = Eigen::Vector3d::UnitZ();  // out of it, in the world
+  std::string moved_by = {};                           // the joint of a drawer; "" if it stands
+  std::string room = {};
+};
+
+enum class ArticulationKind { kHinge, kSlide };
+
+// A joint of the surroundings: a door, a drawer, a lid, a knob.
+struct Articulation {
+  std::string joint;
+  std::string body;  // that it moves
+  ArticulationKind kind = ArticulationKind::kHinge;
+  Vec2 range = {0, 0};                               // of its value; infinite without limits
+  double start = 0;                                  // its value in the scene as compiled
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();   // in the world
+  Eigen::Vector3d anchor = Eigen::Vector3d::Zero();  // a point of the axis, in the world
+  std::vector<std::string> handle_geoms = {};        // what it is opened by; empty if not known
+};
+
+struct Room {
+  std::string name;
+  std::string category = {};       // "kitchen"
+  std::vector<Vec2> outline = {};  // corners on the floor, counter-clockwise, in the world
+  double floor_height = 0;
+};
+
+// A level rectangle on which nothing stands.
+struct FloorArea {
+  Pose frame_to_world;  // its middle, z up
+  double half_x = 0, half_y = 0;
+  std::string room = {};
+};
+
+// What an object of the scene is called.
+struct ObjectWords {
+  std::string object;                   // its name in the scene
+  std::string category = {};            // "mug"
+  std::vector<std::string> words = {};  // for instructions: "the blue cup"
+  std::string room = {};
+};
+
+struct SceneLight {
+  std::string name;  // "" for a light without one
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Vector3d direction = -Eigen::Vector3d::UnitZ();
+  bool directional = false;
+};
+
+struct SceneAnnotations {
+  std::vector<SupportFace> supports = {};  // the one that objects are put on first
+  std::vector<Container> containers = {};
+  std::vector<Articulation> articulations = {};
+  std::vector<Room> rooms = {};
+  std::vector<FloorArea> free_floor = {};
+  std::vector<ObjectWords> objects = {};
+  std::vector<SceneLight> lights = {};
+};
+
+// What follows from the geometry of a scene: level faces of boxes, hollows of bodies, joints of the
+// surroundings with the geoms that are named handles or knobs, its objects by their models or
+// shapes, and its lights. Rooms and free floor do not. The scene is compiled; its errors are those
+// of Scene::Build.
+SceneAnnotations DeriveAnnotations(const SceneSpec& spec);
+
+}  // namespace robocell

@@ -1,0 +1,380 @@
+#include "robocell/scenes/start_inspector.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "robocell/motion/geom_extent.h"
+#include "robocell/mujoco/guard.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/mujoco/tree.h"
+#include "robocell/scenes/settle.h"
+
+namespace robocell {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr int kMostLayers = 16;       // of things that do not collide, which a ray goes through
+constexpr double kNearEnough = 0.02;  // metres between what hangs and what may hold it
+constexpr double kInTheFloor = 0.01;  // metres
+
+std::string BodyText(const mjModel* m, int body) {
+  return body == 0 ? "the world" : ElementName(m, mjOBJ_BODY, body);
+}
+
+// A geom's name where it is the world's, which has many: the floor; else its body's.
+std::string OtherText(const mjModel* m, int geom) {
+  const int body = m->geom_bodyid[geom];
+  const std::string name = ElementName(m, mjOBJ_GEOM, geom);
+  return body == 0 && !name.empty() ? name : BodyText(m, body);
+}
+
+std::string Millimetres(double metres) { return fmt::format("{:.0f} mm", 1000 * metres); }
+
+Vector3d Down(const mjModel* m) {
+  const Vector3d gravity(m->opt.gravity);
+  return gravity.norm() > 0 ? Vector3d(gravity.normalized()) : Vector3d(0, 0, 0);
+}
+
+// How far down something that collides is, from a point; -1 when nothing is. The geom is told.
+double RayDown(const mjModel* m, const mjData* d, Vector3d from, const Vector3d& down, int without,
+               int* geom) {
+  double way = 0;
+  for (int layer = 0; layer < kMostLayers; ++layer) {
+    const double hit = Guarded("looking for what is below", [&] {
+      return mj_ray(m, d, from.data(), down.data(), nullptr, 1, without, geom, nullptr);
+    });
+    if (hit < 0) return -1;
+    way += hit;
+    if (IsCollisionGeom(m, *geom) && !IsInSubtree(m, m->geom_bodyid[*geom], without)) return way;
+    constexpr double kOn = 1e-4;  // m, past what was hit
+    from += (hit + kOn) * down;
+    way += kOn;
+  }
+  return way;
+}
+
+std::vector<int> CollidingGeoms(const mjModel* m, int root) {
+  std::vector<int> geoms;
+  for (int g = 0; g < m->ngeom; ++g) {
+    if (IsCollisionGeom(m, g) && IsInSubtree(m, m->geom_bodyid[g], root)) geoms.push_back(g);
+  }
+  return geoms;
+}
+
+int RootBody(const Scene& scene, const std::string& object) {
+  return RequireId(scene.model(), mjOBJ_BODY, scene.compiled()->object(object).root_body,
+                   "scene '" + scene.name() + "'");
+}
+
+// Less than `horizon` when something else is so near.
+double NearestOther(const Scene& scene, int root, double horizon) {
+  const mjModel* m = scene.model();
+  mjData* d = scene.data();
+  double nearest = horizon;
+  for (int a = 0; a < m->ngeom; ++a) {
+    if (!IsInSubtree(m, m->geom_bodyid[a], root)) continue;
+    for (int b = 0; b < m->ngeom && nearest == horizon; ++b) {
+      if (IsInSubtree(m, m->geom_bodyid[b], root)) continue;
+      const bool bounded = m->geom_rbound[a] > 0 && m->geom_rbound[b] > 0;
+      if (bounded && mju_dist3(d->geom_xpos + 3 * a, d->geom_xpos + 3 * b) >
+                         m->geom_rbound[a] + m->geom_rbound[b] + horizon)
+        continue;
+      nearest = Guarded("distance of an object to its surroundings", d,
+                        [&] { return mj_geomDistance(m, d, a, b, horizon, nullptr); });
+    }
+  }
+  return nearest;
+}
+
+bool HasGeoms(const mjModel* m, int root) {
+  for (int g = 0; g < m->ngeom; ++g) {
+    if (IsInSubtree(m, m->geom_bodyid[g], root)) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+StartInspector::StartInspector(Scene scene, std::vector<std::string> objects)
+    : scene_(std::move(scene)), names_(std::move(objects)) {
+  Bind();
+}
+
+void StartInspector::Bind() {
+  if (generation_ == scene_.generation()) return;
+  const mjModel* m = scene_.model();
+  objects_.clear();
+  object_of_.assign(m->nbody, -1);
+  for (const std::string& name : names_) {
+    const int body = RootBody(scene_, name);
+    for (int b = 0; b < m->nbody; ++b) {
+      if (IsInSubtree(m, b, body)) object_of_[b] = static_cast<int>(objects_.size());
+    }
+    objects_.push_back({name, body, CollidingGeoms(m, body), kMostSettling});
+  }
+  MarkRobots();
+  accepted_.clear();
+  generation_ = scene_.generation();
+}
+
+// A gripper, and whatever else hangs on a robot, is the robot's.
+void StartInspector::MarkRobots() {
+  const mjModel* m = scene_.model();
+  robots_.clear();
+  robot_of_.assign(m->nbody, -1);
+  std::vector<std::pair<int, std::string>> bases;
+  for (const RobotRecord& robot : scene_.compiled()->robots())
+    bases.emplace_back(FindId(m, mjOBJ_BODY, robot.base_body), robot.name);
+  for (const auto& robot : bases) {
+    const int base = robot.first;  // no structured binding: lambdas of clang 14 cannot capture it
+    const bool mounted =
+        base >= 0 && std::ranges::any_of(bases, [&](const auto& other) {
+          return other.first > 0 && other.first != base && IsInSubtree(m, base, other.first);
+        });
+    if (base < 0 || mounted) continue;
+    for (int b = 0; b < m->nbody; ++b) {
+      if (IsInSubtree(m, b, base)) robot_of_[b] = static_cast<int>(robots_.size());
+    }
+    robots_.push_back(robot.second);
+  }
+}
+
+std::string StartInspector::RobotText(int body) const {
+  return fmt::format("robot '{}' ({})", robots_[robot_of_[body]], BodyText(scene_.model(), body));
+}
+
+// The bodies, when one is a robot's and the other neither of the same nor an object that is to lie
+// still, and they are too deep.
+std::optional<StartInspector::Pair> StartInspector::RobotPair(int contact) const {
+  const mjContact& c = scene_.data()->contact[contact];
+  if (c.exclude != 0 || c.geom[0] < 0 || c.geom[1] < 0 || c.dist > -kInside) return std::nullopt;
+  const mjModel* m = scene_.model();
+  Pair bodies(m->geom_bodyid[c.geom[0]], m->geom_bodyid[c.geom[1]]);
+  if (robot_of_[bodies.first] == robot_of_[bodies.second]) return std::nullopt;
+  if (robot_of_[bodies.first] < 0) std::swap(bodies.first, bodies.second);
+  if (object_of_[bodies.second] >= 0) return std::nullopt;
+  return bodies;
+}
+
+std::vector<StartInspector::Pair> StartInspector::RobotPairs() {
+  Bind();
+  std::vector<Pair> pairs;
+  for (int c = 0; c < scene_.data()->ncon; ++c) {
+    if (const auto pair = RobotPair(c)) pairs.push_back(*pair);
+  }
+  return pairs;
+}
+
+std::vector<std::string> StartInspector::RobotsInside() {
+  Bind();
+  const mjModel* m = scene_.model();
+  const mjData* d = scene_.data();
+  std::vector<std::pair<Pair, int>> deepest;
+  for (int c = 0; c < d->ncon; ++c) {
+    const auto pair = RobotPair(c);
+    if (!pair) continue;
+    const auto known = std::ranges::find(deepest, *pair, &std::pair<Pair, int>::first);
+    if (known == deepest.end()) {
+      deepest.emplace_back(*pair, c);
+    } else if (d->contact[c].dist < d->contact[known->second].dist) {
+      known->second = c;
+    }
+  }
+  std::vector<std::string> out;
+  for (const auto& [bodies, c] : deepest) {
+    const mjContact& contact = d->contact[c];
+    const bool first = m->geom_bodyid[contact.geom[0]] == bodies.first;
+    out.push_back(
+        fmt::format("{} is {} inside {}", RobotText(bodies.first), Millimetres(-contact.dist),
+                    robot_of_[bodies.second] < 0 ? OtherText(m, contact.geom[first ? 1 : 0])
+                                                 : RobotText(bodies.second)));
+  }
+  return out;
+}
+
+std::string StartInspector::TouchOf(int contact) const {
+  const mjModel* m = scene_.model();
+  const mjContact& c = scene_.data()->contact[contact];
+  if (c.exclude != 0 || c.geom[0] < 0 || c.geom[1] < 0 || c.dist >= 0) return "";
+  int own = c.geom[0], other = c.geom[1];
+  if (object_of_[m->geom_bodyid[own]] < 0) std::swap(own, other);
+  const int object = object_of_[m->geom_bodyid[own]], other_body = m->geom_bodyid[other];
+  if (object >= 0 && object != object_of_[other_body]) {
+    if (robot_of_[other_body] >= 0)
+      return fmt::format("'{}' touches {}", objects_[object].name, RobotText(other_body));
+    if (c.dist < -kInside)
+      return fmt::format("'{}' is {} inside {}", objects_[object].name, Millimetres(-c.dist),
+                         OtherText(m, other));
+  }
+  const auto pair = RobotPair(contact);
+  if (!pair || std::ranges::find(accepted_, *pair) != accepted_.end()) return "";
+  const int hit = robot_of_[m->geom_bodyid[c.geom[0]]] < 0 ? c.geom[0] : c.geom[1];
+  return fmt::format("{} is {} inside {}", RobotText(pair->first), Millimetres(-c.dist),
+                     robot_of_[pair->second] < 0 ? OtherText(m, hit) : RobotText(pair->second));
+}
+
+// Down from the middle of its mass: an object whose middle has nothing under it tips over the edge.
+StartInspector::Gap StartInspector::GapUnder(const Object& object) const {
+  const mjModel* m = scene_.model();
+  const mjData* d = scene_.data();
+  const Vector3d down = Down(m);
+  if (down.isZero() || object.geoms.empty()) return {0, -1};
+  const Vector3d middle(d->subtree_com + 3 * object.body);
+  int geom = -1;
+  const double below = RayDown(m, d, middle, down, object.body, &geom);
+  if (below < 0) return {std::numeric_limits<double>::infinity(), -1};
+  double lowest = -std::numeric_limits<double>::infinity();
+  for (const int g : object.geoms) lowest = std::max(lowest, GeomExtent(m, d, g, down).upper);
+  return {down.dot(middle) + below - lowest, geom};
+}
+
+std::string StartInspector::FallOf(const Object& object) const {
+  const auto [height, geom] = GapUnder(object);
+  if (std::isinf(height)) return fmt::format("nothing is under '{}'", object.name);
+  if (height > object.most_gap)
+    return fmt::format("'{}' is {:.2f} m above {}", object.name, height,
+                       OtherText(scene_.model(), geom));
+  const int body = geom < 0 ? 0 : scene_.model()->geom_bodyid[geom];
+  if (robot_of_[body] < 0) return "";
+  return fmt::format("'{}' is above {}", object.name, RobotText(body));
+}
+
+void StartInspector::Accept() {
+  accepted_ = RobotPairs();
+  for (Object& object : objects_) {
+    const double height = GapUnder(object).height;
+    if (std::isfinite(height)) object.most_gap = kMostSettling + std::max(0.0, height);
+  }
+}
+
+std::string StartInspector::WhyNot() {
+  Bind();
+  for (int c = 0; c < scene_.data()->ncon; ++c) {
+    if (std::string touch = TouchOf(c); !touch.empty()) return touch;
+  }
+  if (!needs_support_) return "";
+  for (const Object& object : objects_) {
+    if (std::string fall = FallOf(object); !fall.empty()) return fall;
+  }
+  return "";
+}
+
+std::vector<std::string> HangingObjects(const Scene& scene,
+                                        const std::vector<std::string>& objects) {
+  scene.SyncPoses();
+  const mjModel* m = scene.model();
+  std::vector<std::string> out;
+  for (const std::string& name : objects) {
+    const int root = RootBody(scene, name);
+    if (scene.compiled()->object(name).free_joint || m->body_jntnum[root] > 0) continue;
+    if (!HasGeoms(m, root) || NearestOther(scene, root, kNearEnough) < kNearEnough) continue;
+    out.push_back(
+        fmt::format("object '{}' hangs in the air: its model has no joint, so that it "
+                    "stays where it is put. Set fixed: false to let it fall, or fixed: "
+                    "true when it is meant to hang there",
+                    name));
+  }
+  return out;
+}
+
+std::vector<std::string> RobotsInTheFloor(const Scene& scene) {
+  scene.SyncPoses();
+  const mjModel* m = scene.model();
+  const mjData* d = scene.data();
+  std::vector<std::string> out;
+  for (const RobotRecord& robot : scene.compiled()->robots()) {
+    const int base = FindId(m, mjOBJ_BODY, robot.base_body);
+    double deepest = kInTheFloor;
+    int part = -1, floor = -1;
+    for (int plane = 0; plane < m->ngeom; ++plane) {
+      if (m->geom_type[plane] != mjGEOM_PLANE || !IsCollisionGeom(m, plane)) continue;
+      const Vector3d up(d->geom_xmat[9 * plane + 2], d->geom_xmat[9 * plane + 5],
+                        d->geom_xmat[9 * plane + 8]);
+      const double level = up.dot(Vector3d(d->geom_xpos + 3 * plane));
+      for (int g = 0; base >= 0 && g < m->ngeom; ++g) {
+        const int body = m->geom_bodyid[g];
+        if (!IsInSubtree(m, body, base) || m->body_weldid[body] != 0 || !IsCollisionGeom(m, g))
+          continue;
+        const double depth = level - GeomExtent(m, d, g, up).lower;
+        if (depth <= deepest) continue;
+        deepest = depth;
+        part = g;
+        floor = plane;
+      }
+    }
+    if (part < 0) continue;
+    out.push_back(fmt::format("robot '{}' ({}) stands {} deep in {}", robot.name,
+                              BodyText(m, m->geom_bodyid[part]), Millimetres(deepest),
+                              OtherText(m, floor)));
+  }
+  return out;
+}
+
+namespace {
+
+// How deep the lowest point of a free object is in the plane that its middle is below; 0 for none.
+double DepthInFloor(const Scene& scene, const std::string& name, int* floor) {
+  const mjModel* m = scene.model();
+  const mjData* d = scene.data();
+  const int root = RootBody(scene, name);
+  const Vector3d middle(d->subtree_com + 3 * root);
+  double deepest = 0;
+  for (int plane = 0; plane < m->ngeom; ++plane) {
+    if (m->geom_type[plane] != mjGEOM_PLANE || !IsCollisionGeom(m, plane)) continue;
+    const Vector3d up(d->geom_xmat[9 * plane + 2], d->geom_xmat[9 * plane + 5],
+                      d->geom_xmat[9 * plane + 8]);
+    const double level = up.dot(Vector3d(d->geom_xpos + 3 * plane));
+    if (up.dot(middle) >= level) continue;
+    for (int g = 0; g < m->ngeom; ++g) {
+      if (!IsInSubtree(m, m->geom_bodyid[g], root) || !IsCollisionGeom(m, g)) continue;
+      const double depth = level - GeomExtent(m, d, g, up).lower;
+      if (depth <= deepest) continue;
+      deepest = depth;
+      *floor = plane;
+    }
+  }
+  return deepest;
+}
+
+}  // namespace
+
+std::vector<std::string> ObjectsInTheFloor(const Scene& scene) {
+  scene.SyncPoses();
+  std::vector<std::string> out;
+  for (const std::string& name : scene.object_names()) {
+    int floor = -1;
+    if (!scene.compiled()->object(name).free_joint) continue;
+    const double depth = DepthInFloor(scene, name, &floor);
+    if (floor < 0) continue;
+    out.push_back(fmt::format("object '{}' is {} inside {}", name, Millimetres(depth),
+                              OtherText(scene.model(), floor)));
+  }
+  return out;
+}
+
+std::vector<std::string> ObjectsOverNothing(const Scene& scene) {
+  scene.SyncPoses();
+  const mjModel* m = scene.model();
+  const mjData* d = scene.data();
+  const Vector3d down = Down(m);
+  std::vector<std::string> out;
+  if (down.isZero()) return out;
+  for (const std::string& name : scene.object_names()) {
+    const ObjectRecord& object = scene.compiled()->object(name);
+    const int root = RootBody(scene, name);
+    int geom = -1;
+    int floor = -1;
+    if (!object.free_joint || m->body_gravcomp[root] >= 1) continue;
+    if (DepthInFloor(scene, name, &floor) > 0) continue;
+    if (RayDown(m, d, Vector3d(d->subtree_com + 3 * root), down, root, &geom) < 0)
+      out.push_back(name);
+  }
+  return out;
+}
+
+}  // namespace robocell

@@ -1,0 +1,90 @@
+// StartInspector: whether an episode can begin in the present state of a scene: its objects touch no
+// robot, are inside nothing, and have something under them; no robot is inside of anything.
+//
+//   StartInspector inspector(scene, {"cube"});
+//   scene.Reset(options);
+//   if (const std::string why = inspector.WhyNot(); !why.empty()) ...   // "'cube' touches ..."
+//
+// It reads the contacts and poses of the evaluation that ended the reset and casts one ray for each
+// object, so that it costs a fraction of that evaluation. Settle (settle.h) simulates instead, and
+// is for starts that are tried once. Errors: NotFoundError for unknown objects. Threads: those of
+// the scene.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "robocell/scene/scene.h"
+
+namespace robocell {
+
+class StartInspector {
+ public:
+  // `objects`: the names of those that have to lie still, free ones.
+  StartInspector(Scene scene, std::vector<std::string> objects);
+
+  // Returns "" for a good start, else its first problem.
+  std::string WhyNot();
+  // Robots that are deeper than kInside in something that is not theirs, with how deep.
+  std::vector<std::string> RobotsInside();
+  // From now on what the robots are inside of now is no reason, for models and cells have such
+  // places; and objects may start as high above what is under them as they are now.
+  void Accept();
+  // From now on objects need nothing under them: for those that rest on what a ray misses.
+  void AcceptGaps() { needs_support_ = false; }
+
+  static constexpr double kInside = 0.002;  // metres; contacts at rest are less deep
+
+ private:
+  using Pair = std::pair<int, int>;  // bodies, the robot's first
+  struct Object {
+    std::string name;
+    int body = -1;
+    std::vector<int> geoms;  // that collide
+    double most_gap = 0;     // under it, metres
+  };
+  struct Gap {
+    double height;  // infinite with nothing under it
+    int geom;       // that is under it
+  };
+
+  void Bind();
+  void MarkRobots();
+  std::string TouchOf(int contact) const;
+  std::vector<Pair> RobotPairs();
+  std::optional<Pair> RobotPair(int contact) const;
+  std::string FallOf(const Object& object) const;
+  Gap GapUnder(const Object& object) const;
+  std::string RobotText(int body) const;
+
+  Scene scene_;
+  std::vector<std::string> names_;
+  uint64_t generation_ = ~uint64_t{0};
+  std::vector<Object> objects_;
+  std::vector<std::string> robots_;  // names, of those that stand for themselves
+  std::vector<int> robot_of_;        // per body, index into robots_ or -1
+  std::vector<int> object_of_;       // per body, index into objects_ or -1
+  std::vector<Pair> accepted_;
+  bool needs_support_ = true;
+};
+
+// What stands still and hangs in the air: objects whose model has no joint although nobody said
+// that they are fixed, and that are near nothing. `objects` are their names. As sentences.
+std::vector<std::string> HangingObjects(const Scene& scene,
+                                        const std::vector<std::string>& objects);
+
+// Robots whose fixed parts are below a floor (a plane), as sentences. Nothing in the engine says
+// so: what cannot move touches nothing that cannot.
+std::vector<std::string> RobotsInTheFloor(const Scene& scene);
+
+// Free objects whose middle is below a floor (a plane), as sentences: they are shot out of it.
+std::vector<std::string> ObjectsInTheFloor(const Scene& scene);
+
+// Free objects with nothing at all under them, as they stand now. Those in the floor are not among
+// them.
+std::vector<std::string> ObjectsOverNothing(const Scene& scene);
+
+}  // namespace robocell

@@ -1,0 +1,18 @@
+// How much of an object a camera sees, by rays: for conditions on starts, which are tried many
+// times a second without a renderer.
+#pragma once
+
+#include <string>
+
+#include "robocell/render/camera_model.h"
+#include "robocell/scene/scene.h"
+
+namespace robocell {
+
+// The share, 0 to 1, of points on a body and on what hangs from it that are in the image with
+// nothing in front of them. The points are those where rays to a grid in the bounding boxes of its
+// visible geoms end on it; what is drawn only in groups that renderers leave out (3 and above)
+// neither counts nor hides. Poses of the scene are up to date. NotFoundError for an unknown body.
+double VisibleShare(const Scene& scene, const std::string& body, const CameraModel& camera);
+
+}  // namespace robocell

@@ -1,0 +1,102 @@
+#include "robocell/spec/kind_fields.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "robocell/base/error.h"
+#include "robocell/base/suggestions.h"
+#include "robocell/spec/validate.h"
+
+namespace robocell {
+
+std::vector<std::string> KindFields::names() const {
+  std::vector<std::string> names;
+  for (const KindFieldRef& field : const_cast<KindFields*>(this)->refs())
+    names.push_back(field.name);
+  return names;
+}
+
+bool KindFields::Equals(const KindFields& other) const {
+  const auto mine = const_cast<KindFields*>(this)->refs();
+  const auto others = const_cast<KindFields&>(other).refs();
+  if (mine.size() != others.size()) return false;
+  for (size_t i = 0; i < mine.size(); ++i) {
+    if (mine[i].name != others[i].name || mine[i].value.index() != others[i].value.index())
+      return false;
+    const bool equal = std::visit(
+        [&](const auto* value) {
+          return *value == *std::get<std::remove_const_t<std::remove_pointer_t<decltype(value)>>*>(
+                               others[i].value);
+        },
+        mine[i].value);
+    if (!equal) return false;
+  }
+  return true;
+}
+
+void KindRegistry::Register(const std::string& kind, std::shared_ptr<const KindFields> defaults,
+                            bool replace) {
+  if (kind.empty())
+    throw ArgumentError(fmt::format("a kind of {} that is registered needs a name", noun_));
+  const std::lock_guard lock(mutex_);
+  const bool is_new = kinds_.try_emplace(kind, defaults).second;
+  if (is_new) return;
+  if (!replace) {
+    throw ArgumentError(
+        fmt::format("{} '{}' is registered already; choose another name", noun_, kind));
+  }
+  kinds_[kind] = std::move(defaults);
+}
+
+std::vector<std::string> KindRegistry::kinds() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::string> kinds;
+  for (const auto& [kind, fields] : kinds_) kinds.push_back(kind);
+  return kinds;
+}
+
+bool KindRegistry::Has(const std::string& kind) const {
+  const std::lock_guard lock(mutex_);
+  return kinds_.contains(kind);
+}
+
+std::shared_ptr<KindFields> KindRegistry::Make(const std::string& kind) const {
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = kinds_.find(kind);
+    if (found != kinds_.end()) return found->second->Clone();
+  }
+  throw NotFoundError(NoSuchName("", noun_, kind, kinds()));
+}
+
+std::string KindRegistry::KindWith(const std::string& field) const {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [kind, fields] : kinds_) {
+    const std::vector<std::string> names = fields->names();
+    if (std::ranges::find(names, field) != names.end()) return kind;
+  }
+  return "";
+}
+
+void KindSpec::SetKind(const std::string& kind) {
+  fields_ = registry_->Make(kind);
+  kind_ = kind;
+}
+
+void KindSpec::ThrowOtherKind(const char* wanted) const {
+  throw SpecError(fmt::format("{}: is of kind {}, where fields of {} are needed", registry_->noun(),
+                              kind_, wanted));
+}
+
+void ValidateKind(const KindSpec& spec, Problems& problems) {
+  KindFields& fields = *spec.shared_fields();
+  for (const KindFieldRef& field : fields.refs()) {
+    const Problems::Scope scope(problems, field.name);
+    std::visit([&](const auto* value) { ValidateValue(*value, field.check, problems); },
+               field.value);
+  }
+  fields.Validate(problems);
+}
+
+}  // namespace robocell

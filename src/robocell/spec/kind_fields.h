@@ -1,0 +1,187 @@
+// KindFields and KindSpec: a part of a configuration whose fields depend on a kind that it names,
+// as `task: {kind: pick, ...}` and `scenes: {source: files, ...}`.
+//
+// Each kind has a struct of its own, declared as all specs are (fields.h), in a registry of its
+// sort (TaskKindRegistry() in task_spec.h, SceneSourceRegistry() in scene_source_spec.h). Kinds
+// written in Python have no C++ struct; their fields are named values (value_fields.h). A KindSpec
+// is a value: copies are deep, equal means the same kind and fields.
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <typeinfo>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "robocell/math/pose.h"
+#include "robocell/spec/containers.h"
+#include "robocell/spec/fields.h"
+#include "robocell/spec/problems.h"
+#include "robocell/spec/types.h"
+
+namespace robocell {
+
+// What a field of a kind may be.
+using KindField =
+    std::variant<bool*, int*, int64_t*, double*, std::string*, Vec2*, Vec3*, Vec4*,
+                 std::vector<double>*, std::vector<std::string>*, NameList*, Pose*,
+                 std::optional<int>*, std::optional<double>*, std::optional<std::string>*,
+                 std::optional<Vec2>*, std::optional<Vec3>*, std::optional<Pose>*>;
+
+// One field of a kind's struct, for those who know no struct.
+struct KindFieldRef {
+  std::string name;
+  KindField value;
+  std::string doc;
+  Check check = Bound::kNone;
+};
+
+// The fields of one kind, their type hidden.
+class KindFields {
+ public:
+  virtual ~KindFields() = default;
+  virtual std::shared_ptr<KindFields> Clone() const = 0;
+  virtual std::vector<KindFieldRef> refs() = 0;
+  virtual std::string type_name() const = 0;
+  // Checks of the fields together; each by itself is checked already.
+  virtual void Validate(Problems& /*problems*/) const {}
+  // The struct itself.
+  virtual void* value() = 0;
+  virtual const std::type_info& type() const = 0;
+
+  std::vector<std::string> names() const;
+  // `other` is of the same kind.
+  bool Equals(const KindFields& other) const;
+};
+
+// Of a struct that declares its fields.
+template <HasFields T>
+class KindFieldsOf final : public KindFields {
+ public:
+  std::shared_ptr<KindFields> Clone() const override {
+    return std::make_shared<KindFieldsOf<T>>(*this);
+  }
+  std::vector<KindFieldRef> refs() override {
+    std::vector<KindFieldRef> refs;
+    ForEachField(value_, [&](const char* name, auto& value, const char* doc, Check check) {
+      refs.push_back({name, &value, doc, check});
+    });
+    return refs;
+  }
+  std::string type_name() const override { return T::kTypeName; }
+  void Validate(Problems& problems) const override {
+    if constexpr (requires { value_.Validate(problems); }) value_.Validate(problems);
+  }
+  void* value() override { return &value_; }
+  const std::type_info& type() const override { return typeid(T); }
+
+ private:
+  T value_;
+};
+
+// Structs of fields that name their kind.
+template <class T>
+concept NamesItsKind = requires {
+  { T::kKind } -> std::convertible_to<const char*>;
+};
+
+// The kinds of one sort by their names, with the defaults of their fields. Any thread.
+class KindRegistry {
+ public:
+  using Kinds = std::map<std::string, std::shared_ptr<const KindFields>>;
+
+  // `noun` is what messages call the sort, `key` the field that names a kind.
+  KindRegistry(const char* noun, const char* key, Kinds kinds)
+      : noun_(noun), key_(key), kinds_(std::move(kinds)) {}
+
+  // Makes a kind known. `defaults` are copied for each spec of that kind. ArgumentError for a kind
+  // that is taken, unless `replace` allows it, and for an empty name.
+  void Register(const std::string& kind, std::shared_ptr<const KindFields> defaults, bool replace);
+  // All kinds, in alphabetical order.
+  std::vector<std::string> kinds() const;
+  bool Has(const std::string& kind) const;
+  // A copy of the defaults. NotFoundError lists the kinds.
+  std::shared_ptr<KindFields> Make(const std::string& kind) const;
+  // The first kind with a field of this name; "" without one.
+  std::string KindWith(const std::string& field) const;
+  const char* noun() const { return noun_; }
+  const char* key() const { return key_; }
+
+ private:
+  const char* noun_;
+  const char* key_;
+  mutable std::mutex mutex_;
+  Kinds kinds_;
+};
+
+class KindSpec {
+ public:
+  // Also what moving does: none is ever without fields.
+  KindSpec(const KindSpec& other)
+      : registry_(other.registry_), kind_(other.kind_), fields_(other.fields_->Clone()) {}
+  KindSpec& operator=(const KindSpec& other) {
+    kind_ = other.kind_;
+    fields_ = other.fields_->Clone();
+    return *this;
+  }
+  bool operator==(const KindSpec& other) const {
+    return kind_ == other.kind_ && fields_->type() == other.fields_->type() &&
+           fields_->Equals(*other.fields_);
+  }
+
+  const std::string& kind() const { return kind_; }
+  // Changes the kind; the fields are its defaults. NotFoundError lists the kinds.
+  void SetKind(const std::string& kind);
+  const KindRegistry& registry() const { return *registry_; }
+  const KindFields& fields() const { return *fields_; }
+  KindFields& fields() { return *fields_; }
+  // For those who keep a reference to the fields: it outlives the spec.
+  const std::shared_ptr<KindFields>& shared_fields() const { return fields_; }
+
+  // The struct when the fields are of that type, else null.
+  template <class T>
+  const T* If() const {
+    return fields_->type() == typeid(T) ? static_cast<const T*>(fields_->value()) : nullptr;
+  }
+  template <class T>
+  T* If() {
+    return const_cast<T*>(std::as_const(*this).If<T>());
+  }
+  // The same; SpecError for another kind.
+  template <NamesItsKind T>
+  const T& As() const {
+    if (const T* fields = If<T>()) return *fields;
+    ThrowOtherKind(T::kKind);
+  }
+  template <NamesItsKind T>
+  T& As() {
+    return const_cast<T&>(std::as_const(*this).As<T>());
+  }
+
+ protected:
+  // A kind with its defaults. NotFoundError lists the kinds.
+  KindSpec(const KindRegistry& registry, const std::string& kind)
+      : registry_(&registry), kind_(kind), fields_(registry.Make(kind)) {}
+  template <NamesItsKind T>
+  void Put(T fields) {
+    *static_cast<T*>(fields_->value()) = std::move(fields);
+  }
+
+ private:
+  [[noreturn]] void ThrowOtherKind(const char* wanted) const;
+
+  const KindRegistry* registry_;
+  std::string kind_;
+  std::shared_ptr<KindFields> fields_;
+};
+
+// Adds what is wrong with the fields, each by itself and together.
+void ValidateKind(const KindSpec& spec, Problems& problems);
+
+}  // namespace robocell

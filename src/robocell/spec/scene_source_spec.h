@@ -1,0 +1,77 @@
+// SceneSourceSpec: what `scenes:` of a run file says: where its scenes come from, which of them are
+// used, and the fields of that kind of source (kind_fields.h).
+//
+//   scenes: {source: files, files: [lab.xml, shop.xml], houses: [1]}
+//
+//   run.scenes = FilesScenes{.files = {"lab.xml"}};
+//
+// tabletop and files are there; others come with RegisterSceneSource (scenes/scene_source.h).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "robocell/spec/kind_fields.h"
+
+namespace robocell {
+
+// Whole numbers; in YAML a list or a range `0..3` (both ends included).
+struct IndexList {
+  std::vector<int> values;
+
+  size_t size() const { return values.size(); }
+  bool empty() const { return values.empty(); }
+  bool operator==(const IndexList&) const = default;
+};
+
+// The built-in table on a floor, as often as it is asked for.
+struct TabletopScenes {
+  static constexpr const char* kKind = "tabletop";
+  static constexpr const char* kTypeName = "TabletopScenes";
+  template <class V>
+  static void Fields(V&& /*v*/) {}
+};
+
+struct FilesScenes {
+  std::vector<std::string> files = {};
+  std::optional<std::string> root = {};
+
+  static constexpr const char* kKind = "files";
+  static constexpr const char* kTypeName = "FilesScenes";
+  template <class V>
+  static void Fields(V&& v) {
+    v("files", &FilesScenes::files, "The MJCF files, one scene each.");
+    v("root", &FilesScenes::root, "Folder the files are in; that of the run file unless set.");
+  }
+  void Validate(Problems& problems) const;
+};
+
+KindRegistry& SceneSourceRegistry();
+
+class SceneSourceSpec : public KindSpec {
+ public:
+  static constexpr const char* kHousesDoc =
+      "Which scenes of the source, by their numbers from 0: a list or 0..3. Unset: all of them, or "
+      "the first one of a source without end.";
+
+  // Tabletop.
+  SceneSourceSpec() : SceneSourceSpec(std::string(TabletopScenes::kKind)) {}
+  // A kind with its defaults. NotFoundError lists the kinds.
+  explicit SceneSourceSpec(const std::string& kind) : KindSpec(SceneSourceRegistry(), kind) {}
+  template <NamesItsKind T>
+  SceneSourceSpec(T fields) : SceneSourceSpec(std::string(T::kKind)) {
+    Put(std::move(fields));
+  }
+  bool operator==(const SceneSourceSpec& other) const {
+    return houses == other.houses && KindSpec::operator==(other);
+  }
+
+  IndexList houses = {};
+};
+
+// Adds what is wrong with the fields, and with `houses` by itself.
+void ValidateScenes(const SceneSourceSpec& scenes, Problems& problems);
+
+}  // namespace robocell

@@ -1,0 +1,242 @@
+#include "robocell/task/goal_feasibility.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "robocell/base/units.h"
+#include "robocell/math/pose.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/mujoco/owners.h"
+#include "robocell/mujoco/step.h"
+#include "robocell/mujoco/tree.h"
+
+namespace robocell {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr const char* kContext = "trying whether an object can rest at its goal";
+constexpr double kSeconds = 1.5;      // that an object has to come to rest ...
+constexpr double kLook = 0.05;        // ... and between looks at it
+constexpr double kStillSpeed = 0.01;  // m/s
+constexpr double kStillTurn = 0.1;    // rad/s
+constexpr double kInside = 0.002;     // m; contacts at rest are less deep
+constexpr double kLost = 0.05;        // m beyond the tolerance, from where it does not come back
+constexpr double kAside = 0.8;        // of the tolerance, where it is put down beside the place
+constexpr double kHandLength = 0.15;  // m from a TCP to what its gripper can still touch
+
+// As it is, turned about the vertical, and lying on each side.
+std::array<Eigen::Quaterniond, 8> Turns() {
+  std::array<Eigen::Quaterniond, 8> turns;
+  const std::array<Vector3d, 8> rpy = {{{0, 0, 0},
+                                        {0, 0, kPi / 2},
+                                        {0, 0, kPi / 4},
+                                        {kPi / 2, 0, 0},
+                                        {-kPi / 2, 0, 0},
+                                        {0, kPi / 2, 0},
+                                        {0, -kPi / 2, 0},
+                                        {kPi, 0, 0}}};
+  for (size_t i = 0; i < rpy.size(); ++i)
+    turns[i] = Pose::FromRpy(Vector3d::Zero(), rpy[i]).rotation();
+  return turns;
+}
+
+// The same scene without contacts of robots, and without their motors.
+ModelPtr WithoutRobots(const Scene& scene) {
+  ModelPtr model = CopyModel(scene.model());
+  for (const RobotRecord& robot : scene.compiled()->robots()) {
+    const int base = FindId(model.get(), mjOBJ_BODY, robot.base_body);
+    for (int g = 0; base >= 0 && g < model->ngeom; ++g) {
+      if (!IsInSubtree(model.get(), model->geom_bodyid[g], base)) continue;
+      model->geom_contype[g] = 0;
+      model->geom_conaffinity[g] = 0;
+    }
+  }
+  model->opt.disableflags |= mjDSBL_ACTUATION;
+  return model;
+}
+
+class Trial {
+ public:
+  Trial(const Scene& scene, int object, double tolerance)
+      : scene_(scene),
+        model_(WithoutRobots(scene)),
+        data_(CopyData(scene.model(), scene.data())),
+        start_(CopyData(scene.model(), scene.data())),
+        object_(object),
+        tolerance_(tolerance) {}
+
+  bool Rests(const RestPlace& place, const Vector3d& aside, const Eigen::Quaterniond& turn) {
+    for (const double up : {0.0, 0.5 * tolerance_, tolerance_}) {
+      PutAt(place, aside + up * Vector3d::UnitZ(), turn);
+      if (Deepest() < 0 && ComesToRest(place)) return true;
+    }
+    return false;
+  }
+
+  // What becomes of the object at a place, as it stands now.
+  std::string Fate(const RestPlace& place) {
+    PutAt(place, Vector3d::Zero(), Eigen::Quaterniond::Identity());
+    if (const int contact = Deepest(); contact >= 0) return Inside(contact);
+    const Vector3d from = Position();
+    for (double t = 0; t < kSeconds; t += kLook) {
+      if (!Advance()) break;
+    }
+    const Vector3d way = Position() - from;
+    if (-way.z() > way.head<2>().norm())
+      return fmt::format("put down there it falls by at least {:.2f} m", -way.z());
+    return fmt::format("put down there it ends up {:.2f} m away", way.norm());
+  }
+
+ private:
+  Vector3d Position() const { return Vector3d(data_->xpos + 3 * object_); }
+  Vector3d InWorld(const RestPlace& place) const {
+    const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> frame(data_->xmat +
+                                                                               9 * place.frame);
+    return Vector3d(data_->xpos + 3 * place.frame) + frame * place.at;
+  }
+
+  void PutAt(const RestPlace& place, const Vector3d& offset, const Eigen::Quaterniond& turn) {
+    mj_copyData(data_.get(), model_.get(), start_.get());
+    const Vector3d at = InWorld(place) + offset;
+    const mjtNum* was = start_->xquat + 4 * object_;
+    const Eigen::Quaterniond quat = turn * Eigen::Quaterniond(was[0], was[1], was[2], was[3]);
+    const int joint = model_->body_jntadr[object_];
+    mjtNum* q = data_->qpos + model_->jnt_qposadr[joint];
+    std::copy_n(at.data(), 3, q);
+    q[3] = quat.w();
+    std::copy_n(quat.vec().data(), 3, q + 4);
+    std::fill_n(data_->qvel, model_->nv, 0);
+    Forward(model_.get(), data_.get(), kContext);
+  }
+
+  bool IsObjects(int geom) const {
+    return geom >= 0 && IsInSubtree(model_.get(), model_->geom_bodyid[geom], object_);
+  }
+
+  // The contact in which the object is deepest inside of something, -1 when it is in nothing.
+  int Deepest() const {
+    int deepest = -1;
+    double depth = kInside;
+    for (int c = 0; c < data_->ncon; ++c) {
+      const mjContact& contact = data_->contact[c];
+      if (IsObjects(contact.geom[0]) == IsObjects(contact.geom[1]) || -contact.dist <= depth)
+        continue;
+      depth = -contact.dist;
+      deepest = c;
+    }
+    return deepest;
+  }
+
+  std::string Inside(int index) const {
+    const mjContact& contact = data_->contact[index];
+    const int other = IsObjects(contact.geom[0]) ? contact.geom[1] : contact.geom[0];
+    const int body = other < 0 ? 0 : model_->geom_bodyid[other];
+    std::string name = ElementName(model_.get(), mjOBJ_BODY, body);
+    if (body == 0) name = other < 0 ? "the world" : ElementName(model_.get(), mjOBJ_GEOM, other);
+    return fmt::format("there it is {:.0f} mm inside {}", -1000 * contact.dist,
+                       name.empty() ? "the world" : "'" + name + "'");
+  }
+
+  bool Advance() {
+    const int steps = std::max(1, static_cast<int>(std::lround(kLook / model_->opt.timestep)));
+    return Step(model_.get(), data_.get(), steps, kContext).ok();
+  }
+
+  bool ComesToRest(const RestPlace& place) {
+    const int dof = model_->body_dofadr[object_];
+    for (double t = 0; t < kSeconds; t += kLook) {
+      if (!Advance()) return false;
+      const double away = (Position() - InWorld(place)).norm();
+      if (away > tolerance_ + kLost) return false;
+      const mjtNum* v = data_->qvel + dof;
+      const bool rests = mju_norm3(v) < kStillSpeed && mju_norm3(v + 3) < kStillTurn;
+      if (rests && away <= tolerance_ && IsTouching()) return true;
+    }
+    return false;
+  }
+
+  bool IsTouching() const {
+    for (int c = 0; c < data_->ncon; ++c) {
+      const mjContact& contact = data_->contact[c];
+      if (contact.exclude == 0 && IsObjects(contact.geom[0]) != IsObjects(contact.geom[1]))
+        return true;
+    }
+    return false;
+  }
+
+  Scene scene_;  // owns what the copies were made of
+  ModelPtr model_;
+  DataPtr data_, start_;
+  int object_;
+  double tolerance_;
+};
+
+bool CanMove(const mjModel* m, int body) {
+  return m->body_weldid[body] != 0 || m->body_mocapid[m->body_rootid[body]] >= 0;
+}
+
+}  // namespace
+
+std::string WhyNoRest(const Scene& scene, int object, std::span<const RestPlace> places,
+                      double tolerance) {
+  scene.SyncPoses();
+  Trial trial(scene, object, tolerance);
+  const double far = kAside * tolerance;
+  const std::array<Vector3d, 5> asides = {
+      {{0, 0, 0}, {far, 0, 0}, {-far, 0, 0}, {0, far, 0}, {0, -far, 0}}};
+  for (const Eigen::Quaterniond& turn : Turns()) {
+    for (const RestPlace& place : places) {
+      for (const Vector3d& aside : asides) {
+        if (trial.Rests(place, aside, turn)) return "";
+      }
+    }
+  }
+  return trial.Fate(places.front());
+}
+
+std::string WhyOutOfReach(const std::vector<Robot>& robots, const Vector3d& place, double lowest,
+                          double slack) {
+  double nearest = std::numeric_limits<double>::infinity();
+  std::string why;
+  for (const Robot& robot : robots) {
+    const Chain& chain = robot.chain();
+    const Scene scene = robot.scene();
+    const int base = FindId(scene.model(), mjOBJ_BODY, chain.base_body());
+    if (base < 0 || CanMove(scene.model(), base)) return "";
+    const ChainModel& links = chain.model();
+    const double reach = links.joints[0].fixed.translation.norm() + links.reach_bound;
+    const Vector3d from = scene.body_pose(chain.base_body()).translation();
+    const double height = std::clamp(from.z(), std::min(lowest, place.z()), place.z());
+    const double away = (from - Vector3d(place.x(), place.y(), height)).norm();
+    if (!(away > reach + kHandLength + slack)) return "";
+    if (away - reach >= nearest) continue;
+    nearest = away - reach;
+    why = fmt::format("it is {:.2f} m from robot '{}', which reaches {:.2f} m", away, robot.name(),
+                      robot.reach());
+  }
+  return why;
+}
+
+double RadiusOf(const mjModel* m, int body) {
+  double radius = 0;
+  for (int b = 0; b < m->nbody; ++b) {
+    if (!IsInSubtree(m, b, body)) continue;
+    double from_root = 0;  // joints in between turn what hangs on them, and do not lengthen it
+    for (int up = b; up != body; up = m->body_parentid[up])
+      from_root += mju_norm3(m->body_pos + 3 * up);
+    for (int i = 0; i < m->body_geomnum[b]; ++i) {
+      const int g = m->body_geomadr[b] + i;
+      radius = std::max(radius, from_root + mju_norm3(m->geom_pos + 3 * g) + m->geom_rbound[g]);
+    }
+  }
+  return radius;
+}
+
+}  // namespace robocell

@@ -1,0 +1,63 @@
+#include "robocell/task/sampler_kind.h"
+
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include "robocell/base/error.h"
+#include "robocell/base/suggestions.h"
+#include "robocell/task/task_kind.h"
+
+namespace robocell {
+namespace {
+
+struct SamplerRegistry {
+  std::mutex mutex;
+  std::map<std::string, std::shared_ptr<const SamplerKind>> kinds;
+};
+
+SamplerRegistry& RegisteredSamplers() {
+  static SamplerRegistry registry;
+  return registry;
+}
+
+}  // namespace
+
+void RegisterSampler(const std::string& kind, std::shared_ptr<const SamplerKind> sampler,
+                     bool replace) {
+  if (kind.empty()) throw ArgumentError("a kind of sampler that is registered needs a name");
+  if (!sampler) throw ArgumentError("sampler '" + kind + "' needs a SamplerKind that makes it");
+  SamplerRegistry& registry = RegisteredSamplers();
+  const std::lock_guard lock(registry.mutex);
+  if (registry.kinds.contains(kind) && !replace)
+    throw ArgumentError("sampler '" + kind + "' is registered already; choose another name");
+  registry.kinds[kind] = std::move(sampler);
+}
+
+std::vector<std::string> SamplerKinds() {
+  SamplerRegistry& registry = RegisteredSamplers();
+  const std::lock_guard lock(registry.mutex);
+  std::vector<std::string> kinds;
+  for (const auto& [kind, sampler] : registry.kinds) kinds.push_back(kind);
+  return kinds;
+}
+
+std::shared_ptr<const SamplerKind> FindSamplerKind(const std::string& kind) {
+  {
+    SamplerRegistry& registry = RegisteredSamplers();
+    const std::lock_guard lock(registry.mutex);
+    const auto found = registry.kinds.find(kind);
+    if (found != registry.kinds.end()) return found->second;
+  }
+  const std::vector<std::string> known = SamplerKinds();
+  if (known.empty())
+    throw NotFoundError("no sampler '" + kind + "': none is registered; import its module");
+  throw NotFoundError(NoSuchName("", "sampler", kind, known));
+}
+
+std::shared_ptr<TaskSampler> MakeSampler(const RunConfig& run) {
+  if (run.sampler.empty()) return FindTaskKind(run.task.kind())->MakeSampler(run);
+  return FindSamplerKind(run.sampler)->Make(run);
+}
+
+}  // namespace robocell

@@ -1,0 +1,161 @@
+"""Scene sources and samplers of a user's module, through the command line like built-in ones."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from commands import ROOT, generate, refusal, robocell_command
+
+import robocell as rc
+
+RC7 = ROOT / "models" / "robots" / "rc7" / "rc7.yaml"
+MODULE = '''
+"""Desks of several heights, and starts whose base stands near."""
+
+from dataclasses import dataclass
+
+import robocell as rc
+from robocell.scenes import SceneAnnotations, SupportFace
+
+
+@rc.register_scene_source("desks")
+class Desks(rc.scenes.SceneSource):
+    @dataclass
+    class Fields:
+        height: float = 0.4  # m
+        known: bool = True
+
+    def __init__(self, fields):
+        super().__init__()
+        self.height, self.known = fields.height, fields.known
+
+    def size(self):
+        return 2
+
+    def make(self, index):
+        spec = rc.SceneSpec(name="desk", add_floor=True, add_skybox=True)
+        desk = rc.SceneObject(name="desk", shape=rc.Shape.BOX, size=[0.3, 0.4, self.top(index) / 2])
+        desk.rgba, desk.mass, desk.friction = [0.6, 0.5, 0.4, 1], 10, [1, 0.02, 0.001]
+        desk.pos, desk.fixed = [0, 0, self.top(index) / 2], True
+        spec.objects.append(desk)
+        return spec
+
+    def top(self, index):
+        return self.height + 0.05 * index
+
+    def annotations(self, index):
+        if not self.known:
+            return None
+        top = self.top(index)
+        face = rc.scenes.Support(rc.Pose(translation=[0, 0, top]), 0.3, 0.4, thickness=top)
+        return SceneAnnotations(supports=[SupportFace(face, body="desk", free_area=0.48)])
+
+
+@rc.register_sampler("near")
+class Near(rc.PickTaskSampler):
+    def choose_base_placement(self, request, rng):
+        return rc.tasks.BasePlacement(0.35, -0.2)
+'''
+
+
+@pytest.fixture
+def run_file(tmp_path: Path) -> Path:
+    (tmp_path / "own_desks.py").write_text(MODULE)
+    file = tmp_path / "desks.yaml"
+    file.write_text(
+        f"run: desks\nimports: [own_desks.py]\nrobot: {RC7}\n"
+        "task: {kind: pick, objects: [box]}\n"
+        "start: {base_distance: [0.3, 0.5], base_height_offset: -0.2}\n"
+        "scenes: {source: desks, height: 0.45}\nsampler: near\noutput: unset\n"
+    )
+    return file
+
+
+def files_of(folder: Path) -> dict[str, bytes]:
+    return {file.parent.name: file.read_bytes() for file in sorted(folder.glob("s*/steps.h5"))}
+
+
+def test_episodes_take_place_in_scenes_of_ones_own(run_file: Path, tmp_path: Path):
+    assert robocell_command("generate", run_file, "--dry-run").returncode == 0
+    generate(run_file, tmp_path / "two", "--workers", 2, "--episodes", 4)
+    generate(run_file, tmp_path / "one", "--workers", 1, "--episodes", 2)
+    generate(run_file, tmp_path / "one", "--workers", 1, "--episodes", 4)  # it goes on
+    two = files_of(tmp_path / "two")
+    assert list(two) == ["s0000_e0000", "s0000_e0001", "s0001_e0000", "s0001_e0001"]
+    assert files_of(tmp_path / "one") == two
+    for episode in rc.Dataset(tmp_path / "two"):
+        top = 0.45 + 0.05 * int(episode.metadata["scene"])
+        assert 0 < episode["objects/target/pose"][0][2] - top < 0.1
+        assert episode.metadata["task"] == "pick"
+        assert rc.data.verify_replay(episode).ok
+    manifest = json.loads((tmp_path / "two" / "dataset.json").read_text())
+    assert "code/own_desks.py" in manifest["files"]
+    assert "4 episodes" in robocell_command("report", tmp_path / "two").stdout
+
+
+def test_code_of_scenes_is_part_of_a_dataset(run_file: Path, tmp_path: Path):
+    generate(run_file, tmp_path / "out", "--workers", 1, "--episodes", 1)
+    module = run_file.with_name("own_desks.py")
+    module.write_text(module.read_text().replace("0.05 * index", "0.06 * index"))
+    said = refusal("generate", run_file, "--output", tmp_path / "out", "--episodes", "2")
+    assert "code file own_desks.py: changed since then" in said
+    module.unlink()
+    assert robocell_command("verify", tmp_path / "out").returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("height: 0.45", "heigth: 0.45", "Did you mean 'height'?"),
+        ("source: desks", "source: desk", "Did you mean 'desks'?"),
+        ("height: 0.45", "houses: [0, 2]", "2 is outside the 2 scenes of source 'desks'"),
+        ("sampler: near", "sampler: nearr", "Did you mean 'near'?"),
+        ("base_distance", "base_distanc", "Did you mean 'base_distance'?"),
+        ("objects: [box]", "base_distance: [1, 2]", "start.base_distance"),
+    ],
+)
+def test_mistakes_are_told_with_their_place(
+    run_file: Path, tmp_path: Path, old: str, new: str, message: str
+):
+    run_file.write_text(run_file.read_text().replace(old, new))
+    said = refusal("generate", run_file, "--output", tmp_path / "out")
+    assert message in said
+    assert "desks.yaml:" in said
+    assert not (tmp_path / "out").exists()
+
+
+def test_what_a_source_knows_may_be_left_to_the_geometry(run_file: Path, tmp_path: Path):
+    words = ("--set", "scenes.known=false", "--workers", 1, "--episodes", 1)
+    generate(run_file, tmp_path / "out", *words)
+    (episode,) = rc.Dataset(tmp_path / "out")
+    assert 0 < episode["objects/target/pose"][0][2] - 0.45 < 0.1
+
+
+@pytest.mark.parametrize(
+    ("line", "method"),
+    [
+        ('        spec = rc.SceneSpec(name="desk"', "make"),
+        ("        return rc.tasks.BasePlacement(0.35", "choose_base_placement"),
+    ],
+)
+def test_an_exception_names_its_line(run_file: Path, tmp_path: Path, line: str, method: str):
+    module = run_file.with_name("own_desks.py")
+    text = module.read_text()
+    module.write_text(text.replace(line, '        raise RuntimeError("out of wood")\n' + line))
+    number = 1 + text[: text.index(line)].count("\n")
+    result = robocell_command("generate", run_file, "--output", tmp_path / "out", "--episodes", "1")
+    said = " ".join((result.stdout + result.stderr).split())
+    assert result.returncode != 0
+    assert "RuntimeError: out of wood" in said
+    assert f"own_desks.py:{number}, in {method}" in said
+
+
+def test_a_camera_has_to_see_the_object(run_file: Path, tmp_path: Path):
+    start = "start: {visible_from: [exo_camera], visible_share: 0.3, "
+    run_file.write_text(run_file.read_text().replace("start: {", start))
+    generate(run_file, tmp_path / "out", "--workers", 1, "--episodes", 2)
+    run_file.write_text(run_file.read_text().replace("exo_camera", "exo_camra"))
+    said = refusal("generate", run_file, "--output", tmp_path / "no", "--episodes", "2")
+    assert "Did you mean 'exo_camera'?" in said
