@@ -11,6 +11,7 @@
 #include "robocell/rollout/plan.h"
 #include "robocell/rollout/run_renderer.h"
 #include "robocell/rollout/validate_run.h"
+#include "robocell/scenes/scene_source.h"
 #include "robocell/task/sampler_kind.h"
 #include "robocell/task/task_features.h"
 
