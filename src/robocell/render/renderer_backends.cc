@@ -37,6 +37,12 @@ std::unique_ptr<Renderer> MakeByName(const std::string& place, const std::string
   throw NotFoundError(NoSuchName(place, "back end", name, known));
 }
 
+// Returns the back end that the environment names, or "" if it leaves the choice to robocell.
+std::string NameInEnvironment() {
+  const char* name = std::getenv(kVariable);
+  return name && std::string(name) != kAuto ? name : "";
+}
+
 // Returns true if someone has said which OpenGL it is to be.
 bool GlIsChosen(const RendererOptions& options) {
   const EglDeviceChoice device = EglDeviceChoice::FromEnvironment();
