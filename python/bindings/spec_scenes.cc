@@ -54,10 +54,9 @@ SceneSourceSpec ScenesFromPython(nb::handle value, const FieldPath& path) {
 
 void BindSceneSourceSpecs(nb::module_& m) {
   BindSpecClass<FilesScenes>(m, "The fields of a scene source of kind `files`.");
-  nb::class_<SceneSourceSpec>(
-      m, "SceneSourceSpec",
-      "Where a run's scenes come from: `source`, the kind; `houses`, which of its scenes; and the "
-      "fields of that kind as attributes.")
+  nb::class_<SceneSourceSpec>(m, "SceneSourceSpec",
+                              "The source of a run's scenes: `source`, the kind; `houses`, the "
+                              "numbers of its scenes; and the fields of that kind as attributes.")
       .def(
           "__init__",
           [](SceneSourceSpec* self, const nb::kwargs& fields) {
