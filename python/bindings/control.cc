@@ -9,7 +9,7 @@
 #include "scene_cycles.h"
 #include "values.h"
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/control/cartesian_impedance_controller.h"
 #include "robocell/control/cartesian_pose_controller.h"
 #include "robocell/control/differential_ik_controller.h"

@@ -16,7 +16,7 @@
 #include "scene_sharing.h"
 #include "signals.h"
 #include "values.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/env/env_scene.h"
 
 namespace robocell::python {

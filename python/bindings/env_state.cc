@@ -10,7 +10,7 @@
 #include "signals.h"
 #include "spec_enums.h"
 #include "values.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/env/env.h"
 
 namespace robocell::python {

@@ -18,7 +18,7 @@
 #include "column.h"
 #include "features.h"
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/data/episode_reader.h"
 
 namespace robocell::python {

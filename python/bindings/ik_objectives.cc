@@ -8,7 +8,7 @@
 #include "scene_cycles.h"
 #include "values.h"
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/robot/collision_filter.h"
 
 namespace robocell::python {

@@ -19,7 +19,7 @@
 #include "signals.h"
 #include "values.h"
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 
 namespace nb = nanobind;
 

@@ -146,7 +146,7 @@ void DefReaders(nb::class_<Pose>& c) {
       "Quaternion (4,) xyzw, w >= 0, a copy.");
   DefArray(
       c, "quaternion_wxyz", [](const Pose& p) { return NumberCopy(p.quaternion_wxyz()); },
-      "Returns the quaternion (4,) in MuJoCo's order, wxyz.");
+      "Returns the quaternion (4,) in MuJoCo's order.");
   DefArray(
       c, "rotation", [](const Pose& p) { return Matrix<3>(p.rotation()); }, "(3, 3).");
   DefArray(

@@ -8,7 +8,7 @@
 #include "python_owner.h"
 #include "returned.h"
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell::python {
 namespace {

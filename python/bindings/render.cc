@@ -14,8 +14,8 @@
 #include "robocell/render/gl_context.h"
 #include "robocell/render/graphics_advice.h"
 #include "robocell/render/markers.h"
-#include "robocell/render/render_quality.h"
 #include "robocell/render/scene_renderer.h"
+#include "robocell/spec/render_quality.h"
 
 namespace nb = nanobind;
 

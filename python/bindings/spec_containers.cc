@@ -6,7 +6,7 @@
 #include <nanobind/typing.h>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell::python {
 namespace {

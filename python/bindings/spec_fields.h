@@ -16,7 +16,7 @@
 #include "spec_containers.h"
 #include "spec_enums.h"
 #include "values.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/task_spec.h"
 #include "robocell/spec/validate.h"

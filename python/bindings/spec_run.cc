@@ -7,6 +7,7 @@ namespace robocell::python {
 void BindRunSpecs(nb::module_& m) {
   BindSpecClass<CameraConfig>(m, "One stream of images from a camera.");
   BindSpecClass<RenderQuality>(m, "Quality of images; everything costly is off by default.");
+  BindSpecClass<RendererConfig>(m, "The back end that renders images, and its quality.");
   auto cameras =
       BindSpecClass<CameraSystemConfig>(m, "The image streams of a run and the size they share.");
   DefYamlFile(cameras);

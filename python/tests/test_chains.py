@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import robocell as rc
-from test_kdl import PyKDL, needs_pykdl, random_positions, to_kdl
+from test_kdl_chain import PyKDL, needs_pykdl, random_positions, to_kdl
 
 MOUNTS = {"upright": [0, 0, 0], "tilted": [20, -35, 110], "ceiling": [180, 0, 30]}
 

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import robocell.compat.mj_kdl_wrapper as mjk
-import test_recording as recording
-from test_kdl import PyKDL, needs_pykdl
+import test_video as recording
+from test_kdl_chain import PyKDL, needs_pykdl
 
 pytestmark = needs_pykdl
 

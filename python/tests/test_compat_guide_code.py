@@ -9,7 +9,7 @@ import pytest
 
 import robocell.compat.mj_kdl_wrapper as mjk
 from compat_guide_code import BLOCKS, IMPORT
-from test_kdl import needs_pykdl
+from test_kdl_chain import needs_pykdl
 
 GUIDE = Path(__file__).resolve().parents[3] / "shared/reference/seeds/python-bindings-guide.txt"
 # What a line of code looks like; prose ends with a full stop or has neither of these.

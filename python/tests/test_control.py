@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import robocell as rc
-from test_kdl import PyKDL, needs_pykdl
+from test_kdl_chain import PyKDL, needs_pykdl
 
 MODES = ["position", "velocity", "torque"]
 

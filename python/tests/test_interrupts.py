@@ -16,8 +16,8 @@ import pytest
 import robocell as rc
 from robocell.data import EnvRecorder, replay_actions
 from robocell.gym import VectorGymEnv, pick_cube_config
-from test_experts import Idle, load
 from test_robot import cell
+from test_task import Idle, load
 
 # Between the signal and the exception; generous for a busy machine, far below what the work takes.
 PROMPTLY_S = 1.0

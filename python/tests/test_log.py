@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import pytest
 
 import robocell as rc
-from test_scene_threads import cell
+from test_in_use import cell
 
 Lines = list[tuple[str, str]]
 

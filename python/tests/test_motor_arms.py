@@ -14,7 +14,7 @@ import yaml
 import robocell as rc
 import robocell.compat.mj_kdl_wrapper as mjk
 from command_line import RC7, refused, robocell_command, write_run
-from test_kdl import PyKDL, needs_pykdl
+from test_kdl_chain import PyKDL, needs_pykdl
 
 MOTOR = '<motor name="m{0}" joint="j{0}" ctrlrange="-90 90"/>'
 VELOCITY = '<velocity name="m{0}" joint="j{0}" kv="20"/>'

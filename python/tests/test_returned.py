@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import robocell as rc
-from test_experts import Idle, load
+from test_task import Idle, load
 
 Expert = Callable[[rc.RunConfig, rc.tasks.EpisodeStart], rc.tasks.Expert]
 

@@ -16,8 +16,8 @@
 #include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
 #include "robocell/base/log.h"
-#include "robocell/base/names.h"
 #include "robocell/base/paths.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/spec/containers.h"
 #include "robocell/testing/temp_dir.h"
 

@@ -57,12 +57,12 @@ class RecordedScene:
     def renderer(self) -> rc.render.Renderer:
         """As the run's images were made."""
         run = rc.RunConfig.from_yaml(f"{self.metadata['identity']}\noutput: {self.binary.parent}")
-        quality = run.cameras.quality
+        quality = run.cameras.renderer.quality
         return rc.render.Renderer(
             self.scene,
             shadows=quality.shadows,
             multisamples=quality.multisamples,
             reflections=quality.reflections,
             shadow_size=quality.shadow_size,
-            backend=run.cameras.renderer,
+            backend=run.cameras.renderer.backend,
         )

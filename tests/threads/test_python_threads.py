@@ -19,9 +19,9 @@ import pytest
 import robocell as rc
 from robocell.gym import VectorGymEnv, pick_cube_config
 from test_env_tasks import reach_config
-from test_experts import Idle, load
-from test_pick_subclasses import Never
+from test_pick import Never
 from test_robot import Lamp
+from test_task import Idle, load
 
 THREADS = 3
 ROUNDS = 2

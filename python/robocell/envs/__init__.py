@@ -34,7 +34,7 @@ from robocell._core import (
 )
 
 if TYPE_CHECKING:
-    from robocell.envs._dataset_env import DatasetEnv, from_dataset
+    from robocell.envs.dataset_env import DatasetEnv, from_dataset
 
 __all__ = [
     "CameraAdderConfig",
@@ -60,9 +60,9 @@ def __getattr__(name: str) -> Any:
     """Loads what needs Gymnasium when it is asked for."""
     if name not in ("DatasetEnv", "from_dataset"):
         raise AttributeError(f"module 'robocell.envs' has no attribute '{name}'")
-    from robocell.envs import _dataset_env
+    from robocell.envs import dataset_env
 
-    value = getattr(_dataset_env, name)
+    value = getattr(dataset_env, name)
     globals()[name] = value
     return value
 

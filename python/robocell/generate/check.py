@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -102,7 +103,10 @@ def graphics_warnings(run: RunConfig, root: str = "/") -> list[str]:
 
     `root` is the folder that the machine's files are looked up in. Without a card nothing is drawn.
     """
-    if run.cameras.renderer == "soft":
+    backend = run.cameras.renderer.backend
+    if backend == "auto":
+        backend = os.environ.get("ROBOCELL_RENDERER", backend)
+    if backend == "soft":  # on purpose
         return []
     if not run.cameras.streams or not _core.graphics_advice(SOFTWARE, root):
         return []

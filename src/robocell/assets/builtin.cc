@@ -9,7 +9,7 @@
 #include "robocell/assets/roots.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell::assets {
 namespace {

@@ -16,8 +16,8 @@
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/log.h"
-#include "robocell/base/names.h"
 #include "robocell/base/real_file.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell::menagerie {
 namespace {

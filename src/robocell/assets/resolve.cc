@@ -8,9 +8,9 @@
 #include "robocell/assets/roots.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
-#include "robocell/base/names.h"
 #include "robocell/base/paths.h"
 #include "robocell/base/real_file.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell::assets {
 namespace {

@@ -2,7 +2,7 @@
 //
 // A message says what is wrong, where, the alternatives and the next step, for example
 //   robot 'left': no joint 'joint8'. Its joints: joint1 ... joint7. Did you mean 'joint7'?
-// base/names.h helps to write such messages. Results of normal running (IK not converged, diverged,
+// base/suggestions.h helps to write such messages. Results of normal running (IK not converged, diverged,
 // grasp failed) are values, not exceptions.
 //
 // In Python: Error is a RuntimeError; SpecError and ArgumentError are also ValueErrors,

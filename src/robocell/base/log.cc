@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell {
 namespace {

@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "robocell/control/cartesian_impedance_controller.h"
 #include "robocell/control/relative_joint_controller.h"
+#include "robocell/robot/joint_position_controller.h"
 #include "robocell/robot/testing/robots.h"
 #include "robocell/spec/group_controls.h"
 #include "robocell/testing/expect_throw.h"
@@ -40,6 +42,24 @@ TEST(SetController, RefusesByNameWhatAGenericGroupCannotHave) {
   }
   robot.SetController("arm", "relative_joint_position");
   EXPECT_EQ(robot.controller("arm").target_kind(), TargetKind::kJointSteps);
+}
+
+TEST(SetController, ByItsClassReturnsWhatIsPutIn) {
+  Robot robot = RobotAlone(Rc7());
+  auto& soft = robot.SetController<CartesianImpedanceController>("arm");
+  EXPECT_EQ(&soft, &robot.controller("arm"));
+  EXPECT_EQ(robot.ctrl_mode(), CtrlMode::kTorque);
+}
+
+// A gripper's has the same name and another class.
+TEST(SetController, ByAClassThatTheGroupHasNotChangesNothing) {
+  Robot robot = RobotAlone(Rc7());
+  const Controller* before = &robot.controller("gripper");
+  ExpectThrow<ArgumentError>(
+      [&] { robot.SetController<JointPositionController>("gripper"); },
+      "group 'gripper': controller 'joint_position' is of another class here than was asked for; "
+      "put it in by its name");
+  EXPECT_EQ(&robot.controller("gripper"), before);
 }
 
 }  // namespace

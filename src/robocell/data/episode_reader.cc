@@ -11,9 +11,9 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/idle_pool.h"
-#include "robocell/base/names.h"
 #include "robocell/base/paths.h"
 #include "robocell/base/real_file.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/hdf5.h"
 #include "robocell/data/json_count.h"

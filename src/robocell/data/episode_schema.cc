@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
 #include "robocell/base/paths.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/media/video_writer.h"
 
 namespace robocell {

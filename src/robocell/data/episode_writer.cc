@@ -1,13 +1,8 @@
 #include "robocell/data/episode_writer.h"
 
-#include <unistd.h>
-
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
-#include <ctime>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -15,21 +10,15 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
-#include "robocell/base/hash.h"
-#include "robocell/base/host.h"
 #include "robocell/base/io_error.h"
-#include "robocell/base/names.h"
 #include "robocell/base/paths.h"
-#include "robocell/base/version.h"
+#include "robocell/base/suggestions.h"
+#include "robocell/data/episode_commit.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_state.h"
-#include "robocell/data/hdf5.h"
 #include "robocell/data/model_store.h"
-#include "robocell/data/self_hashed_json.h"
 #include "robocell/data/steps_file.h"
 #include "robocell/data/work_folder.h"
-#include "robocell/media/ffmpeg.h"
-#include "robocell/media/video_info.h"
 #include "robocell/media/video_writer.h"
 
 namespace robocell {
@@ -47,28 +36,6 @@ struct CameraFiles {
 
 enum class State { kOpen, kFailed, kCommitted, kAborted };
 
-std::string UtcNow() {
-  const auto now = std::chrono::system_clock::now();
-  const auto seconds = std::chrono::floor<std::chrono::seconds>(now);
-  const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(now - seconds).count();
-  return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z",
-                     fmt::gmtime(std::chrono::system_clock::to_time_t(seconds)), ms);
-}
-
-// A JSON object from the caller, with sorted keys.
-Json ParseObject(const std::string& where, const std::string& what, const std::string& text) {
-  try {
-    const auto value = nlohmann::json::parse(text);
-    if (!value.is_object()) {
-      throw ArgumentError(
-          fmt::format("{}: {} must be a JSON object, got {}", where, what, value.type_name()));
-    }
-    return Json::parse(value.dump());
-  } catch (const nlohmann::json::exception& error) {
-    throw ArgumentError(fmt::format("{}: {} is not JSON: {}", where, what, error.what()));
-  }
-}
-
 }  // namespace
 
 bool IsEpisodeId(std::string_view id) { return ValidFileName(id) && !id.starts_with('.'); }
@@ -79,7 +46,7 @@ struct EpisodeWriter::Impl {
   std::optional<WorkFolder> work;
   std::string id;
   std::string name;  // for messages
-  std::string started = UtcNow();
+  std::string started = internal::UtcNow();
   EpisodeSchema schema;
   Json metadata;
   Json features;  // what the columns are
@@ -152,15 +119,7 @@ struct EpisodeWriter::Impl {
                         const VideoWriter& video) const;
   CameraFiles& VideosOf(CameraId camera);
   void CloseFiles();
-  void Rename();
-  Json Tables() const;
-  Json Cameras() const;
-  Json Segmentation() const;
-  Json Files() const;
-  Json Versions() const;
-  Json Run(const Json& given) const;
-  std::string Description(const EpisodeSummary& summary, const Json& results,
-                          const Json& run) const;
+  internal::EpisodeContent Content() const;
 };
 
 void EpisodeWriter::Impl::Open(const EpisodeOptions& options) {
@@ -212,119 +171,23 @@ void EpisodeWriter::Impl::CloseFiles() {
   steps->VerifyContent();
 }
 
-// From the rename on the episode is there, whatever comes: a failed flush of the dataset's folder
-// is told as what it is and takes nothing back.
-void EpisodeWriter::Impl::Rename() {
-  ::rmdir(final.c_str());  // an empty folder is in nobody's way; all else stays, and is told
-  try {
-    work->Commit(final);
-  } catch (...) {
-    if (work->committed()) state = State::kCommitted;
-    throw;
+internal::EpisodeContent EpisodeWriter::Impl::Content() const {
+  internal::EpisodeContent content{.id = id,
+                                   .name = name,
+                                   .folder = work->path(),
+                                   .schema = schema,
+                                   .metadata = metadata,
+                                   .features = features,
+                                   .versions = versions,
+                                   .models = models,
+                                   .extra_files = extra_files};
+  for (size_t i = 0; i < schema.tables().size(); ++i)
+    content.rows.push_back(steps->rows({static_cast<int>(i)}));
+  for (const CameraFiles& camera : videos) {
+    content.frames.push_back({camera.colour.frames(), camera.depth ? camera.depth->frames() : 0,
+                              camera.segmentation ? camera.segmentation->frames() : 0});
   }
-  state = State::kCommitted;
-}
-
-Json EpisodeWriter::Impl::Tables() const {
-  Json tables = Json::object();
-  for (size_t i = 0; i < schema.tables().size(); ++i) {
-    tables[schema.tables()[i].name] = {{"rows", steps->rows({static_cast<int>(i)})}};
-  }
-  return tables;
-}
-
-Json EpisodeWriter::Impl::Cameras() const {
-  Json cameras = Json::object();
-  for (size_t i = 0; i < videos.size(); ++i) {
-    const CameraEntry& camera = schema.cameras()[i];
-    const CameraStream& stream = camera.stream;
-    cameras[stream.name] = {{"file", VideoFile(stream.name)},
-                            {"table", schema.tables()[camera.table.index].name},
-                            {"frames", videos[i].colour.frames()},
-                            {"width", stream.width},
-                            {"height", stream.height},
-                            {"fps", {stream.fps_num, stream.fps_den}}};
-    if (videos[i].depth) {
-      cameras[stream.name]["depth"] = {
-          {"file", DepthFile(stream.name)}, {"frames", videos[i].depth->frames()}, {"units", "mm"}};
-    }
-    if (videos[i].segmentation) {
-      cameras[stream.name]["segmentation"] = {{"file", SegmentationFile(stream.name)},
-                                              {"frames", videos[i].segmentation->frames()}};
-    }
-  }
-  return cameras;
-}
-
-// The labels of 0, 1, ...
-Json EpisodeWriter::Impl::Segmentation() const {
-  Json labels = Json::array();
-  for (const SegmentLabel& label : schema.segment_labels())
-    labels.push_back({{"name", label.name}, {"owner", label.owner}});
-  return {{"none", kNoSegment}, {"labels", labels}};
-}
-
-Json EpisodeWriter::Impl::Files() const {
-  std::vector<std::string> names = {std::string(kStepsFile)};
-  for (const CameraEntry& camera : schema.cameras()) {
-    names.push_back(VideoFile(camera.stream.name));
-    if (camera.stream.depth) names.push_back(DepthFile(camera.stream.name));
-    if (camera.stream.segmentation) names.push_back(SegmentationFile(camera.stream.name));
-  }
-  names.insert(names.end(), extra_files.begin(), extra_files.end());
-  Json files = Json::object();
-  for (const std::string& file : names) {
-    files[file] = {{"bytes", fs::file_size(work->path() / file)},
-                   {"sha256", Sha256File(work->path() / file)}};
-  }
-  return files;
-}
-
-Json EpisodeWriter::Impl::Versions() const {
-  Json all = {{"robocell", std::string(Version())}, {"hdf5", hdf5::Version()}};
-  if (!videos.empty()) {
-    all["ffmpeg"] = FfmpegVersion();
-    all["encoder"] = ReadVideoInfo(videos[0].colour.path()).encoder;
-  }
-  all.update(versions);
-  return all;
-}
-
-Json EpisodeWriter::Impl::Run(const Json& given) const {
-  Json run = {
-      {"host", HostName()}, {"process", ::getpid()}, {"started", started}, {"finished", UtcNow()}};
-  for (const auto& [key, value] : given.items()) {
-    if (run.contains(key) || key == kJsonHash) {
-      throw ArgumentError(
-          fmt::format("{}: run_json must not have '{}', it is added by the writer", name, key));
-    }
-  }
-  run.update(given);
-  run[kJsonHash] = kHashPlaceholder;
-  return run;
-}
-
-std::string EpisodeWriter::Impl::Description(const EpisodeSummary& summary, const Json& results,
-                                             const Json& run) const {
-  Json description = {{"format", kEpisodeFormat},
-                      {"format_version", kEpisodeFormatVersion},
-                      {"id", id},
-                      {"success", summary.success},
-                      {"terminated", summary.terminated},
-                      {"truncated", summary.truncated},
-                      {"end_reason", summary.end_reason},
-                      {"warnings", summary.warnings},
-                      {"results", results},
-                      {"tables", Tables()},
-                      {"cameras", Cameras()},
-                      {"metadata", metadata},
-                      {"versions", Versions()},
-                      {"models", models},
-                      {"files", Files()},
-                      {"run", run}};
-  if (has_segmentation()) description["segmentation"] = Segmentation();
-  if (!features.empty()) description["features"] = features;
-  return InsertSelfHash(description.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  return content;
 }
 
 EpisodeWriter::EpisodeWriter(const fs::path& dataset, const std::string& id,
@@ -344,8 +207,8 @@ EpisodeWriter::EpisodeWriter(const fs::path& dataset, const std::string& id,
                         ": a camera has segmentation, so the schema needs labels of "
                         "what its numbers mean (SetSegmentLabels)");
   }
-  impl_->metadata = ParseObject(impl_->name, "metadata_json", options.metadata_json);
-  impl_->versions = ParseObject(impl_->name, "versions_json", options.versions_json);
+  impl_->metadata = internal::ParseObject(impl_->name, "metadata_json", options.metadata_json);
+  impl_->versions = internal::ParseObject(impl_->name, "versions_json", options.versions_json);
   impl_->features = Json::parse(options.features.ToJson());
   impl_->Do("opening", [&] {
     const EpisodeLook there = LookAtEpisode(impl_->final);
@@ -463,15 +326,20 @@ void EpisodeWriter::AddModel(const std::string& name, const FileSet& model) {
 
 fs::path EpisodeWriter::Commit(const EpisodeSummary& summary) {
   impl_->Do("Commit()", [&] {
-    const Json results = ParseObject(impl_->name, "results_json", summary.results_json);
-    const Json given = ParseObject(impl_->name, "run_json", summary.run_json);
-    const Json run = impl_->Run(given);
+    const internal::EpisodeResults results(impl_->name, impl_->started, summary);
     impl_->RequireFramesMatchRows();
     impl_->CloseFiles();
-    AtomicWrite(impl_->work->path() / kEpisodeFile, impl_->Description(summary, results, run));
+    internal::DescribeEpisode(impl_->Content(), summary, results);
     // Now: an episode that is given up leaves no model behind.
     for (const FileSet& model : impl_->model_files) StoreModel(impl_->dataset, model);
-    impl_->Rename();
+    try {
+      internal::PutInPlace(*impl_->work, impl_->final);
+    } catch (...) {
+      // From the rename on the episode is there, whatever comes.
+      if (impl_->work->committed()) impl_->state = State::kCommitted;
+      throw;
+    }
+    impl_->state = State::kCommitted;
     impl_->Remove();
   });
   return impl_->final;

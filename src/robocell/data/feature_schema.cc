@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell {
 namespace {

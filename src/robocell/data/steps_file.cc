@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/data/episode_files.h"
 
 namespace robocell {

@@ -10,7 +10,7 @@
 #include <optional>
 #include <Eigen/Geometry>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/diagnose/checks.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/diagnose/checks.h"
 
 namespace robocell {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/base/units.h"
 #include "robocell/diagnose/checks.h"
 #include "robocell/diagnose/joint_ranges.h"

@@ -8,7 +8,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/function_name.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/diagnose/checks.h"
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"

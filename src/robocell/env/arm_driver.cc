@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "robocell/base/error.h"
 #include "robocell/env/env_scene.h"
+#include "robocell/kinematics/ik_step.h"
 #include "robocell/kinematics/ik_towards.h"
 #include "robocell/math/rotation.h"
 #include "robocell/robot/arm_group.h"
@@ -17,14 +17,9 @@
 namespace robocell {
 namespace {
 
-// s. Joints at rest are so slow that they would take this long to go as far as their tolerance; and
-// the window over which an arm that is not near its target is watched.
-constexpr double kSettling = 0.1;
-// What a resting joint moves in a window: a share of its tolerance, or of the way that is left.
-constexpr double kRestShare = 0.1, kRestShareOfWay = 0.01;
-// A joint that creeps to its target is on its way as long as it takes no longer than this to get
-// within its tolerance, s.
-constexpr double kPatience = 1;
+// In Cartesian modes joints may lead by more than poses, for a small way of the TCP can be a large
+// one of a joint: by this many times as much.
+constexpr double kJointsOfPose = 3;
 // An absolute pose without a solution nearby is out of reach, unless it is within these, m and rad.
 constexpr double kSmallShift = 0.1, kSmallTurn = 0.5;
 
@@ -127,27 +122,30 @@ ArmDriver::ArmDriver(const EnvConfig& config, Robot robot, RobotLayout layout)
       lead_(config.target_lead()),
       binary_gripper_(config.wrappers.binary_gripper),
       robot_(std::move(robot)),
-      tolerances_(ArrivalTolerances(robot_, robot_.arm().name())),
-      still_(tolerances_.size()),
-      pos_(tolerances_.size()),
-      vel_(tolerances_.size()),
-      gravity_(tolerances_.size()),
-      resistance_(tolerances_.size()),
-      rest_(tolerances_.size()),
-      steady_(tolerances_.size()),
+      watch_(ArrivalTolerances(robot_, robot_.arm().name()), robot_.scene().timestep()),
+      still_(watch_.tolerances().size()),
+      pos_(still_),
+      vel_(still_),
+      gravity_(still_),
+      resistance_(still_),
+      rest_(still_),
+      steady_(still_),
       gripper_(RobotWithGripper(config, robot_)),
       layout_(std::move(layout)),
       joint_limits_(CommandLimits(robot_)),
       turns_freely_(TurnFreely(robot_)),
       base_in_shared_(robot_.scene().shared_base_frame_to_world().inverse() *
-                      robot_.base_in_world()),
-      window_pos_(tolerances_.size()) {
+                      robot_.base_in_world()) {
   if (gripper_) fingers_.emplace(*gripper_);
-  watched_.fill(window_pos_);
   RequireJointPositions(config, robot_);
   for (const ChainJoint& joint : robot_.chain().joints()) {
     const bool own_default = config.max_target_lead.empty() && joint.type == ChainJointType::kSlide;
-    joint_lead_.push_back(own_default ? lead_.translation : lead_.rotation);
+    if (mode_ == ControlMode::kJoints) {
+      joint_lead_.push_back(own_default ? lead_.translation : lead_.rotation);
+    } else {
+      const bool slide = joint.type == ChainJointType::kSlide;
+      joint_lead_.push_back(kJointsOfPose * (slide ? lead_.translation : lead_.rotation));
+    }
   }
 }
 
@@ -256,10 +254,11 @@ bool ArmDriver::GetPresentTargets() const {
   return true;
 }
 
-Pose ArmDriver::LastPose(const PendingMove& move, PendingMove& pending, Pose& seen) const {
+Pose ArmDriver::LastPose(const Pose& sent, const PendingMove& move, PendingMove& pending,
+                         Pose& seen) const {
   const Led<Pose> led = {seen, TcpAt(pos_), TcpAt(rest_), TcpAt(steady_)};
   seen = led.present;
-  return WithinLead(memory_.sent, led, lead_, pending, move);
+  return WithinLead(sent, led, lead_, pending, move);
 }
 
 std::vector<double> ArmDriver::LastJoints(std::span<const double> move,
@@ -272,6 +271,15 @@ std::vector<double> ArmDriver::LastJoints(std::span<const double> move,
   }
   seen = pos_;
   return last;
+}
+
+bool ArmDriver::BoundJoints(std::vector<double>& joints, std::vector<double>& pending,
+                            std::vector<double>& seen) const {
+  std::vector<Led<double>> led;
+  for (size_t i = 0; i < joints.size(); ++i)
+    led.push_back({seen[i], pos_[i], rest_[i], steady_[i]});
+  seen = pos_;
+  return TakeBackJoints(joints, led, joint_lead_, pending);
 }
 
 bool ArmDriver::SendJoints(std::span<const double> command, RobotAction& commands) {
@@ -318,21 +326,37 @@ bool ArmDriver::SendPose(std::span<const double> command, RobotAction& commands)
   const Pose given = PoseOfAction(mode_, command);
   const bool keeps = relative_to_ == RelativeTo::kLastStep && IsNoMotion(given);
   PendingMove pending = memory_.pending;
+  std::vector<double> joints = PositionsOf(controller_->commanded_joint_pos()),
+                      pending_joints = memory_.pending_joints, seen_joints = memory_.seen_joints;
   Pose seen = memory_.seen, last = memory_.sent;
+  bool bounded = false;
   if (!keeps && GetPresentTargets()) {
     PendingMove move;
     move.Add(last, NextPose(last, given));
-    last = LastPose(move, pending, seen);
+    bounded = BoundJoints(joints, pending_joints, seen_joints);
+    if (bounded) {
+      last = TcpAt(joints);
+      pending.Add(memory_.sent, last);
+    }
+    last = LastPose(last, move, pending, seen);
   }
   Pose next = keeps ? last : NextPose(last, given);
   const Pose target = base_in_shared_.inverse() * next;
-  commands[arm] = GroupCommand::LeafPose(target);
-  if (!robot_.Apply(commands).ok) {
-    const std::span<const double> from = controller_->commanded_joint_pos();
+  bool solved = false;
+  if (bounded) {
+    const IkResult ik = IkStep(robot_.chain(), target, joints);
+    solved = ik.success;
+    if (solved) commands[arm] = GroupCommand::Joints(PositionsOf(ik.q));
+  } else {
+    commands[arm] = GroupCommand::LeafPose(target);
+  }
+  // Whatever becomes of the pose, the gripper's command is carried out.
+  solved = robot_.Apply(commands).ok && (solved || !bounded);
+  if (!solved) {
     const bool small =
-        relative_to_ == RelativeTo::kLastStep || IsSmallStep(robot_.FkFrame(from), target);
+        relative_to_ == RelativeTo::kLastStep || IsSmallStep(robot_.FkFrame(joints), target);
     if (!small) return false;
-    const IkResult near = IkTowards(robot_.chain(), target, from);
+    const IkResult near = IkTowards(robot_.chain(), target, joints);
     if (!near.success) return false;
     sent_.position_shortfall = near.position_error;
     sent_.rotation_shortfall = near.rotation_error;
@@ -342,6 +366,10 @@ bool ArmDriver::SendPose(std::span<const double> command, RobotAction& commands)
   sent_.position_taken_back = (memory_.sent.translation() - last.translation()).norm();
   sent_.rotation_taken_back = AngleBetween(memory_.sent.quaternion(), last.quaternion());
   pending.Add(last, next);
+  const std::span<const double> driven = controller_->commanded_joint_pos();
+  for (size_t i = 0; i < joints.size(); ++i) pending_joints[i] += driven[i] - joints[i];
+  memory_.pending_joints = std::move(pending_joints);
+  memory_.seen_joints = std::move(seen_joints);
   memory_.pending = pending;
   memory_.seen = seen;
   memory_.sent = next;
@@ -359,69 +387,31 @@ bool ArmDriver::Send(std::span<const double> action) {
 }
 
 void ArmDriver::WatchFromNow() {
-  robot_.arm().GetJointPos(watched_[0]);
-  watched_ticks_ = 0;
-  StartWindow(robot_.scene().time());
-  at_rest_ = false;
-}
-
-void ArmDriver::StartWindow(double time) {
-  window_pos_ = watched_[0];
-  window_since_ = time;
+  robot_.arm().GetJointPos(pos_);
+  watch_.Begin(pos_, robot_.scene().time());
 }
 
 void ArmDriver::Watch(double time) {
-  std::rotate(watched_.begin(), watched_.end() - 1, watched_.end());
-  robot_.arm().GetJointPos(watched_[0]);
-  ++watched_ticks_;
-  const bool slow = IsSlow();
-  if (slow && time - window_since_ < kSettling) return;
-  at_rest_ = slow && HasHardlyMoved(time - window_since_);
-  StartWindow(time);
-}
-
-double ArmDriver::SpeedOf(size_t joint) const {
-  if (watched_ticks_ < 2) return std::numeric_limits<double>::infinity();
-  return std::abs(watched_[0][joint] - watched_[2][joint]) / (2 * robot_.scene().timestep());
-}
-
-bool ArmDriver::IsSlow() const {
-  for (size_t i = 0; i < tolerances_.size(); ++i) {
-    if (SpeedOf(i) * kSettling > tolerances_[i]) return false;
-  }
-  return true;
-}
-
-// In the window, by little of the tolerance, or by too little of the way that is left to get there
-// soon.
-bool ArmDriver::HasHardlyMoved(double window) const {
-  const std::span<const double> wanted = controller_->commanded_joint_pos();
-  for (size_t i = 0; i < tolerances_.size(); ++i) {
-    const double left = std::abs(watched_[0][i] - wanted[i]);
-    const double nearer = std::abs(window_pos_[i] - wanted[i]) - left,
-                 beyond = left - tolerances_[i];
-    if (beyond > 0 && nearer * kPatience > beyond * window) return false;
-    const double most = std::max(kRestShare * tolerances_[i], kRestShareOfWay * left);
-    if (std::abs(watched_[0][i] - window_pos_[i]) > most) return false;
-  }
-  return true;
+  robot_.arm().GetJointPos(pos_);
+  watch_.Look(pos_, controller_->commanded_joint_pos(), time);
 }
 
 // Whether some joint cannot get within its tolerance, because its servo gives way to gravity, and
 // all are where they come to rest.
 bool ArmDriver::IsHeldAwayByGravity() {
-  if (!GetSteadyTarget(watched_[0], still_, steady_)) return false;
-  if (!AreWithin(steady_, controller_->commanded_joint_pos(), tolerances_)) return false;
-  return !AreWithin(steady_, watched_[0], tolerances_);
+  if (!GetSteadyTarget(watch_.pos(), still_, steady_)) return false;
+  const std::vector<double>& tolerances = watch_.tolerances();
+  if (!AreWithin(steady_, controller_->commanded_joint_pos(), tolerances)) return false;
+  return !AreWithin(steady_, watch_.pos(), tolerances);
 }
 
 ArmStatus ArmDriver::Status(double time) {
-  const bool near = AreWithin(watched_[0], controller_->commanded_joint_pos(), tolerances_);
-  const bool slow = IsSlow();
+  const bool near = watch_.IsNear(controller_->commanded_joint_pos());
+  const bool slow = watch_.is_slow();
   ArmStatus status = ArmStatus::kMoving;
   if (near && slow) {
     status = ArmStatus::kArrived;
-  } else if (at_rest_ || (slow && IsHeldAwayByGravity())) {
+  } else if (watch_.at_rest() || (slow && IsHeldAwayByGravity())) {
     status = ArmStatus::kSettled;
   }
   return !gripper_ || GripperIsStill(time) ? status : ArmStatus::kMoving;
@@ -429,18 +419,16 @@ ArmStatus ArmDriver::Status(double time) {
 
 ArmMotion ArmDriver::motion() const {
   ArmMotion motion = sent_;
-  const std::vector<double>& pos = watched_[0];
+  const std::span<const double> pos = watch_.pos();
   const std::span<const double> wanted = controller_->commanded_joint_pos();
   Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMaxChainJoints> jacobian(
       6, static_cast<Eigen::Index>(pos.size()));
   const Pose tcp = robot_.chain().Jacobian(pos, jacobian), sent = robot_.FkFrame(wanted);
   motion.position_error = (sent.translation() - tcp.translation()).norm();
   motion.rotation_error = AngleBetween(sent.quaternion(), tcp.quaternion());
-  const size_t ago = std::min<size_t>(watched_ticks_, 2);
-  const double seconds = static_cast<double>(std::max<size_t>(1, ago)) * robot_.scene().timestep();
   Eigen::Vector<double, 6> twist = Eigen::Vector<double, 6>::Zero();
   for (size_t i = 0; i < pos.size(); ++i) {
-    const double speed = (pos[i] - watched_[ago][i]) / seconds;
+    const double speed = watch_.Velocity(i);
     twist += jacobian.col(static_cast<Eigen::Index>(i)) * speed;
     motion.joint_error = std::max(motion.joint_error, std::abs(pos[i] - wanted[i]));
     motion.joint_speed = std::max(motion.joint_speed, std::abs(speed));

@@ -2,13 +2,13 @@
 // and from the state to its part of the observation. Private to env; the Env steps.
 #pragma once
 
-#include <array>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "robocell/env/arm_target.h"
+#include "robocell/env/arm_watch.h"
 #include "robocell/env/env_layout.h"
 #include "robocell/env/finger_watch.h"
 #include "robocell/env/target_lead.h"
@@ -101,26 +101,26 @@ class ArmDriver {
   void SendGripper(double value, RobotAction& own);
   bool SendJoints(std::span<const double> command, RobotAction& commands);
   bool SendPose(std::span<const double> command, RobotAction& commands);
-  // The last target, without what is pending and leads the arm by more than max_target_lead: a
+  // The last target `sent`, without what is pending and leads the arm by more than max_target_lead: a
   // blocked arm does not pile up targets behind what blocks it. What the arm lags behind as it
   // moves and sags under gravity does not count, so that ramps go all the way.
   // `move`: what the action asks for, from the last target on. GetPresentTargets comes first.
-  Pose LastPose(const PendingMove& move, PendingMove& pending, Pose& seen) const;
+  Pose LastPose(const Pose& sent, const PendingMove& move, PendingMove& pending, Pose& seen) const;
   std::vector<double> LastJoints(std::span<const double> move, std::vector<double>& pending,
                                  std::vector<double>& seen) const;
+  // The joints that the arm drives to, without what is pending of them and leads the arm by more
+  // than joint_lead_: a link that is blocked holds joints back while the TCP gets along. Returns
+  // whether that changed them.
+  bool BoundJoints(std::vector<double>& joints, std::vector<double>& pending,
+                   std::vector<double>& seen) const;
   // Writes the target under which the arm at `q` goes on moving at `v`. False where it is unknown.
   bool GetSteadyTarget(std::span<const double> q, std::span<const double> v,
                        std::span<double> out) const;
   // Reads the present joint positions into pos_, and the targets under which they stay into rest_
   // and go on into steady_; the positions where that is unknown. False when they are not finite.
   bool GetPresentTargets() const;
-  // Of a joint over the last two watched engine steps, per second; infinite before that.
-  double SpeedOf(size_t joint) const;
-  bool IsSlow() const;
-  bool HasHardlyMoved(double window) const;
   bool IsHeldAwayByGravity();
   void WatchFromNow();
-  void StartWindow(double time);
   // The TCP with the joints at `q`, in the shared base frame.
   Pose TcpAt(std::span<const double> q) const { return base_in_shared_ * robot_.FkFrame(q); }
   Pose NextPose(const Pose& last, const Pose& given) const;
@@ -130,11 +130,11 @@ class ArmDriver {
   ControlMode mode_;
   RelativeTo relative_to_;
   StepLimit limit_, lead_;
-  std::vector<double> joint_lead_;  // rad or m
+  std::vector<double> joint_lead_;  // rad or m; in Cartesian modes what joints may lead by
   bool binary_gripper_;
   Robot robot_;
-  std::vector<double> tolerances_;  // within which each joint has arrived, rad or m
-  std::vector<double> still_;       // zeros
+  ArmWatch watch_;
+  std::vector<double> still_;                                                     // zeros
   mutable std::vector<double> pos_, vel_, gravity_, resistance_, rest_, steady_;  // scratch
   std::optional<Robot> gripper_;  // the robot that has the gripper ...
   std::optional<FingerWatch> fingers_;
@@ -145,13 +145,6 @@ class ArmDriver {
 
   Memory memory_;
   ArmMotion sent_;  // of the last Send: what is missing of the command, and what was taken back
-  // Joint positions now and one and two engine steps ago, as far as they were watched since the
-  // step began; and at the beginning of a window of time, over which a resting arm hardly moves.
-  std::array<std::vector<double>, 3> watched_;
-  size_t watched_ticks_ = 0;
-  std::vector<double> window_pos_;
-  double window_since_ = 0;
-  bool at_rest_ = false;                    // in the last window
   std::shared_ptr<Controller> controller_;  // of the arm, as the last Send found it
 };
 

@@ -8,7 +8,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/function_name.h"
 #include "robocell/base/log.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/env/env_scene.h"
 #include "robocell/robot/unused_groups.h"
 #include "robocell/robot/validate_config.h"

@@ -33,8 +33,8 @@ void RequireBatch(const EnvConfig& config, int count, std::optional<int> max_epi
 // Colours are written to a copy of the first model; without variations all have the first.
 std::shared_ptr<SharedDrawing> NewDrawing(const EnvConfig& config, const mjModel* model) {
   auto drawing = std::make_shared<SharedDrawing>();
-  drawing->renderer =
-      MakeRenderer({.backend = config.cameras.renderer, .quality = config.cameras.quality});
+  drawing->renderer = MakeRenderer(
+      {.backend = config.cameras.renderer.backend, .quality = config.cameras.renderer.quality});
   if (!config.variations.empty()) drawing->model = CopyModel(model);
   drawing->renderer->SetModel(drawing->model ? drawing->model.get() : model);
   return drawing;

@@ -52,7 +52,8 @@ EnvCameras::EnvCameras(Scene scene, const CameraSystemConfig& config,
   if (shared_) {
     renderer_ = shared_->renderer;
   } else {
-    renderer_ = MakeRenderer({.backend = config.renderer, .quality = config.quality});
+    renderer_ =
+        MakeRenderer({.backend = config.renderer.backend, .quality = config.renderer.quality});
   }
   Bind();
 }

@@ -10,7 +10,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/log.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/env/env.h"
 #include "robocell/scenes/settle.h"
 

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/env/arm_target.h"
 #include "robocell/env/env.h"
 #include "robocell/env/number_list.h"

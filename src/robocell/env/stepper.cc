@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell {
 

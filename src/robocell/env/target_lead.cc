@@ -95,4 +95,27 @@ double WithinJointLead(double sent, const Led<double>& led, double lead, double&
   return sent - back;
 }
 
+bool TakeBackJoints(std::span<double> sent, std::span<const Led<double>> led,
+                    std::span<const double> leads, std::span<double> pending) {
+  const auto unexplained = [&](size_t i) {
+    const Led<double>& l = led[i];
+    return Outstanding(pending[i], AheadOf(sent[i], {l.present, l.rest, l.steady}));
+  };
+  double share = 0;
+  for (size_t i = 0; i < sent.size(); ++i) {
+    const Led<double>& l = led[i];
+    pending[i] = Outstanding(WithPush(pending[i], l.present - l.before),
+                             AheadOf(sent[i], {l.present, l.rest}));
+    const double most = std::abs(unexplained(i));
+    if (most > leads[i]) share = std::max(share, 1 - leads[i] / most);
+  }
+  if (share == 0) return false;
+  for (size_t i = 0; i < sent.size(); ++i) {
+    const double back = share * unexplained(i);
+    sent[i] -= back;
+    pending[i] -= back;
+  }
+  return true;
+}
+
 }  // namespace robocell

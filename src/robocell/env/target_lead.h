@@ -17,6 +17,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 
 #include "robocell/math/pose.h"
 #include "robocell/spec/env_action.h"
@@ -47,5 +48,11 @@ Pose WithinLead(const Pose& sent, const Led<Pose>& led, const StepLimit& lead, P
 // The same for a joint.
 double WithinJointLead(double sent, const Led<double>& led, double lead, double& pending,
                        double action = 0);
+
+// The same for the joints of an arm that follow poses, each with its own lead: all of them are taken
+// back by the same share of what is pending, which keeps the direction of the TCP's lead, and the
+// TCP itself where joints lead in the null space only. Returns whether it took anything back.
+bool TakeBackJoints(std::span<double> sent, std::span<const Led<double>> led,
+                    std::span<const double> leads, std::span<double> pending);
 
 }  // namespace robocell

@@ -144,6 +144,39 @@ TEST(TargetLead, JointsAreAsPoses) {
   EXPECT_NEAR(pending, 0.05, 1e-12);
 }
 
+TEST(TargetLead, JointsThatFollowPosesAreTakenBackTogether) {
+  Rng rng = Rng::Stream(6, "target lead");
+  for (int trial = 0; trial < 200; ++trial) {
+    constexpr size_t kJoints = 5;
+    std::vector<double> sent(kJoints), pending(kJoints), leads(kJoints);
+    std::vector<Led<double>> led;
+    double over = 0;  // the largest share of a lead
+    for (size_t i = 0; i < kJoints; ++i) {
+      const double at = rng.Uniform(-1, 1);
+      led.push_back(StillAt(at));
+      pending[i] = rng.Uniform(-1, 1);
+      sent[i] = at + pending[i];
+      leads[i] = rng.Uniform(0.1, 1);
+      over = std::max(over, std::abs(pending[i]) / leads[i]);
+    }
+    std::vector<double> bounded = sent, left = pending;
+    EXPECT_EQ(TakeBackJoints(bounded, led, leads, left), over > 1);
+    for (size_t i = 0; i < kJoints; ++i) {
+      EXPECT_NEAR(bounded[i] - led[i].present, pending[i] / std::max(1.0, over), 1e-12);
+      EXPECT_NEAR(left[i], bounded[i] - led[i].present, 1e-12);
+    }
+  }
+}
+
+TEST(TargetLead, JointsThatLagSagOrWereNotSentAreNotTakenBack) {
+  const std::vector<double> leads = {0.1, 0.1, 0.1};
+  std::vector<double> sent = {1, 1, 1}, pending = {1, 1, 0};
+  const std::vector<Led<double>> led = {{0, 0, 0, 1}, {0, 0, 1, 1}, StillAt(0)};
+  EXPECT_FALSE(TakeBackJoints(sent, led, leads, pending));
+  EXPECT_EQ(sent, std::vector<double>(3, 1));
+  EXPECT_EQ(pending, (std::vector<double>{1, 0, 0})) << "what lags is not carried out yet";
+}
+
 // Whatever an arm that lags behind its target was sent on its way: where a wall stops it, its
 // target is ahead by the lead and one action, and as far back as one sends it from there.
 TEST(TargetLead, AnArmThatIsStoppedInFullMotionIsLedByTheLeadAndOneAction) {

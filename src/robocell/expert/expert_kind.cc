@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/expert/pick_expert.h"
 #include "robocell/task/task_kind.h"
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/features/own_features.h"
 #include "robocell/features/robot_features.h"
 #include "robocell/features/scene_features.h"

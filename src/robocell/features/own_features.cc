@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
 #include "robocell/base/paths.h"
 #include "robocell/base/plugin.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell {
 namespace {

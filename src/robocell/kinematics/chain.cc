@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
 #include "robocell/base/small_arrays.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/kinematics/chain_builder.h"
 #include "robocell/kinematics/lane_chain.h"
 #include "robocell/kinematics/link_table.h"

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/math/rotation.h"
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/gravity.h"

@@ -12,7 +12,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/media/child_process.h"
 #include "robocell/media/ffmpeg.h"
 #include "robocell/media/yuv420.h"

@@ -3,7 +3,7 @@
 #include <mujoco/mujoco.h>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/tree.h"
 
 namespace robocell {

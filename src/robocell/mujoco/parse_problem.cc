@@ -16,7 +16,7 @@
 #include <system_error>
 #include <vector>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell {
 namespace {

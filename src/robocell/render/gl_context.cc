@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/render/egl_context.h"
 #include "robocell/render/egl_devices.h"
 #include "robocell/render/osmesa_context.h"

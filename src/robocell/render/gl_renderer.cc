@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "robocell/base/error.h"
+#include "robocell/render/depth_conversion.h"
 #include "robocell/render/drawn_scene.h"
 #include "robocell/render/gl_context.h"
 #include "robocell/render/gl_drawing.h"

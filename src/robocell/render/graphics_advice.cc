@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/render/egl_devices.h"
 
 namespace robocell {

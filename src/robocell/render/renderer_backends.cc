@@ -4,7 +4,7 @@
 #include <string>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/render/egl_devices.h"
 #include "robocell/render/gl_context.h"
 #include "robocell/render/gl_renderer.h"
@@ -37,6 +37,12 @@ std::unique_ptr<Renderer> MakeByName(const std::string& place, const std::string
   throw NotFoundError(NoSuchName(place, "back end", name, known));
 }
 
+// Returns the back end that the environment names, or "" if it leaves the choice to robocell.
+std::string NameInEnvironment() {
+  const char* name = std::getenv(kVariable);
+  return name && std::string(name) != kAuto ? name : "";
+}
+
 // Returns true if someone has said which OpenGL it is to be.
 bool GlIsChosen(const RendererOptions& options) {
   const EglDeviceChoice device = EglDeviceChoice::FromEnvironment();
@@ -57,9 +63,8 @@ std::vector<std::string> RendererBackends() {
 
 std::unique_ptr<Renderer> MakeRenderer(const RendererOptions& options) {
   if (options.backend != kAuto) return MakeByName("renderer", options.backend, options);
-  const char* variable = std::getenv(kVariable);
-  if (variable && *variable && std::string(variable) != kAuto) {
-    return MakeByName(std::string("environment variable ") + kVariable, variable, options);
+  if (const std::string name = NameInEnvironment(); !name.empty()) {
+    return MakeByName(std::string("environment variable ") + kVariable, name, options);
   }
   // A fork of a process that has drawn would draw something else than that process.
   const bool fixed = GlIsChosen(options) || GlContext::InFork();
@@ -69,6 +74,14 @@ std::unique_ptr<Renderer> MakeRenderer(const RendererOptions& options) {
     if (fixed) throw;
     return MakeByName("renderer", "soft", options);
   }
+}
+
+std::string RendererBackendHere() {
+  const std::string description = MakeRenderer()->description();
+  for (const RendererBackend& backend : kBackends) {
+    if (description.starts_with(std::string(backend.name) + ":")) return backend.name;
+  }
+  throw Error("the renderer '" + description + "' has no name");
 }
 
 }  // namespace robocell

@@ -12,6 +12,7 @@
 
 #include <memory>
 #include <span>
+#include <string>
 
 #include "robocell/render/renderer.h"
 
@@ -24,5 +25,8 @@ struct RendererBackend {
 };
 
 std::span<const RendererBackend> RendererBackendList();
+
+// What "auto" is here. Errors: as of MakeRenderer.
+std::string RendererBackendHere();
 
 }  // namespace robocell

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "robocell/base/error.h"
-#include "robocell/render/render_quality.h"
+#include "robocell/spec/render_quality.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/scoped_env.h"
 

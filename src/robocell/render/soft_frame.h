@@ -85,17 +85,49 @@ struct SoftBuffer {
   std::vector<SoftIds> ids;
 };
 
-// The same through points beside the pixels' centres, this many pixels away.
-struct SoftSample {
-  float right = 0, down = 0;
-  SoftBuffer buffer;
+// Points beside the pixels' centres, in those blocks that show an edge.
+inline constexpr int32_t kSoftNoSlot = -1;
+inline constexpr int kSoftMostSamples = 16;
+// A sample of a surface that no pixel beside it shows.
+struct SoftStray {
+  float x = 0, y = 0, nearness = 0;  // pixels
+  uint32_t id = kSoftNothing;
+  int32_t slot = 0, pixel = 0;
+};
+struct SoftSamples {
+  int count = 0;                                                    // of each pixel
+  float right[kSoftMostSamples] = {}, down[kSoftMostSamples] = {};  // pixels from the centre
+  int columns = 0;                                                  // blocks
+  std::vector<int32_t> slots;                                       // of each block
+  // How many slots lie above and left of a block's upper left corner; one row and column more.
+  std::vector<int32_t> before;
+  std::vector<SoftNumbers> nearness;  // slot after slot, `count` each
+  std::vector<SoftIds> ids;
+  // While edges are smoothed: sums of red and, 16 bits higher, of blue; and of green.
+  std::vector<SoftIds> red_blue, green;
+  std::vector<SoftStray> strays;
+
+  size_t At(int32_t slot, int sample) const {
+    return static_cast<size_t>(slot) * static_cast<size_t>(count) + static_cast<size_t>(sample);
+  }
 };
 
-// A light's view, and how near to it the first surface is.
+// How near to a light the first surface is. Tiles of 4 x 4 blocks say what lies between which
+// limits, and where something may have been drawn.
+inline constexpr int kSoftTile = 4, kSoftTileBits = 4;  // blocks; pixels are 2 to this power
+struct SoftShadowMap {
+  SoftBuffer buffer;  // without ids
+  int tile_columns = 0, tile_rows = 0;
+  float background = 0;
+  std::vector<uint8_t> drawn;            // of each tile
+  std::vector<float> nearest, farthest;  // in each tile and beside it
+};
+
+// A light's view.
 struct SoftShadow {
   SoftView view;
   float from_view[12];  // rows of 4: from the camera's view axes to the light's
-  const SoftBuffer* map = nullptr;
+  const SoftShadowMap* map = nullptr;
 };
 
 // What is used while an instance is drawn.

@@ -10,7 +10,9 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "robocell/render/soft_edges-inl.h"
 #include "robocell/render/soft_raster-inl.h"
+#include "robocell/render/soft_samples-inl.h"
 #include "robocell/render/soft_shade-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -24,9 +26,18 @@ void Draw(const SoftView& view, const SoftInstance& instance, SoftScratch* scrat
 void Exact(const SoftPicture& picture, const SoftBuffer& buffer, float* metres, int32_t* bodies) {
   ReadExactHere(picture, buffer, metres, bodies);
 }
-void Shade(const SoftPicture& picture, const SoftBuffer& buffer,
-           std::span<const SoftSample> samples, SoftIds* colours, uint8_t* rgb) {
-  ShadePictureHere(picture, buffer, samples, colours, rgb);
+void Shade(const SoftPicture& picture, const SoftBuffer& buffer, SoftIds* colours, uint8_t* rgb) {
+  ShadePictureHere(picture, buffer, colours, rgb);
+}
+int Edges(const SoftBuffer& buffer, SoftSamples* samples) { return FindEdgesHere(buffer, samples); }
+void Summarise(SoftShadowMap* map) { SummariseMapHere(map); }
+void DrawBeside(const SoftView& view, const SoftInstance& instance, SoftScratch* scratch,
+                SoftSamples* samples) {
+  DrawSamplesHere(view, instance, scratch, samples);
+}
+void Smooth(const SoftPicture& picture, const SoftBuffer& buffer, SoftSamples* samples,
+            SoftIds* colours) {
+  SmoothEdgesHere(picture, buffer, samples, colours);
 }
 void Pack(const SoftBuffer& buffer, const SoftIds* colours, uint8_t* rgb) {
   PackColoursHere(buffer, colours, rgb);
@@ -45,32 +56,31 @@ HWY_EXPORT(Instructions);
 HWY_EXPORT(Draw);
 HWY_EXPORT(Exact);
 HWY_EXPORT(Shade);
+HWY_EXPORT(Edges);
+HWY_EXPORT(Summarise);
+HWY_EXPORT(DrawBeside);
+HWY_EXPORT(Smooth);
 HWY_EXPORT(Pack);
 HWY_EXPORT(Blend);
 
 std::string SoftInstructions() { return hwy::TargetName(HWY_DYNAMIC_DISPATCH(Instructions)()); }
 
-void ClearNearness(const SoftView& view, SoftBuffer* buffer) {
-  buffer->width = view.width;
-  buffer->height = view.height;
-  buffer->columns = (view.width + kSoftBlock - 1) / kSoftBlock;
-  buffer->rows = (view.height + kSoftBlock - 1) / kSoftBlock;
-  // What is farther than the far plane is not nearer than this.
+namespace {
+
+// What is farther than the far plane is not nearer than this.
+SoftNumbers Farthest(const SoftView& view) {
   SoftNumbers farthest;
   std::fill_n(farthest.at, kSoftPixels, view.orthographic ? 0.0f : 1 / view.far);
-  buffer->nearness.assign(static_cast<size_t>(buffer->columns) * static_cast<size_t>(buffer->rows),
-                          farthest);
+  return farthest;
 }
 
-void ClearBuffer(const SoftView& view, SoftBuffer* buffer) {
-  ClearNearness(view, buffer);
+SoftIds NoIds() {
   SoftIds nothing;
   std::fill_n(nothing.at, kSoftPixels, kSoftNothing);
-  buffer->ids.assign(buffer->nearness.size(), nothing);
+  return nothing;
 }
 
-void DrawInstance(const SoftView& view, const SoftInstance& instance, SoftScratch* scratch,
-                  SoftBuffer* buffer) {
+void Grow(const SoftInstance& instance, SoftScratch* scratch) {
   const auto grow = [](auto& row, size_t size) {
     if (row.size() < size) row.resize(size);
   };
@@ -79,8 +89,31 @@ void DrawInstance(const SoftView& view, const SoftInstance& instance, SoftScratc
   for (auto* row : {&scratch->x, &scratch->y, &scratch->nearness}) grow(*row, vertices);
   grow(scratch->facing, triangles);
   grow(scratch->cut, triangles);
+}
+
+}  // namespace
+
+void ClearNearness(const SoftView& view, SoftBuffer* buffer) {
+  buffer->width = view.width;
+  buffer->height = view.height;
+  buffer->columns = (view.width + kSoftBlock - 1) / kSoftBlock;
+  buffer->rows = (view.height + kSoftBlock - 1) / kSoftBlock;
+  buffer->nearness.assign(static_cast<size_t>(buffer->columns) * static_cast<size_t>(buffer->rows),
+                          Farthest(view));
+}
+
+void ClearBuffer(const SoftView& view, SoftBuffer* buffer) {
+  ClearNearness(view, buffer);
+  buffer->ids.assign(buffer->nearness.size(), NoIds());
+}
+
+void DrawInstance(const SoftView& view, const SoftInstance& instance, SoftScratch* scratch,
+                  SoftBuffer* buffer) {
+  Grow(instance, scratch);
   HWY_DYNAMIC_DISPATCH(Draw)(view, instance, scratch, buffer);
 }
+
+void SummariseMap(SoftShadowMap* map) { HWY_DYNAMIC_DISPATCH(Summarise)(map); }
 
 void ReadExact(const SoftPicture& picture, const SoftBuffer& buffer, std::span<float> metres,
                std::span<int32_t> bodies) {
@@ -90,13 +123,34 @@ void ReadExact(const SoftPicture& picture, const SoftBuffer& buffer, std::span<f
 }
 
 void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer,
-                  std::span<const SoftSample> samples, std::span<SoftIds> colours) {
-  HWY_DYNAMIC_DISPATCH(Shade)(picture, buffer, samples, colours.data(), nullptr);
+                  std::span<SoftIds> colours) {
+  HWY_DYNAMIC_DISPATCH(Shade)(picture, buffer, colours.data(), nullptr);
 }
 
-void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer,
-                  std::span<const SoftSample> samples, std::span<uint8_t> rgb) {
-  HWY_DYNAMIC_DISPATCH(Shade)(picture, buffer, samples, nullptr, rgb.data());
+void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer, std::span<uint8_t> rgb) {
+  HWY_DYNAMIC_DISPATCH(Shade)(picture, buffer, nullptr, rgb.data());
+}
+
+void FindEdges(const SoftView& view, const SoftBuffer& buffer, SoftSamples* samples) {
+  samples->columns = buffer.columns;
+  samples->slots.resize(buffer.ids.size());
+  samples->before.resize(static_cast<size_t>(buffer.columns + 1) *
+                         static_cast<size_t>(buffer.rows + 1));
+  const int slots = HWY_DYNAMIC_DISPATCH(Edges)(buffer, samples);
+  const size_t size = samples->At(slots, 0);
+  samples->nearness.assign(size, Farthest(view));
+  samples->ids.assign(size, NoIds());
+}
+
+void DrawSamples(const SoftView& view, const SoftInstance& instance, SoftScratch* scratch,
+                 SoftSamples* samples) {
+  Grow(instance, scratch);
+  HWY_DYNAMIC_DISPATCH(DrawBeside)(view, instance, scratch, samples);
+}
+
+void SmoothEdges(const SoftPicture& picture, const SoftBuffer& buffer, SoftSamples* samples,
+                 std::span<SoftIds> colours) {
+  HWY_DYNAMIC_DISPATCH(Smooth)(picture, buffer, samples, colours.data());
 }
 
 void BlendLayer(const SoftPicture& picture, const SoftBuffer& behind, const SoftBuffer& layer,

@@ -30,17 +30,29 @@ void ClearNearness(const SoftView& view, SoftBuffer* buffer);
 void DrawInstance(const SoftView& view, const SoftInstance& instance, SoftScratch* scratch,
                   SoftBuffer* buffer);
 
+// Computes what lies nearest and farthest in each tile of a map.
+void SummariseMap(SoftShadowMap* map);
+
 // Metres and bodies of what is in the buffer; either may be empty.
 void ReadExact(const SoftPicture& picture, const SoftBuffer& buffer, std::span<float> metres,
                std::span<int32_t> bodies);
 
-// Colours of what is in the buffer: red, green, blue from the lowest byte on. With samples the
-// edges of surfaces are smoothed.
-void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer,
-                  std::span<const SoftSample> samples, std::span<SoftIds> colours);
+// Colours of what is in the buffer: red, green, blue from the lowest byte on.
+void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer, std::span<SoftIds> colours);
 // The same into rows of 3 bytes a pixel.
-void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer,
-                  std::span<const SoftSample> samples, std::span<uint8_t> rgb);
+void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer, std::span<uint8_t> rgb);
+
+// Makes room for the samples of blocks that show an edge between surfaces, with nothing in them.
+// How many a pixel has, and where, stays as it is.
+void FindEdges(const SoftView& view, const SoftBuffer& buffer, SoftSamples* samples);
+
+// Draws the instance into them.
+void DrawSamples(const SoftView& view, const SoftInstance& instance, SoftScratch* scratch,
+                 SoftSamples* samples);
+
+// Replaces colours at edges by the means of the samples.
+void SmoothEdges(const SoftPicture& picture, const SoftBuffer& buffer, SoftSamples* samples,
+                 std::span<SoftIds> colours);
 
 // Blends an instance that can be seen through over the colours, in front of what is in the buffer.
 // Its nearness and ids go into `layer`, which is cleared for it.

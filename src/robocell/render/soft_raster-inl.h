@@ -6,6 +6,7 @@
 #define ROBOCELL_SOFT_RASTER_INL_H_
 #endif
 
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include <algorithm>
@@ -39,6 +40,8 @@ constexpr float kBeyond = 4e9f, kBehind = -1;
 // Triangles of at most this many steps on each side have exact edge functions in single precision:
 // 10 pixels of 256 steps, 2 blocks and a rest.
 constexpr float kSmall = 2560;
+// Those of at most this many pixels on each side have exact ones in 32 bits.
+constexpr float kMiddling = 28;
 
 HWY_INLINE V Num(float value) { return hn::Set(kFloats, value); }
 
@@ -143,95 +146,186 @@ struct Point {
   int64_t x, y;
 };
 
-inline int64_t FloorDivide(int64_t a, int64_t b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
+// A large triangle: the blocks around it, and its edge functions at the centre of the first pixel
+// of the first block, in steps.
+struct LargeTriangle {
+  int x0 = 0, y0 = 0, x1 = -1, y1 = -1;
+  int shift = 0;  // a pixel has this power of two of steps
+  int64_t e[3], dx[3], dy[3];
+
+  bool empty() const { return x1 < x0 || y1 < y0; }
+};
+
+// `margin`: how many steps beside a pixel's centre it can be seen.
+inline LargeTriangle MakeLarge(const SoftView& view, const Point* p, int64_t margin) {
+  LargeTriangle t;
+  const auto steps = static_cast<int64_t>(view.steps);
+  const int64_t half = steps / 2;
+  t.shift = __builtin_ctzll(static_cast<uint64_t>(steps));
+  const auto up = [&](int64_t at) {
+    return static_cast<int>((at - margin - half + steps - 1) >> t.shift);
+  };
+  const auto down = [&](int64_t at) { return static_cast<int>((at + margin - half) >> t.shift); };
+  t.x0 = std::max(0, up(std::min({p[0].x, p[1].x, p[2].x}))) / kSoftBlock;
+  t.y0 = std::max(0, up(std::min({p[0].y, p[1].y, p[2].y}))) / kSoftBlock;
+  const int last_x = std::min(view.width - 1, down(std::max({p[0].x, p[1].x, p[2].x})));
+  const int last_y = std::min(view.height - 1, down(std::max({p[0].y, p[1].y, p[2].y})));
+  if (last_x < t.x0 * kSoftBlock || last_y < t.y0 * kSoftBlock) return t;
+  t.x1 = last_x / kSoftBlock;
+  t.y1 = last_y / kSoftBlock;
+  const int64_t ox = t.x0 * kSoftBlock * steps + half, oy = t.y0 * kSoftBlock * steps + half;
+  for (int k = 0; k < 3; ++k) {
+    const Point &a = p[(k + 2) % 3], &b = p[(k + 1) % 3];
+    t.dx[k] = a.y - b.y;
+    t.dy[k] = b.x - a.x;
+    const bool inclusive = t.dx[k] > 0 || (t.dx[k] == 0 && t.dy[k] > 0);
+    t.e[k] = (a.x - ox) * (b.y - oy) - (a.y - oy) * (b.x - ox) - (inclusive ? 0 : 1);
+  }
+  return t;
+}
+
+// The blocks of a row between the edges of a large triangle. Edge functions are in whole pixels:
+// the fraction that the shift takes away decides nothing.
+struct LargeRows {
+  double first[3], right[3], down[3];
+  double e[3];                 // at the row's first block
+  int begin, end;              // blocks that may be covered in part
+  int whole_begin, whole_end;  // those that are covered certainly
+
+  // `beside`: how many pixels beside the centres it can be seen.
+  LargeRows(const LargeTriangle& t, double beside) {
+    // Blocks at the limits that rounding leaves in doubt count as covered in part. Limits that an
+    // edge does not set are farther away than any image.
+    constexpr double kDoubt = 1e-3, kNone = -1e6;
+    for (int k = 0; k < 3; ++k) {
+      first[k] = static_cast<double>(t.e[k] >> t.shift);
+      right[k] = static_cast<double>(t.dx[k]);
+      down[k] = static_cast<double>(t.dy[k]);
+      const double more = beside * (std::abs(right[k]) + std::abs(down[k]));
+      // What a block's pixels add at most and at least.
+      const double most =
+          first[k] + std::max(0.0, 3 * right[k]) + std::max(0.0, 3 * down[k]) + more;
+      const double least =
+          first[k] + std::min(0.0, 3 * right[k]) + std::min(0.0, 3 * down[k]) - more;
+      std::fill_n(limit_[k], 4, kNone);
+      std::fill_n(step_[k], 4, 0.0);
+      const auto set = [&](int which, double at, double scale, double doubt) {
+        limit_[k][which] = at * scale + doubt;
+        step_[k][which] = 4 * down[k] * scale;
+      };
+      if (right[k] > 0) {
+        set(0, most, -0.25 / right[k], -kDoubt);
+        set(2, least, -0.25 / right[k], kDoubt);
+      } else if (right[k] < 0) {
+        set(1, most, 0.25 / right[k], -kDoubt);
+        set(3, least, 0.25 / right[k], kDoubt);
+      } else {  // all of the row or nothing
+        set(1, most + 0.5, kNone, 0);
+        set(3, least + 0.5, kNone, 0);
+      }
+    }
+    widest_[0] = widest_[2] = 0;
+    widest_[1] = widest_[3] = t.x0 - t.x1;
+  }
+
+  HWY_INLINE void Go(const LargeTriangle& t, int by) {
+    constexpr hn::CappedTag<double, 4> doubles;
+    const hn::Rebind<int32_t, decltype(doubles)> ints;
+    const auto down_rows = hn::Set(doubles, static_cast<double>(by - t.y0));
+    alignas(32) int32_t limits[4];
+    for (size_t i = 0; i < 4; i += hn::Lanes(doubles)) {
+      auto most = hn::Load(doubles, widest_ + i);
+      for (int k = 0; k < 3; ++k) {
+        most = hn::Max(most, hn::Add(hn::Load(doubles, limit_[k] + i),
+                                     hn::Mul(down_rows, hn::Load(doubles, step_[k] + i))));
+      }
+      hn::StoreU(hn::DemoteTo(ints, hn::Min(hn::Ceil(most), hn::Set(doubles, 1e6))), ints,
+                 limits + i);
+    }
+    for (int k = 0; k < 3; ++k) e[k] = first[k] + 4.0 * (by - t.y0) * down[k];
+    begin = t.x0 + limits[0];
+    end = t.x0 - limits[1];
+    whole_begin = t.x0 + limits[2];
+    whole_end = t.x0 - limits[3];
+    if (whole_begin > whole_end) whole_begin = whole_end = end + 1;
+  }
+
+ private:
+  // First block, last one with the other sign, and those of the wholly covered ones.
+  alignas(32) double limit_[3][4];
+  alignas(32) double step_[3][4];
+  alignas(32) double widest_[4];
+};
+
+HWY_INLINE float EdgeNumber(double e) {
+  return static_cast<float>(std::min(std::max(e, -16777216.0), 16777216.0));
+}
+
+// Where centres are drawn to. The other one is that of soft_samples-inl.h.
+template <bool kIds>
+struct ToCentres {
+  static constexpr bool kSamples = false;
+  SoftBuffer* buffer;
+
+  HWY_INLINE void Prefetch(int bx, int by) const {
+    const size_t block = static_cast<size_t>(by) * buffer->columns + bx;
+    hwy::Prefetch(&buffer->nearness[block]);
+    if constexpr (kIds) hwy::Prefetch(&buffer->ids[block]);
+  }
+};
 
 template <bool kIds>
 void DrawLarge(const SoftView& view, const Point* p, const PlaneNearness& plane, float low,
-               float high, uint32_t id, SoftBuffer* buffer) {
-  const auto steps = static_cast<int64_t>(view.steps);
-  const int64_t half = steps / 2;
-  const auto pixel_up = [&](int64_t at) {
-    return static_cast<int>(FloorDivide(at - half + steps - 1, steps));
-  };
-  const auto pixel_down = [&](int64_t at) {
-    return static_cast<int>(FloorDivide(at - half, steps));
-  };
-  const int x0 = std::max(0, pixel_up(std::min({p[0].x, p[1].x, p[2].x}))) / kSoftBlock;
-  const int y0 = std::max(0, pixel_up(std::min({p[0].y, p[1].y, p[2].y}))) / kSoftBlock;
-  const int last_x = std::min(view.width - 1, pixel_down(std::max({p[0].x, p[1].x, p[2].x})));
-  const int last_y = std::min(view.height - 1, pixel_down(std::max({p[0].y, p[1].y, p[2].y})));
-  if (last_x < x0 * kSoftBlock || last_y < y0 * kSoftBlock) return;
-  const int x1 = last_x / kSoftBlock, y1 = last_y / kSoftBlock;
-
-  // Edge functions in whole pixels: the fraction that the floor takes away decides nothing.
-  int64_t first[3];
-  double right[3], down[3], most[3], least[3];
-  for (int k = 0; k < 3; ++k) {
-    const Point &a = p[(k + 2) % 3], &b = p[(k + 1) % 3];
-    const int64_t dx = a.y - b.y, dy = b.x - a.x;
-    const int64_t ox = x0 * kSoftBlock * steps + half, oy = y0 * kSoftBlock * steps + half;
-    const int64_t e = (a.x - ox) * (b.y - oy) - (a.y - oy) * (b.x - ox);
-    const bool inclusive = dx > 0 || (dx == 0 && dy > 0);
-    first[k] = FloorDivide(e - (inclusive ? 0 : 1), steps);
-    right[k] = static_cast<double>(dx);
-    down[k] = static_cast<double>(dy);
-    most[k] = std::max(0.0, 3 * right[k]) + std::max(0.0, 3 * down[k]);
-    least[k] = std::min(0.0, 3 * right[k]) + std::min(0.0, 3 * down[k]);
-  }
+               float high, uint32_t id, const ToCentres<kIds>& to) {
+  const LargeTriangle t = MakeLarge(view, p, 0);
+  if (t.empty()) return;
+  LargeRows row(t, 0);
   const V lowest = Num(low), highest = Num(high);
   const V near_right = Num(static_cast<float>(plane.right)),
           near_down = Num(static_cast<float>(plane.down));
+  const auto step = [&](int part) HWY_ATTR {
+    return hn::Add(hn::Mul(near_right, hn::Load(kFloats, kColumn + part)),
+                   hn::Mul(near_down, hn::Load(kFloats, kRow + part)));
+  };
   BlockEdges edges;
   for (int k = 0; k < 3; ++k) {
-    edges.right[k] = static_cast<float>(right[k]);
-    edges.down[k] = static_cast<float>(down[k]);
+    edges.right[k] = static_cast<float>(row.right[k]);
+    edges.down[k] = static_cast<float>(row.down[k]);
   }
-  for (int by = y0; by <= y1; ++by) {
-    double e[3];
-    int begin = x0, end = x1;
-    for (int k = 0; k < 3; ++k) {
-      e[k] = static_cast<double>(first[k]) + 4.0 * (by - y0) * down[k];
-      const double reach = e[k] + most[k];  // the largest in the row's first block
-      if (right[k] > 0) {
-        if (reach < 0)
-          begin = std::max(
-              begin, x0 + static_cast<int>(std::min(1e6, std::ceil(-reach / (4 * right[k])))));
-      } else if (right[k] < 0) {
-        end = reach < 0 ? -1
-                        : std::min(end, x0 + static_cast<int>(std::min(
-                                                 1e6, std::floor(reach / (-4 * right[k])))));
-      } else if (reach < 0) {
-        end = -1;
-      }
-    }
-    if (begin > end) continue;
-    for (int k = 0; k < 3; ++k) e[k] += 4.0 * (begin - x0) * right[k];
-    double start = plane.first + plane.down * (by * 4) + plane.right * (begin * 4);
-    size_t block = static_cast<size_t>(by) * buffer->columns + begin;
-    for (int bx = begin; bx <= end; ++bx, ++block) {
-      float* at = buffer->nearness[block].at;
-      uint32_t* ids = kIds ? buffer->ids[block].at : nullptr;
-      const bool whole = e[0] + least[0] >= 0 && e[1] + least[1] >= 0 && e[2] + least[2] >= 0;
-      if (!whole) {
+  SoftBuffer* buffer = to.buffer;
+  for (int by = t.y0; by <= t.y1; ++by) {
+    row.Go(t, by);
+    const size_t blocks = static_cast<size_t>(by) * buffer->columns;
+    const double start = plane.first + plane.down * (by * 4);
+    const auto some = [&](int begin, int end) HWY_ATTR {
+      for (int bx = begin; bx < end; ++bx) {
         for (int k = 0; k < 3; ++k) {
-          edges.e[k] = static_cast<float>(std::clamp(e[k], -16777216.0, 16777216.0));
+          edges.e[k] = EdgeNumber(row.e[k] + 4.0 * (bx - t.x0) * row.right[k]);
+        }
+        const V origin = Num(static_cast<float>(start + plane.right * (4 * bx)));
+        float* at = buffer->nearness[blocks + bx].at;
+        uint32_t* ids = kIds ? buffer->ids[blocks + bx].at : nullptr;
+        for (int part = 0; part < kSoftPixels; part += kLanes) {
+          V unused1, unused2;
+          const M covered = Inside(edges, part, &unused1, &unused2);
+          if (hn::AllFalse(kFloats, covered)) continue;
+          const V q = hn::Add(origin, step(part));
+          Put<kIds>(covered, hn::Min(hn::Max(q, lowest), highest), id, part, at, ids);
         }
       }
-      for (int k = 0; k < 3; ++k) e[k] += 4 * right[k];
-      const V origin = Num(static_cast<float>(start));
-      start += 4 * plane.right;
+    };
+    some(row.begin, std::min(row.whole_begin, row.end + 1));
+    for (int bx = row.whole_begin; bx <= std::min(row.whole_end, row.end); ++bx) {
+      const V origin = Num(static_cast<float>(start + plane.right * (4 * bx)));
+      float* at = buffer->nearness[blocks + bx].at;
+      uint32_t* ids = kIds ? buffer->ids[blocks + bx].at : nullptr;
       for (int part = 0; part < kSoftPixels; part += kLanes) {
-        M covered = hn::Eq(origin, origin);
-        if (!whole) {
-          V unused1, unused2;
-          covered = Inside(edges, part, &unused1, &unused2);
-          if (hn::AllFalse(kFloats, covered)) continue;
-        }
-        const V q = hn::Add(origin, hn::Add(hn::Mul(near_right, hn::Load(kFloats, kColumn + part)),
-                                            hn::Mul(near_down, hn::Load(kFloats, kRow + part))));
-        Put<kIds>(covered, hn::Min(hn::Max(q, lowest), highest), id, part, at, ids);
+        const V q = hn::Add(origin, step(part));
+        Put<kIds>(hn::FirstN(kFloats, kLanes), hn::Min(hn::Max(q, lowest), highest), id, part, at,
+                  ids);
       }
     }
+    some(std::max(row.begin, row.whole_end + 1), row.end + 1);
   }
 }
 
@@ -277,8 +371,8 @@ inline bool Orient(SoftSide side, Point* p) {
 }
 
 // A triangle that reaches out of the drawable range, part of which may be seen.
-template <bool kIds>
-void DrawCut(const SoftView& view, const SoftInstance& instance, int triangle, SoftBuffer* buffer) {
+template <class To>
+void DrawCut(const SoftView& view, const SoftInstance& instance, int triangle, const To& to) {
   constexpr int kMost = 9;
   ViewPoint polygon[kMost], cut[kMost];
   int count = 3;
@@ -331,7 +425,7 @@ void DrawCut(const SoftView& view, const SoftInstance& instance, int triangle, S
   for (int k = 1; k + 1 < count; ++k) {
     Point p[3] = {points[0], points[k], points[k + 1]};
     if (!Orient(instance.side, p)) continue;
-    DrawLarge<kIds>(view, p, plane, low, high, instance.first_id + triangle, buffer);
+    DrawLarge(view, p, plane, low, high, instance.first_id + triangle, to);
   }
 }
 
@@ -343,11 +437,15 @@ struct alignas(64) Batch {
   float low[kSoftPixels], high[kSoftPixels];
   float x[3][kSoftPixels], y[3][kSoftPixels];
   int32_t x0[kSoftPixels], x1[kSoftPixels], y0[kSoftPixels], y1[kSoftPixels];  // blocks
+  // Of middling ones the edge functions are in whole numbers, and the steps those of a pixel when
+  // they are in pixels.
+  int32_t whole[3][kSoftPixels];
   int32_t triangle[kSoftPixels];
 };
 
 template <bool kIds>
-HWY_INLINE void DrawSmall(const Batch& b, int i, uint32_t id, SoftBuffer* buffer) {
+HWY_INLINE void DrawSmall(const Batch& b, int i, uint32_t id, const ToCentres<kIds>& to) {
+  SoftBuffer* buffer = to.buffer;
   const V nearness = Num(b.nearness[i]), weight1 = Num(b.weight1[i]), weight2 = Num(b.weight2[i]);
   const V low = Num(b.low[i]), high = Num(b.high[i]);
   BlockEdges edges;
@@ -376,14 +474,60 @@ HWY_INLINE void DrawSmall(const Batch& b, int i, uint32_t id, SoftBuffer* buffer
   }
 }
 
+// Edge functions in whole pixels, at a place that is this many steps from the batch's.
+HWY_INLINE float WholeEdge(const Batch& b, int i, int k, int shift, int right, int down) {
+  const auto dx = static_cast<int32_t>(b.right[k][i]), dy = static_cast<int32_t>(b.down[k][i]);
+  return static_cast<float>((b.whole[k][i] + dx * right + dy * down) >> shift);
+}
+
 template <bool kIds>
+HWY_INLINE void DrawMiddling(const SoftView& view, const Batch& b, int i, uint32_t id,
+                             const ToCentres<kIds>& to) {
+  SoftBuffer* buffer = to.buffer;
+  const V nearness = Num(b.nearness[i]), weight1 = Num(b.weight1[i]), weight2 = Num(b.weight2[i]);
+  const V low = Num(b.low[i]), high = Num(b.high[i]);
+  const int shift = __builtin_ctz(static_cast<unsigned>(view.steps));
+  BlockEdges edges;
+  float first[3];
+  for (int k = 0; k < 3; ++k) {
+    edges.right[k] = b.right[k][i];
+    edges.down[k] = b.down[k][i];
+    first[k] = WholeEdge(b, i, k, shift, 0, 0);
+  }
+  for (int by = b.y0[i]; by <= b.y1[i]; ++by) {
+    const size_t row = static_cast<size_t>(by) * buffer->columns;
+    for (int k = 0; k < 3; ++k) {
+      edges.e[k] = first[k] + static_cast<float>(4 * (by - b.y0[i])) * edges.down[k];
+    }
+    for (int bx = b.x0[i]; bx <= b.x1[i]; ++bx) {
+      float* at = buffer->nearness[row + bx].at;
+      uint32_t* ids = kIds ? buffer->ids[row + bx].at : nullptr;
+      for (int part = 0; part < kSoftPixels; part += kLanes) {
+        V e1, e2;
+        const M covered = Inside(edges, part, &e1, &e2);
+        if (hn::AllFalse(kFloats, covered)) continue;
+        const V q = hn::Add(nearness, hn::Add(hn::Mul(e1, weight1), hn::Mul(e2, weight2)));
+        Put<kIds>(covered, hn::Min(hn::Max(q, low), high), id, part, at, ids);
+      }
+      for (int k = 0; k < 3; ++k) edges.e[k] += 4 * edges.right[k];
+    }
+  }
+}
+
+template <class To>
 HWY_INLINE void DrawFacing(const SoftView& view, const SoftInstance& instance, int count,
-                           SoftScratch* scratch, SoftBuffer* buffer) {
+                           SoftScratch* scratch, const To& to) {
   const SoftMesh& mesh = *instance.mesh;
   const float *px = scratch->x.data(), *py = scratch->y.data(), *pq = scratch->nearness.data();
   const int32_t* corners = mesh.corners.data();
   const V zero = hn::Zero(kFloats), half = Num(0.5f * view.steps), per_step = Num(1 / view.steps);
-  const V steps = Num(view.steps);
+  const V steps = Num(view.steps), middling = Num(kMiddling * view.steps);
+  // Positions of a pixel's last and first samples.
+  V from = half, until = half;
+  if constexpr (To::kSamples) {
+    from = Num(0.5f * view.steps + static_cast<float>(to.margin));
+    until = Num(0.5f * view.steps - static_cast<float>(to.margin));
+  }
   const V last_x = Num(static_cast<float>(view.width - 1)),
           last_y = Num(static_cast<float>(view.height - 1));
   const SoftSide side = instance.side;
@@ -402,14 +546,22 @@ HWY_INLINE void DrawFacing(const SoftView& view, const SoftInstance& instance, i
     V x2 = hn::GatherIndex(kFloats, px, i2), y2 = hn::GatherIndex(kFloats, py, i2);
     const V low_x = hn::Min(x0, hn::Min(x1, x2)), high_x = hn::Max(x0, hn::Max(x1, x2));
     const V low_y = hn::Min(y0, hn::Min(y1, y2)), high_y = hn::Max(y0, hn::Max(y1, y2));
-    const V first_x = hn::Max(zero, hn::Ceil(hn::Mul(hn::Sub(low_x, half), per_step)));
-    const V first_y = hn::Max(zero, hn::Ceil(hn::Mul(hn::Sub(low_y, half), per_step)));
-    const V end_x = hn::Min(last_x, hn::Floor(hn::Mul(hn::Sub(high_x, half), per_step)));
-    const V end_y = hn::Min(last_y, hn::Floor(hn::Mul(hn::Sub(high_y, half), per_step)));
+    const V first_x = hn::Max(zero, hn::Ceil(hn::Mul(hn::Sub(low_x, from), per_step)));
+    const V first_y = hn::Max(zero, hn::Ceil(hn::Mul(hn::Sub(low_y, from), per_step)));
+    const V end_x = hn::Min(last_x, hn::Floor(hn::Mul(hn::Sub(high_x, until), per_step)));
+    const V end_y = hn::Min(last_y, hn::Floor(hn::Mul(hn::Sub(high_y, until), per_step)));
     const M beyond = hn::Gt(high_x, Num(kReach));
     M seen = hn::And(hn::Le(first_x, end_x), hn::Le(first_y, end_y));
     seen = hn::Or(seen, beyond);
     seen = hn::And(seen, hn::FirstN(kFloats, static_cast<size_t>(count - i)));
+    // Blocks. Pixels are below 16 bits, so that their quarters are exact.
+    const V quarter = Num(0.25f);
+    const V bx0 = hn::Floor(hn::Mul(first_x, quarter)), by0 = hn::Floor(hn::Mul(first_y, quarter));
+    const V bx1 = hn::Floor(hn::Mul(end_x, quarter)), by1 = hn::Floor(hn::Mul(end_y, quarter));
+    if constexpr (To::kSamples) {
+      seen =
+          hn::And(seen, hn::Or(beyond, to.AtEdges(hn::AndNot(beyond, seen), bx0, by0, bx1, by1)));
+    }
     if (hn::AllFalse(kFloats, seen)) continue;
     V q0 = hn::GatherIndex(kFloats, pq, i0), q1 = hn::GatherIndex(kFloats, pq, i1),
       q2 = hn::GatherIndex(kFloats, pq, i2);
@@ -417,8 +569,17 @@ HWY_INLINE void DrawFacing(const SoftView& view, const SoftInstance& instance, i
     seen = hn::And(seen, hn::Ge(high, zero));
     const M small = hn::AndNot(beyond, hn::And(hn::Le(hn::Sub(high_x, low_x), Num(kSmall)),
                                                hn::Le(hn::Sub(high_y, low_y), Num(kSmall))));
+    const M fits = hn::AndNot(beyond, hn::And(hn::Le(hn::Sub(high_x, low_x), middling),
+                                              hn::Le(hn::Sub(high_y, low_y), middling)));
+    const auto whole = [&](V v)
+                           HWY_ATTR { return hn::ConvertTo(kInts, hn::IfThenElseZero(fits, v)); };
     V area = hn::Sub(hn::Mul(hn::Sub(x2, x0), hn::Sub(y1, y0)),
                      hn::Mul(hn::Sub(y2, y0), hn::Sub(x1, x0)));
+    if (!hn::AllTrue(kFloats, small)) {
+      const I exact = hn::Sub(hn::Mul(whole(hn::Sub(x2, x0)), whole(hn::Sub(y1, y0))),
+                              hn::Mul(whole(hn::Sub(y2, y0)), whole(hn::Sub(x1, x0))));
+      area = hn::IfThenElse(fits, hn::ConvertTo(kFloats, exact), area);
+    }
     if (side != SoftSide::kFront) {
       const M back = hn::Lt(area, zero);
       const M turn = side == SoftSide::kBack ? hn::Eq(area, area) : back;
@@ -434,30 +595,35 @@ HWY_INLINE void DrawFacing(const SoftView& view, const SoftInstance& instance, i
     }
     seen = hn::And(seen, hn::Or(hn::Not(small), hn::Gt(area, zero)));
 
-    // Blocks. Pixels are below 16 bits, so that their quarters are exact.
-    const V quarter = Num(0.25f);
-    const V bx0 = hn::Floor(hn::Mul(first_x, quarter)), by0 = hn::Floor(hn::Mul(first_y, quarter));
-    const V bx1 = hn::Floor(hn::Mul(end_x, quarter)), by1 = hn::Floor(hn::Mul(end_y, quarter));
     const M tiny = hn::And(
         small, hn::And(hn::Le(hn::Sub(bx1, bx0), Num(1)), hn::Le(hn::Sub(by1, by0), Num(1))));
-    const M draw_small = hn::And(seen, tiny), draw_large = hn::AndNot(tiny, seen);
+    const M draw_small = hn::And(seen, tiny);
+    const M draw_middling = hn::And(hn::AndNot(tiny, seen), hn::And(fits, hn::Gt(area, zero)));
+    const M draw_large = hn::AndNot(hn::Or(tiny, fits), seen);
 
-    if (!hn::AllFalse(kFloats, draw_small)) {
+    if (!hn::AllFalse(kFloats, hn::Or(draw_small, draw_middling))) {
       const V ox = hn::Add(hn::Mul(bx0, hn::Mul(Num(4), steps)), half),
               oy = hn::Add(hn::Mul(by0, hn::Mul(Num(4), steps)), half);
+      const bool none_middling = hn::AllFalse(kFloats, draw_middling);
       const auto edge = [&](int k, V ax, V ay, V bx, V by) HWY_ATTR {
         const V dx = hn::Sub(ay, by), dy = hn::Sub(bx, ax);
         const M inclusive = hn::Or(hn::Gt(dx, zero), hn::And(hn::Eq(dx, zero), hn::Gt(dy, zero)));
         const V e = hn::Sub(hn::Mul(hn::Sub(ax, ox), hn::Sub(by, oy)),
                             hn::Mul(hn::Sub(ay, oy), hn::Sub(bx, ox)));
         hn::Store(hn::Sub(e, hn::IfThenElse(inclusive, zero, Num(1))), kFloats, b.e[k]);
-        hn::Store(hn::Mul(dx, steps), kFloats, b.right[k]);
-        hn::Store(hn::Mul(dy, steps), kFloats, b.down[k]);
+        hn::Store(hn::IfThenElse(tiny, hn::Mul(dx, steps), dx), kFloats, b.right[k]);
+        hn::Store(hn::IfThenElse(tiny, hn::Mul(dy, steps), dy), kFloats, b.down[k]);
+        if (none_middling) return;
+        const I exact = hn::Sub(hn::Mul(whole(hn::Sub(ax, ox)), whole(hn::Sub(by, oy))),
+                                hn::Mul(whole(hn::Sub(ay, oy)), whole(hn::Sub(bx, ox))));
+        hn::Store(hn::Sub(exact, hn::IfThenElseZero(hn::RebindMask(kInts, hn::Not(inclusive)),
+                                                    hn::Set(kInts, 1))),
+                  kInts, b.whole[k]);
       };
       edge(0, x2, y2, x1, y1);
       edge(1, x0, y0, x2, y2);
       edge(2, x1, y1, x0, y0);
-      const V per_area = hn::Div(Num(1), area);
+      const V per_area = hn::Div(hn::IfThenElse(tiny, Num(1), steps), area);
       hn::Store(q0, kFloats, b.nearness);
       hn::Store(hn::Mul(hn::Sub(q1, q0), per_area), kFloats, b.weight1);
       hn::Store(hn::Mul(hn::Sub(q2, q0), per_area), kFloats, b.weight2);
@@ -483,12 +649,21 @@ HWY_INLINE void DrawFacing(const SoftView& view, const SoftInstance& instance, i
       return static_cast<uint32_t>(bytes[0] | bytes[1] << 8);
     };
     // In the order of the mesh, whatever their size: of triangles at one place the last is seen.
-    const uint32_t of_small = bits(draw_small), of_cut = bits(hn::And(draw_large, beyond));
-    for (uint32_t rest = of_small | bits(draw_large); rest != 0; rest &= rest - 1) {
+    const uint32_t of_small = bits(draw_small), of_middling = bits(draw_middling);
+    const uint32_t of_cut = bits(hn::And(draw_large, beyond));
+    if constexpr (!To::kSamples) {
+      for (uint32_t rest = of_small | of_middling; rest != 0; rest &= rest - 1) {
+        const int k = __builtin_ctz(rest);
+        to.Prefetch(b.x0[k], b.y0[k]);
+      }
+    }
+    for (uint32_t rest = of_small | of_middling | bits(draw_large); rest != 0; rest &= rest - 1) {
       const int k = __builtin_ctz(rest);
       const uint32_t id = instance.first_id + static_cast<uint32_t>(b.triangle[k]);
       if (of_small >> k & 1) {
-        DrawSmall<kIds>(b, k, id, buffer);
+        DrawSmall(b, k, id, to);
+      } else if (of_middling >> k & 1) {
+        DrawMiddling(view, b, k, id, to);
       } else if (of_cut >> k & 1) {
         scratch->cut[cut++] = b.triangle[k];
       } else {
@@ -504,11 +679,11 @@ HWY_INLINE void DrawFacing(const SoftView& view, const SoftInstance& instance, i
         }
         PlaneNearness plane;
         if (!PlaneOf(view, v, &plane)) continue;
-        DrawLarge<kIds>(view, p, plane, b.low[k], b.high[k], id, buffer);
+        DrawLarge(view, p, plane, b.low[k], b.high[k], id, to);
       }
     }
   }
-  for (int k = 0; k < cut; ++k) DrawCut<kIds>(view, instance, scratch->cut[k], buffer);
+  for (int k = 0; k < cut; ++k) DrawCut(view, instance, scratch->cut[k], to);
 }
 
 inline void DrawInstanceHere(const SoftView& view, const SoftInstance& instance,
@@ -516,9 +691,9 @@ inline void DrawInstanceHere(const SoftView& view, const SoftInstance& instance,
   PlaceVertices(view, instance, scratch);
   const int count = FindFacing(instance, scratch);
   if (buffer->ids.empty()) {
-    DrawFacing<false>(view, instance, count, scratch, buffer);
+    DrawFacing(view, instance, count, scratch, ToCentres<false>{buffer});
   } else {
-    DrawFacing<true>(view, instance, count, scratch, buffer);
+    DrawFacing(view, instance, count, scratch, ToCentres<true>{buffer});
   }
 }
 

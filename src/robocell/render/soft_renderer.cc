@@ -3,10 +3,11 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <iterator>
 #include <vector>
 
+#include "robocell/render/depth_conversion.h"
 #include "robocell/render/drawn_scene.h"
-#include "robocell/render/image_convert.h"
 #include "robocell/render/soft_kernel.h"
 #include "robocell/render/soft_scene.h"
 
@@ -20,20 +21,22 @@ namespace {
 
 // Where samples lie in a pixel: no two in a row or a column, so that edges of any slope are
 // smoothed.
-std::vector<internal::SoftSample> Samples(int wanted) {
-  if (wanted <= 1) return {};
+internal::SoftSamples Samples(int wanted) {
+  internal::SoftSamples samples;
+  if (wanted <= 1) return samples;
   const int count = wanted <= 4 ? 4 : wanted <= 8 ? 8 : 16;
   // Columns of the rows, from the top; steps of 1 / count from the left edge.
   static constexpr int kFour[] = {1, 3, 0, 2}, kEight[] = {3, 6, 1, 4, 7, 2, 5, 0},
                        kSixteen[] = {7, 2, 12, 5, 15, 9, 0, 11, 4, 14, 6, 1, 10, 13, 3, 8};
+  static_assert(std::size(kSixteen) == internal::kSoftMostSamples);
   const int* columns = count == 4 ? kFour : count == 8 ? kEight : kSixteen;
-  std::vector<internal::SoftSample> samples(static_cast<size_t>(count));
   const auto place = [&](int step) {
     return (static_cast<float>(step) + 0.5f) / static_cast<float>(count) - 0.5f;
   };
+  samples.count = count;
   for (int i = 0; i < count; ++i) {
-    samples[static_cast<size_t>(i)].right = place(columns[i]);
-    samples[static_cast<size_t>(i)].down = place(i);
+    samples.right[i] = place(columns[i]);
+    samples.down[i] = place(i);
   }
   return samples;
 }
@@ -49,7 +52,7 @@ struct SoftRenderer::Impl {
   SoftBuffer opaque;  // what hides what is behind it
   SoftBuffer all;     // for depth and segmentation, where something can be seen through
   SoftBuffer layer;
-  std::vector<internal::SoftSample> samples;
+  internal::SoftSamples samples;
   internal::SoftReflection reflection;
   std::vector<SoftIds> colours;
   std::vector<float> depth;  // when only millimetres are wanted
@@ -61,16 +64,12 @@ struct SoftRenderer::Impl {
                .keep_unseen = chosen.quality.shadows || chosen.quality.reflections}),
         samples(Samples(chosen.quality.multisamples)) {}
 
-  void DrawSamples() {
-    for (internal::SoftSample& sample : samples) {
-      internal::SoftView view = scene.view();
-      view.cx -= sample.right;
-      view.cy -= sample.down;
-      internal::ClearBuffer(view, &sample.buffer);
-      for (const int i : scene.opaque()) {
-        internal::DrawInstance(view, scene.instances()[i], &scratch, &sample.buffer);
-      }
+  void SmoothEdges(const SoftPicture& picture) {
+    internal::FindEdges(scene.view(), opaque, &samples);
+    for (const int i : scene.opaque()) {
+      internal::DrawSamples(scene.view(), scene.instances()[i], &scratch, &samples);
     }
+    internal::SmoothEdges(picture, opaque, &samples, colours);
   }
 
   void DrawLayer(const internal::SoftScene::Layer& group, SoftBuffer* into) {
@@ -106,13 +105,13 @@ struct SoftRenderer::Impl {
       internal::DrawInstance(scene.view(), scene.instances()[i], &scratch, &opaque);
     }
     scene.DrawShadows(&scratch);
-    DrawSamples();
     SoftPicture picture = scene.Picture();
     if (scene.DrawReflection(&scratch, &reflection)) picture.reflection = &reflection;
     const auto layers = scene.layers();
-    if (layers.empty()) return internal::ShadePicture(picture, opaque, samples, rgb);
+    if (layers.empty() && samples.count == 0) return internal::ShadePicture(picture, opaque, rgb);
     colours.resize(opaque.ids.size());
-    internal::ShadePicture(picture, opaque, samples, std::span<SoftIds>(colours));
+    internal::ShadePicture(picture, opaque, std::span<SoftIds>(colours));
+    if (samples.count > 0) SmoothEdges(picture);
     picture.shadows = false;  // what can be seen through receives none
     // As the engine does: from the front to the back, then from the back to the front.
     const auto blend = [&](const internal::SoftScene::Layer& group) {

@@ -300,8 +300,13 @@ SoftMaterial SoftScene::MaterialOf(const mjvGeom& geom, bool behind) const {
   m.specular = geom.specular;
   m.shininess = 128 * geom.shininess;
   m.shines = geom.specular > 0;
-  // Where the power falls below 2^-11.
-  m.least_shine = m.shininess > 0 ? std::exp2(-22 / m.shininess) : 0;
+  // Where no light's mirror image is worth half a step of colour.
+  float brightest = 0;
+  for (const SoftLight& light : now_.lights) {
+    for (const float part : light.specular) brightest = std::max(brightest, part);
+  }
+  const float halvings = std::log2(std::max(512 * m.specular * brightest, 1.0f));
+  m.least_shine = m.shininess > 0 ? std::exp2(-2 * halvings / m.shininess) : 0;
   m.texture = assets_.TextureOf(geom);
   if (!m.texture) return m;
   const bool uniform = assets_.TextureIsUniform(geom);

@@ -21,48 +21,75 @@
 HWY_BEFORE_NAMESPACE();
 namespace robocell::internal::HWY_NAMESPACE {
 
-struct Pixels {
-  V3 ray;  // in view axes, to depth 1; of orthographic cameras the offset on the image, and -1
-  V depth;
-  V3 at;  // view axes
+HWY_INLINE V Square(V u, V v) { return hn::Add(hn::Mul(u, u), hn::Mul(v, v)); }
+
+inline float DotOf(const float* a, const float* b) {
+  return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
+}
+
+// The steps of positions in the mesh's axes from pixel to pixel, at depth 1 and without what the
+// face adds.
+struct MeshSteps {
+  float right[3], down[3];
+
+  MeshSteps(const SoftView& view, const float* m)
+      : right{1 / view.fx * m[0], 1 / view.fx * m[4], 1 / view.fx * m[8]},
+        down{-1 / view.fy * m[1], -1 / view.fy * m[5], -1 / view.fy * m[9]} {}
 };
 
-// Through points that are this far from the pixels' centres.
-HWY_INLINE Pixels PixelsAt(const SoftView& view, int bx, int by, int part, V nearness,
-                           float right = 0, float down = 0) {
-  const V u = hn::Add(Num(static_cast<float>(4 * bx)), hn::Load(kFloats, kColumn + part)),
-          v = hn::Add(Num(static_cast<float>(4 * by)), hn::Load(kFloats, kRow + part));
-  const V x = hn::Mul(hn::Sub(u, Num(view.cx - right)), Num(1 / view.fx)),
-          y = hn::Mul(hn::Sub(Num(view.cy - down), v), Num(1 / view.fy));
-  Pixels p{{x, y, Num(-1)}, Num(1), {}};
-  if (view.orthographic) {
-    p.depth = hn::Sub(Num(view.far), hn::Mul(nearness, Num(view.far - view.near)));
-    p.at = {x, y, hn::Neg(p.depth)};
-  } else {
-    p.depth = hn::Div(Num(1), hn::Max(nearness, Num(1e-30f)));
-    p.at = Times(p.depth, p.ray);
-  }
-  return p;
+// Where rays start, or with orthographic cameras the direction to it, in the mesh's axes.
+inline void EyeOf(const SoftView& view, const float* m, float* eye) {
+  for (int k = 0; k < 3; ++k) eye[k] = m[4 * k + (view.orthographic ? 2 : 3)];
 }
 
-// Changes of a position on a plane of this normal from pixel to pixel, in the mesh's axes.
-HWY_INLINE void Changes(const SoftView& view, const float* m, const Pixels& p, const V3& normal,
-                        V3* right, V3* down) {
-  const V3 across = Times(Num(1 / view.fx), V3{Num(m[0]), Num(m[4]), Num(m[8])});
-  const V3 along = Times(Num(-1 / view.fy), V3{Num(m[1]), Num(m[5]), Num(m[9])});
-  V3 ray = V3{Num(-m[2]), Num(-m[6]), Num(-m[10])};
-  if (!view.orthographic) ray = Turned(m, 4, p.ray);
-  const V facing = Dot(normal, ray);
-  const V steep = hn::Div(Num(1), hn::CopySign(hn::Max(hn::Abs(facing), Num(1e-20f)), facing));
-  const auto change = [&](const V3& step) HWY_ATTR {
-    return Times(view.orthographic ? Num(1) : p.depth,
-                 Sub(step, Times(hn::Mul(Dot(normal, step), steep), ray)));
+// How far a face moves along the ray with a step to the right and down, as a share of the ray.
+struct FaceSlope {
+  V right, down;
+};
+
+// To the bit what SlopesOf gives.
+inline void SlopeOf(const SoftView& view, const SoftMesh& mesh, int triangle, const float* m,
+                    float* right, float* down) {
+  const MeshSteps steps(view, m);
+  float eye[3];
+  EyeOf(view, m, eye);
+  const float n[3] = {mesh.facing[0][triangle], mesh.facing[1][triangle], mesh.facing[2][triangle]};
+  const float to_eye = DotOf(n, eye) + (view.orthographic ? 0.0f : mesh.facing[3][triangle]);
+  const float steep = 1 / std::copysign(std::max(std::abs(to_eye), 1e-20f), to_eye);
+  *right = DotOf(n, steps.right) * steep;
+  *down = DotOf(n, steps.down) * steep;
+}
+
+HWY_INLINE FaceSlope SlopesOf(const SoftView& view, const SoftMesh& mesh, I triangle,
+                              const float* m) {
+  const MeshSteps steps(view, m);
+  float eye[3];
+  EyeOf(view, m, eye);
+  const auto plane = [&](int k) HWY_ATTR {
+    return hn::GatherIndex(kFloats, mesh.facing[k].data(), triangle);
   };
-  *right = change(across);
-  *down = change(along);
+  const V3 n{plane(0), plane(1), plane(2)};
+  const V to_eye = hn::Add(Dot(n, Set3(eye)), view.orthographic ? hn::Zero(kFloats) : plane(3));
+  const V steep = hn::Div(Num(1), hn::CopySign(hn::Max(hn::Abs(to_eye), Num(1e-20f)), to_eye));
+  return {hn::Mul(Dot(n, Set3(steps.right)), steep), hn::Mul(Dot(n, Set3(steps.down)), steep)};
 }
 
-HWY_INLINE V Square(V u, V v) { return hn::Add(hn::Mul(u, u), hn::Mul(v, v)); }
+// Changes of the position `at` from pixel to pixel, in the mesh's axes.
+HWY_INLINE void Changes(const SoftView& view, const float* m, V depth, const V3& at,
+                        const FaceSlope& slope, V3* right, V3* down) {
+  const MeshSteps steps(view, m);
+  float eye[3];
+  EyeOf(view, m, eye);
+  if (view.orthographic) {
+    const V3 ray = {Num(-eye[0]), Num(-eye[1]), Num(-eye[2])};
+    *right = Add(Set3(steps.right), Times(slope.right, ray));
+    *down = Add(Set3(steps.down), Times(slope.down, ray));
+    return;
+  }
+  const V3 ray = Sub(at, Set3(eye));
+  *right = Times(depth, Add(Set3(steps.right), Times(slope.right, ray)));
+  *down = Times(depth, Add(Set3(steps.down), Times(slope.down, ray)));
+}
 
 // The normal of a flat triangle in view axes: to the bit what the general way gives.
 HWY_INLINE void FlatNormal(const float* m, const SoftSurface& surface, float* normal) {
@@ -71,104 +98,179 @@ HWY_INLINE void FlatNormal(const float* m, const SoftSurface& surface, float* no
   };
   const float n[3] = {part(0), part(1), part(2)};
   for (int k = 0; k < 3; ++k) normal[k] = (n[0] * m[k] + n[1] * m[4 + k]) + n[2] * m[8 + k];
-  const float length2 = (normal[0] * normal[0] + normal[1] * normal[1]) + normal[2] * normal[2];
-  const float scale = 1 / std::sqrt(std::max(length2, 1e-30f));
+  const float scale = PerRoot(std::max(DotOf(normal, normal), 1e-30f));
   for (int k = 0; k < 3; ++k) normal[k] = scale * normal[k];
 }
 
-// kOne: all pixels show triangle `one`; otherwise `triangle` says which.
-template <bool kOne>
-HWY_INLINE Colour ShadeInstance(const SoftPicture& picture, const SoftInstance& instance,
-                                const Pixels& p, int one, I triangle) {
-  const SoftMesh& mesh = *instance.mesh;
-  const SoftSurface& only = mesh.surface[kOne ? one : 0];
-  const auto* words = reinterpret_cast<const int32_t*>(mesh.surface.data());
-  const I index = hn::ShiftLeft<4>(triangle);
-  static_assert(sizeof(SoftSurface) == 64);
-  const auto word = [&](int k) HWY_ATTR {
-    if constexpr (kOne) {
-      return hn::Set(kInts, words[16 * one + k]);
-    } else {
-      return hn::GatherIndex(kInts, words + k, index);
-    }
-  };
-  const auto number = [&](int k) HWY_ATTR { return hn::BitCast(kFloats, word(k)); };
-  const float* m = instance.to_mesh;
-  V3 at = Turned(m, 4, p.at);
-  at = {hn::Add(at.x, Num(m[3])), hn::Add(at.y, Num(m[7])), hn::Add(at.z, Num(m[11]))};
-  const V3 to1 = {number(0), number(1), number(2)}, to2 = {number(4), number(5), number(6)};
-  const V w1 = Clamp01(hn::Sub(Dot(at, to1), number(3))),
-          w2 = Clamp01(hn::Sub(Dot(at, to2), number(7)));
-  V3 normal;
-  if (kOne && only.flat) {
-    float flat[3];
-    FlatNormal(m, only, flat);
-    normal = Set3(flat);
-  } else {
-    V n[10];
-    for (int k = 0; k < 5; ++k) {
-      const I both = word(8 + k);
-      n[2 * k] = hn::ConvertTo(kFloats, hn::ShiftRight<16>(hn::ShiftLeft<16>(both)));
-      n[2 * k + 1] = hn::ConvertTo(kFloats, hn::ShiftRight<16>(both));
-    }
-    const auto between = [&](int k) HWY_ATTR {
-      return hn::Add(n[k], hn::Add(hn::Mul(w1, hn::Sub(n[3 + k], n[k])),
-                                   hn::Mul(w2, hn::Sub(n[6 + k], n[k]))));
-    };
-    normal = Unit(TurnedBack(m, 4, {between(0), between(1), between(2)}));
-  }
-  const SoftMaterial& material = instance.material;
-  Colour c = Light(picture, material, p.at, normal);
-  if (material.mapping == SoftMapping::kNone) return c;
+// The last flat face that was coloured: neighbouring blocks often show it too.
+struct SoftFace {
+  const SoftInstance* instance = nullptr;
+  int triangle = -1;
+  float normal[3], slope_right = 0, slope_down = 0;
+  FaceLight light;
 
+  HWY_INLINE void Be(const SoftPicture& picture, const SoftInstance& other, int number) {
+    if (instance == &other && triangle == number) return;
+    instance = &other;
+    triangle = number;
+    FlatNormal(other.to_mesh, other.mesh->surface[number], normal);
+    light.Be(picture, other.material, normal);
+    if (other.material.mapping == SoftMapping::kNone) return;
+    SlopeOf(*picture.view, *other.mesh, number, other.to_mesh, &slope_right, &slope_down);
+  }
+};
+
+// Words of the surfaces of some triangles, word by word.
+struct alignas(64) SurfaceWords {
+  static constexpr int kUsed = 16;
+  int32_t at[kUsed][kSoftPixels];
+
+  HWY_INLINE SurfaceWords(const SoftMesh& mesh, I triangle) {
+    static_assert(sizeof(SoftSurface) == 4 * kUsed);
+    alignas(64) int32_t triangles[kSoftPixels];
+    hn::Store(triangle, kInts, triangles);
+    const auto* words = reinterpret_cast<const int32_t*>(mesh.surface.data());
+#if HWY_TARGET == HWY_SCALAR
+    for (int k = 0; k < kLanes; ++k) {
+      for (int w = 0; w < kUsed; ++w) at[w][k] = words[kUsed * triangles[k] + w];
+    }
+#else
+    constexpr hn::CappedTag<int32_t, 4> four;
+    for (int k = 0; k < kLanes; k += 4) {
+      for (int w = 0; w < kUsed; w += 4) {
+        const auto a = hn::Load(four, words + kUsed * triangles[k] + w),
+                   b = hn::Load(four, words + kUsed * triangles[k + 1] + w),
+                   c = hn::Load(four, words + kUsed * triangles[k + 2] + w),
+                   d = hn::Load(four, words + kUsed * triangles[k + 3] + w);
+        const auto ac = hn::InterleaveLower(four, a, c), bd = hn::InterleaveLower(four, b, d);
+        const auto ac2 = hn::InterleaveUpper(four, a, c), bd2 = hn::InterleaveUpper(four, b, d);
+        hn::Store(hn::InterleaveLower(four, ac, bd), four, at[w] + k);
+        hn::Store(hn::InterleaveUpper(four, ac, bd), four, at[w + 1] + k);
+        hn::Store(hn::InterleaveLower(four, ac2, bd2), four, at[w + 2] + k);
+        hn::Store(hn::InterleaveUpper(four, ac2, bd2), four, at[w + 3] + k);
+      }
+    }
+#endif
+  }
+};
+
+HWY_INLINE V3 InMesh(const float* m, const V3& at) {
+  const V3 turned = Turned(m, 4, at);
+  return {hn::Add(turned.x, Num(m[3])), hn::Add(turned.y, Num(m[7])),
+          hn::Add(turned.z, Num(m[11]))};
+}
+
+// The two corners' weights in a surface: functions of the position.
+struct CornerWeights {
+  V3 to1, to2;
+  V w1, w2;
+};
+
+// The texture's colour. `coordinate` gives numbers of the mesh's texture by their index.
+template <class Coordinate>
+HWY_INLINE Colour Texel(const SoftMaterial& material, const V3& at, const V3& right, const V3& down,
+                        const CornerWeights& corners, const Coordinate& coordinate) {
   const SoftTexture& texture = *material.texture;
-  V3 right, down;
-  Changes(*picture.view, m, p, Cross(to1, to2), &right, &down);
-  Colour texel;
   if (material.mapping == SoftMapping::kCube) {
     const V3 scale = Set3(material.scale);
     const auto scaled = [&](const V3& v) HWY_ATTR {
       return V3{hn::Mul(v.x, scale.x), hn::Mul(v.y, scale.y), hn::Mul(v.z, scale.z)};
     };
     const V3 r = scaled(right), d = scaled(down);
-    texel = SampleCube(texture, scaled(at), hn::Max(Dot(r, r), Dot(d, d)));
-  } else {
-    V u, v, ur, vr, ud, vd;
-    if (material.mapping == SoftMapping::kPlanar) {
-      const V su = Num(material.scale[0]), sv = Num(material.scale[1]);
-      u = hn::Add(hn::Mul(su, at.x), Num(material.offset[0]));
-      v = hn::Add(hn::Mul(sv, at.y), Num(material.offset[1]));
-      ur = hn::Mul(su, right.x);
-      vr = hn::Mul(sv, right.y);
-      ud = hn::Mul(su, down.x);
-      vd = hn::Mul(sv, down.y);
-    } else {
-      const float* coordinates = mesh.texture.data();
-      const I place = hn::Mul(triangle, hn::Set(kInts, SoftMesh::kTexture));
-      const auto coordinate = [&](int k) HWY_ATTR {
-        if constexpr (kOne) {
-          return Num(coordinates[SoftMesh::kTexture * one + k]);
-        } else {
-          return hn::GatherIndex(kFloats, coordinates + k, place);
-        }
-      };
-      const V u1 = coordinate(2), v1 = coordinate(3), u2 = coordinate(4), v2 = coordinate(5);
-      const auto mix = [&](V a, V b, V first, V second)
-                           HWY_ATTR { return hn::Add(hn::Mul(a, first), hn::Mul(b, second)); };
-      u = hn::Add(coordinate(0), mix(w1, w2, u1, u2));
-      v = hn::Add(coordinate(1), mix(w1, w2, v1, v2));
-      const V r1 = Dot(to1, right), r2 = Dot(to2, right), d1 = Dot(to1, down), d2 = Dot(to2, down);
-      ur = mix(r1, r2, u1, u2);
-      vr = mix(r1, r2, v1, v2);
-      ud = mix(d1, d2, u1, u2);
-      vd = mix(d1, d2, v1, v2);
-    }
-    const V w = Num(static_cast<float>(texture.width)), h = Num(static_cast<float>(texture.height));
-    const V square =
-        hn::Max(Square(hn::Mul(ur, w), hn::Mul(vr, h)), Square(hn::Mul(ud, w), hn::Mul(vd, h)));
-    texel = Sample(texture, hn::Zero(kInts), u, v, square);
+    return SampleCube(texture, scaled(at), hn::Max(Dot(r, r), Dot(d, d)));
   }
-  return {hn::Mul(c.r, texel.r), hn::Mul(c.g, texel.g), hn::Mul(c.b, texel.b)};
+  V u, v, ur, vr, ud, vd;
+  if (material.mapping == SoftMapping::kPlanar) {
+    const V su = Num(material.scale[0]), sv = Num(material.scale[1]);
+    u = hn::Add(hn::Mul(su, at.x), Num(material.offset[0]));
+    v = hn::Add(hn::Mul(sv, at.y), Num(material.offset[1]));
+    ur = hn::Mul(su, right.x);
+    vr = hn::Mul(sv, right.y);
+    ud = hn::Mul(su, down.x);
+    vd = hn::Mul(sv, down.y);
+  } else {
+    const V u1 = coordinate(2), v1 = coordinate(3), u2 = coordinate(4), v2 = coordinate(5);
+    const auto mix = [&](V a, V b, V first, V second)
+                         HWY_ATTR { return hn::Add(hn::Mul(a, first), hn::Mul(b, second)); };
+    u = hn::Add(coordinate(0), mix(corners.w1, corners.w2, u1, u2));
+    v = hn::Add(coordinate(1), mix(corners.w1, corners.w2, v1, v2));
+    const V r1 = Dot(corners.to1, right), r2 = Dot(corners.to2, right), d1 = Dot(corners.to1, down),
+            d2 = Dot(corners.to2, down);
+    ur = mix(r1, r2, u1, u2);
+    vr = mix(r1, r2, v1, v2);
+    ud = mix(d1, d2, u1, u2);
+    vd = mix(d1, d2, v1, v2);
+  }
+  const V w = Num(static_cast<float>(texture.width)), h = Num(static_cast<float>(texture.height));
+  const V square =
+      hn::Max(Square(hn::Mul(ur, w), hn::Mul(vr, h)), Square(hn::Mul(ud, w), hn::Mul(vd, h)));
+  return Sample(texture, hn::Zero(kInts), u, v, square);
+}
+
+HWY_INLINE Colour Product(const Colour& a, const Colour& b) {
+  return {hn::Mul(a.r, b.r), hn::Mul(a.g, b.g), hn::Mul(a.b, b.b)};
+}
+
+// Pixels that all show one flat triangle. To the bit what the general way gives.
+HWY_INLINE Colour ShadeFace(const SoftPicture& picture, const SoftInstance& instance,
+                            const Pixels& p, int triangle, SoftFace* face) {
+  face->Be(picture, instance, triangle);
+  const SoftMaterial& material = instance.material;
+  const Colour c = Light(picture, material, p, Set3(face->normal), &face->light);
+  if (material.mapping == SoftMapping::kNone) return c;
+  const SoftMesh& mesh = *instance.mesh;
+  const float* m = instance.to_mesh;
+  const V3 at = InMesh(m, p.at);
+  V3 right, down;
+  Changes(*picture.view, m, p.depth, at, {Num(face->slope_right), Num(face->slope_down)}, &right,
+          &down);
+  CornerWeights corners{};
+  if (material.mapping == SoftMapping::kMesh) {
+    const SoftSurface& s = mesh.surface[triangle];
+    corners.to1 = Set3(s.to1);
+    corners.to2 = Set3(s.to2);
+    corners.w1 = Clamp01(hn::Sub(Dot(at, corners.to1), Num(s.at1)));
+    corners.w2 = Clamp01(hn::Sub(Dot(at, corners.to2), Num(s.at2)));
+  }
+  return Product(c, Texel(material, at, right, down, corners, [&](int k) HWY_ATTR {
+                   return Num(mesh.texture[SoftMesh::kTexture * triangle + k]);
+                 }));
+}
+
+HWY_INLINE Colour ShadeInstance(const SoftPicture& picture, const SoftInstance& instance,
+                                const Pixels& p, I triangle) {
+  const SoftMesh& mesh = *instance.mesh;
+  const SurfaceWords words(mesh, triangle);
+  const auto word = [&](int k) HWY_ATTR { return hn::Load(kInts, words.at[k]); };
+  const auto number = [&](int k) HWY_ATTR { return hn::BitCast(kFloats, word(k)); };
+  const float* m = instance.to_mesh;
+  const V3 at = InMesh(m, p.at);
+  const CornerWeights corners{
+      {number(0), number(1), number(2)},
+      {number(4), number(5), number(6)},
+      Clamp01(hn::Sub(Dot(at, {number(0), number(1), number(2)}), number(3))),
+      Clamp01(hn::Sub(Dot(at, {number(4), number(5), number(6)}), number(7)))};
+  V n[10];
+  for (int k = 0; k < 5; ++k) {
+    const I both = word(8 + k);
+    n[2 * k] = hn::ConvertTo(kFloats, hn::ShiftRight<16>(hn::ShiftLeft<16>(both)));
+    n[2 * k + 1] = hn::ConvertTo(kFloats, hn::ShiftRight<16>(both));
+  }
+  const auto between = [&](int k) HWY_ATTR {
+    return hn::Add(n[k], hn::Add(hn::Mul(corners.w1, hn::Sub(n[3 + k], n[k])),
+                                 hn::Mul(corners.w2, hn::Sub(n[6 + k], n[k]))));
+  };
+  const V3 normal = Unit(TurnedBack(m, 4, {between(0), between(1), between(2)}));
+  const SoftMaterial& material = instance.material;
+  const Colour c = Light(picture, material, p, normal, nullptr);
+  if (material.mapping == SoftMapping::kNone) return c;
+
+  V3 right, down;
+  Changes(*picture.view, m, p.depth, at, SlopesOf(*picture.view, mesh, triangle, m), &right, &down);
+  const I place = hn::Mul(triangle, hn::Set(kInts, SoftMesh::kTexture));
+  return Product(c, Texel(material, at, right, down, corners, [&](int k) HWY_ATTR {
+                   return hn::GatherIndex(kFloats, mesh.texture.data() + k, place);
+                 }));
 }
 
 // ---- Sky
@@ -241,7 +343,7 @@ HWY_INLINE I PackPixels(const Colour& c) {
 }
 
 // Colours of a register of pixels; black where nothing is.
-HWY_INLINE Colour ShadePixels(const SoftPicture& picture, const Pixels& p, I ids) {
+HWY_INLINE Colour ShadePixels(const SoftPicture& picture, const Pixels& p, I ids, SoftFace* face) {
   const V zero = hn::Zero(kFloats);
   Colour c{zero, zero, zero};
   alignas(64) int32_t all[kSoftPixels];
@@ -253,13 +355,16 @@ HWY_INLINE Colour ShadePixels(const SoftPicture& picture, const Pixels& p, I ids
     const auto first = static_cast<int32_t>(instance.first_id);
     const I one = hn::Set(kInts, all[k]);
     if (hn::AllTrue(kInts, hn::Eq(ids, one))) {
-      return ShadeInstance<true>(picture, instance, p, all[k] - first, one);
+      const int triangle = all[k] - first;
+      if (instance.mesh->surface[triangle].flat) {
+        return ShadeFace(picture, instance, p, triangle, face);
+      }
+      return ShadeInstance(picture, instance, p, hn::Set(kInts, triangle));
     }
     const I triangle = hn::Sub(ids, hn::Set(kInts, first));
     const auto of_this = hn::And(hn::Gt(triangle, hn::Set(kInts, -1)),
                                  hn::Lt(triangle, hn::Set(kInts, instance.mesh->triangles)));
-    const Colour here =
-        ShadeInstance<false>(picture, instance, p, 0, hn::IfThenElseZero(of_this, triangle));
+    const Colour here = ShadeInstance(picture, instance, p, hn::IfThenElseZero(of_this, triangle));
     const M mask = hn::RebindMask(kFloats, of_this);
     c = {hn::IfThenElse(mask, here.r, c.r), hn::IfThenElse(mask, here.g, c.g),
          hn::IfThenElse(mask, here.b, c.b)};
@@ -271,6 +376,11 @@ HWY_INLINE Colour ShadePixels(const SoftPicture& picture, const Pixels& p, I ids
   return c;
 }
 
+HWY_INLINE M InOneRun(I a, I b) {
+  return hn::RebindMask(kFloats,
+                        hn::Eq(hn::ShiftRight<kSoftRunBits>(hn::Xor(a, b)), hn::Zero(kInts)));
+}
+
 HWY_INLINE I LoadIds(const SoftBuffer& buffer, size_t block, int part) {
   return hn::Load(kInts, reinterpret_cast<const int32_t*>(buffer.ids[block].at) + part);
 }
@@ -280,7 +390,7 @@ HWY_INLINE V LoadNearness(const SoftBuffer& buffer, size_t block, int part) {
 
 // Adds what a mirror shows, in front of which nothing is.
 HWY_INLINE Colour WithReflection(const SoftPicture& picture, size_t block, int bx, int by, int part,
-                                 I ids, V nearness, const Colour& c) {
+                                 I ids, V nearness, const Colour& c, SoftFace* face) {
   const SoftReflection& r = *picture.reflection;
   const I triangle = hn::Sub(ids, hn::Set(kInts, static_cast<int32_t>(r.first_id)));
   const auto on_face =
@@ -293,63 +403,41 @@ HWY_INLINE Colour WithReflection(const SoftPicture& picture, size_t block, int b
   const I other = hn::IfThenElse(shown, LoadIds(r.buffer, block, part), hn::Set(kInts, -1));
   if (hn::AllFalse(kInts, hn::Gt(other, hn::Set(kInts, -1)))) return c;
   const Colour of_mirror =
-      ShadePixels(r.picture, PixelsAt(*picture.view, bx, by, part, near), other);
+      ShadePixels(r.picture, PixelsAt(*picture.view, bx, by, part, near), other, face);
   return {hn::Add(c.r, of_mirror.r), hn::Add(c.g, of_mirror.g), hn::Add(c.b, of_mirror.b)};
 }
 
-// The mean over the samples of pixels whose centres have colour `c`. A sample of the same surface
-// has that colour too: edges are smoothed, textures and highlights are not.
-HWY_INLINE Colour WithSamples(const SoftPicture& picture, std::span<const SoftSample> samples,
-                              size_t block, int bx, int by, int part, I ids, V nearness,
-                              const Colour& c) {
-  const V zero = hn::Zero(kFloats);
-  const V close = hn::Mul(Num(0.02f), nearness);
-  const I run = hn::ShiftRight<kSoftRunBits>(ids);
-  Colour sum{zero, zero, zero};
-  bool edge = false;
-  for (const SoftSample& sample : samples) {
-    const I at = LoadIds(sample.buffer, block, part);
-    const V near = LoadNearness(sample.buffer, block, part);
-    const M same = hn::And(hn::RebindMask(kFloats, hn::Eq(run, hn::ShiftRight<kSoftRunBits>(at))),
-                           hn::Le(hn::Abs(hn::Sub(near, nearness)), close));
-    Colour here = c;
-    if (!hn::AllTrue(kFloats, same)) {
-      edge = true;
-      const Pixels p = PixelsAt(*picture.view, bx, by, part, near, sample.right, sample.down);
-      const I other = hn::IfThenElse(hn::RebindMask(kInts, same), hn::Set(kInts, -1), at);
-      const M nothing = hn::RebindMask(kFloats, hn::Lt(other, hn::Zero(kInts)));
-      const Colour shaded = WithSky(picture, p, nothing, ShadePixels(picture, p, other));
-      here = {hn::IfThenElse(same, c.r, Clamp01(shaded.r)),
-              hn::IfThenElse(same, c.g, Clamp01(shaded.g)),
-              hn::IfThenElse(same, c.b, Clamp01(shaded.b))};
-    }
-    sum = {hn::Add(sum.r, here.r), hn::Add(sum.g, here.g), hn::Add(sum.b, here.b)};
-  }
-  if (!edge) return c;
-  const V share = Num(1 / static_cast<float>(samples.size()));
-  return {hn::Mul(share, sum.r), hn::Mul(share, sum.g), hn::Mul(share, sum.b)};
-}
-
-// A block's pixels as 3 bytes each to their place in an image of rows.
+// A block's pixels as 3 bytes each to their place in an image of rows. Blocks come from the left to
+// the right: what is written beyond the block is overwritten.
 HWY_INLINE void PutColours(const int32_t* pixels, int bx, int by, int width, int height,
                            uint8_t* rgb) {
   const int rows = std::min(kSoftBlock, height - kSoftBlock * by);
   const int columns = std::min(kSoftBlock, width - kSoftBlock * bx);
   uint8_t* to = rgb + 3 * (static_cast<size_t>(kSoftBlock * by) * width + kSoftBlock * bx);
+#if HWY_TARGET != HWY_SCALAR
+  constexpr int kBytes = 16;
+  if (3 * (width - kSoftBlock * bx) >= kBytes) {
+    constexpr hn::CappedTag<uint8_t, kBytes> bytes;
+    alignas(16) static constexpr uint8_t kOrder[kBytes] = {0,  1,  2,  4,  5,    6,    8,    9,
+                                                           10, 12, 13, 14, 0x80, 0x80, 0x80, 0x80};
+    const auto order = hn::Load(bytes, kOrder);
+    for (int r = 0; r < rows; ++r, to += 3 * width) {
+      const auto row = hn::Load(bytes, reinterpret_cast<const uint8_t*>(pixels + kSoftBlock * r));
+      hn::StoreU(hn::TableLookupBytesOr0(row, order), bytes, to);
+    }
+    return;
+  }
+#endif
   for (int r = 0; r < rows; ++r, to += 3 * width) {
-    uint32_t c[kSoftBlock];
-    std::memcpy(c, pixels + kSoftBlock * r, sizeof c);
-    const uint32_t words[3] = {c[0] | c[1] << 24, c[1] >> 8 | c[2] << 16, c[2] >> 16 | c[3] << 8};
-    if (columns == kSoftBlock) {
-      std::memcpy(to, words, sizeof words);
-    } else {
-      std::memcpy(to, words, 3 * static_cast<size_t>(columns));
+    for (int k = 0; k < columns; ++k) {
+      std::memcpy(to + 3 * k, pixels + kSoftBlock * r + k, 3);
     }
   }
 }
 
-inline void ShadePictureHere(const SoftPicture& picture, const SoftBuffer& buffer,
-                             std::span<const SoftSample> samples, SoftIds* colours, uint8_t* rgb) {
+inline void ShadePictureHere(const SoftPicture& picture, const SoftBuffer& buffer, SoftIds* colours,
+                             uint8_t* rgb) {
+  SoftFace face, mirrored;
   alignas(64) int32_t pixels[kSoftPixels];
   for (int by = 0; by < buffer.rows; ++by) {
     for (int bx = 0; bx < buffer.columns; ++bx) {
@@ -359,15 +447,11 @@ inline void ShadePictureHere(const SoftPicture& picture, const SoftBuffer& buffe
         const V nearness = LoadNearness(buffer, block, part);
         const Pixels p = PixelsAt(*picture.view, bx, by, part, nearness);
         const M nothing = hn::RebindMask(kFloats, hn::Lt(ids, hn::Zero(kInts)));
-        Colour c = ShadePixels(picture, p, ids);
+        Colour c = ShadePixels(picture, p, ids, &face);
         if (picture.reflection) {
-          c = WithReflection(picture, block, bx, by, part, ids, nearness, c);
+          c = WithReflection(picture, block, bx, by, part, ids, nearness, c, &mirrored);
         }
         c = WithSky(picture, p, nothing, c);
-        c = {Clamp01(c.r), Clamp01(c.g), Clamp01(c.b)};
-        if (!samples.empty()) {
-          c = WithSamples(picture, samples, block, bx, by, part, ids, nearness, c);
-        }
         hn::Store(PackPixels(c), kInts, pixels + part);
       }
       if (rgb) {
@@ -421,10 +505,15 @@ inline void ReadExactHere(const SoftPicture& picture, const SoftBuffer& buffer, 
       }
       if (bodies) {
         alignas(64) int32_t body[kSoftPixels];
-        uint32_t others = 0;
-        for (int k = 1; k < kSoftPixels; ++k) others |= (ids[k] ^ ids[0]) >> kSoftRunBits;
-        if (others == 0) {  // one element, as in nearly all blocks
-          std::fill_n(body, kSoftPixels, body_of(ids[0]));
+        const I first = hn::Set(kInts, static_cast<int32_t>(ids[0]));
+        bool one = true;  // element, as in nearly all blocks
+        for (int part = 0; part < kSoftPixels && one; part += kLanes) {
+          one = hn::AllTrue(kFloats, InOneRun(LoadIds(buffer, block, part), first));
+        }
+        if (one) {
+          for (int part = 0; part < kSoftPixels; part += kLanes) {
+            hn::Store(hn::Set(kInts, body_of(ids[0])), kInts, body + part);
+          }
         } else {
           for (int k = 0; k < kSoftPixels; ++k) body[k] = body_of(ids[k]);
         }
@@ -436,6 +525,7 @@ inline void ReadExactHere(const SoftPicture& picture, const SoftBuffer& buffer, 
 
 inline void BlendLayerHere(const SoftPicture& picture, const SoftBuffer& behind,
                            const SoftBuffer& layer, float alpha, SoftIds* colours) {
+  SoftFace face;
   for (int by = 0; by < layer.rows; ++by) {
     for (int bx = 0; bx < layer.columns; ++bx) {
       const size_t block = static_cast<size_t>(by) * layer.columns + bx;
@@ -454,7 +544,7 @@ inline void BlendLayerHere(const SoftPicture& picture, const SoftBuffer& behind,
         const Colour before{hn::Mul(under.r, scale), hn::Mul(under.g, scale),
                             hn::Mul(under.b, scale)};
         const Colour after =
-            Mix(before, ShadePixels(picture, p, ids), hn::IfThenElseZero(seen, Num(alpha)));
+            Mix(before, ShadePixels(picture, p, ids, &face), hn::IfThenElseZero(seen, Num(alpha)));
         hn::Store(PackPixels(after), kInts, at);
       }
     }

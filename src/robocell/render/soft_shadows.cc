@@ -61,6 +61,79 @@ SoftView LightView(const mjModel* m, const mjvLight& light, const CameraModel& c
   return view;
 }
 
+// Empties what was drawn; the rest is empty already.
+void ClearMap(const SoftView& view, SoftShadowMap* map) {
+  const float background = view.orthographic ? 0.0f : 1 / view.far;
+  SoftBuffer& buffer = map->buffer;
+  if (buffer.width != view.width || map->background != background || buffer.nearness.empty()) {
+    ClearNearness(view, &buffer);
+    map->background = background;
+    map->tile_columns = (buffer.columns + kSoftTile - 1) / kSoftTile;
+    map->tile_rows = (buffer.rows + kSoftTile - 1) / kSoftTile;
+    const auto tiles = static_cast<size_t>(map->tile_columns) * static_cast<size_t>(map->tile_rows);
+    map->drawn.assign(tiles, 0);
+    map->nearest.resize(tiles);
+    map->farthest.resize(tiles);
+    return;
+  }
+  SoftNumbers empty;
+  std::fill_n(empty.at, kSoftPixels, background);
+  for (int y = 0; y < map->tile_rows; ++y) {
+    for (int x = 0; x < map->tile_columns; ++x) {
+      uint8_t& drawn = map->drawn[static_cast<size_t>(y * map->tile_columns + x)];
+      if (!drawn) continue;
+      drawn = 0;
+      const int begin = kSoftTile * x, end = std::min(buffer.columns, begin + kSoftTile);
+      for (int row = kSoftTile * y; row < std::min(buffer.rows, kSoftTile * (y + 1)); ++row) {
+        const auto first = buffer.nearness.begin() + static_cast<ptrdiff_t>(row) * buffer.columns;
+        std::fill(first + begin, first + end, empty);
+      }
+    }
+  }
+}
+
+// Marks the tiles in which the instance may be drawn: those around its box.
+void MarkTiles(const SoftView& view, const SoftInstance& instance, SoftShadowMap* map) {
+  const SoftMesh& mesh = *instance.mesh;
+  const float* m = instance.to_view;
+  const auto side = static_cast<float>(view.width);
+  float low[2] = {side, side}, high[2] = {0, 0};
+  for (int k = 0; k < 8; ++k) {
+    const Eigen::Vector3f corner(k & 1 ? mesh.low.x() : mesh.high.x(),
+                                 k & 2 ? mesh.low.y() : mesh.high.y(),
+                                 k & 4 ? mesh.low.z() : mesh.high.z());
+    const auto row = [&](int r) {
+      return m[4 * r] * corner.x() + m[4 * r + 1] * corner.y() + m[4 * r + 2] * corner.z() +
+             m[4 * r + 3];
+    };
+    const float depth = -row(2);
+    if (!view.orthographic && depth < view.near) {  // anywhere
+      low[0] = low[1] = 0;
+      high[0] = high[1] = side;
+      break;
+    }
+    const float shrink = view.orthographic ? 1 : 1 / depth;
+    const float at[2] = {row(0) * view.fx * shrink + view.cx, view.cy - row(1) * view.fy * shrink};
+    for (int c = 0; c < 2; ++c) {
+      low[c] = std::min(low[c], at[c] - 2);
+      high[c] = std::max(high[c], at[c] + 2);
+    }
+  }
+  int begin[2], end[2];
+  const int last[2] = {map->tile_columns - 1, map->tile_rows - 1};
+  constexpr float kPerTile = 1.0f / (kSoftTile * kSoftBlock);
+  for (int c = 0; c < 2; ++c) {
+    begin[c] = static_cast<int>(std::clamp(low[c], 0.0f, side) * kPerTile);
+    end[c] = std::min(last[c], static_cast<int>(std::clamp(high[c], -1.0f, side) * kPerTile));
+    if (high[c] < 0 || low[c] > side) return;
+  }
+  for (int y = begin[1]; y <= end[1]; ++y) {
+    for (int x = begin[0]; x <= end[0]; ++x) {
+      map->drawn[static_cast<size_t>(y * map->tile_columns + x)] = 1;
+    }
+  }
+}
+
 bool Same(const SoftView& a, const SoftView& b) {
   return a.width == b.width && a.orthographic == b.orthographic && a.fx == b.fx &&
          a.near == b.near && a.far == b.far;
@@ -98,7 +171,7 @@ void SoftShadows::Begin(const mjModel* model, const mjvScene& list, const Camera
                                       camera.camera_in_world.rotation())
                                  .inverse(Eigen::Isometry));
     Store(map.to_light * to_camera.inverse(Eigen::Isometry), map.shadow.from_view);
-    map.shadow.map = &map.buffer;
+    map.shadow.map = &map.map;
   }
 }
 
@@ -119,7 +192,7 @@ void SoftShadows::Draw(SoftScratch* scratch) {
       continue;
     }
     const SoftView& view = map.shadow.view;
-    ClearNearness(view, &map.buffer);
+    ClearMap(view, &map.map);
     for (const Caster& caster : casters_) {
       SoftInstance instance;
       instance.mesh = caster.mesh;
@@ -132,8 +205,10 @@ void SoftShadows::Draw(SoftScratch* scratch) {
           view.orthographic ? Vector3d(to_mesh.linear().col(2)) : Vector3d(to_mesh.translation());
       for (int k = 0; k < 3; ++k) instance.eye[k] = static_cast<float>(eye[k]);
       instance.eye[3] = view.orthographic ? 0 : 1;
-      DrawInstance(view, instance, scratch, &map.buffer);
+      MarkTiles(view, instance, &map.map);
+      DrawInstance(view, instance, scratch, &map.map.buffer);
     }
+    SummariseMap(&map.map);
     map.drawn = true;
     std::copy_n(to_light, 12, map.drawn_to_light);
     map.drawn_view = view;

@@ -44,7 +44,7 @@ class SoftShadows {
   struct Map {
     int light = -1;  // of the present list
     SoftShadow shadow;
-    SoftBuffer buffer;
+    SoftShadowMap map;
     Eigen::Affine3d to_light;
     // What it was drawn with.
     bool drawn = false;

@@ -10,7 +10,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/function_name.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/names.h"
 
 namespace robocell {

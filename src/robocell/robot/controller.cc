@@ -7,7 +7,7 @@
 #include <mutex>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/robot/base_pose_controller.h"
 #include "robocell/robot/joint_position_controller.h"
 #include "robocell/robot/joint_torque_controller.h"

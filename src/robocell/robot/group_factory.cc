@@ -5,7 +5,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/log.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/robot/base_group.h"

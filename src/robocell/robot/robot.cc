@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/kinematics/reach.h"
 #include "robocell/mujoco/gravity.h"
 #include "robocell/robot/measurement_cache.h"

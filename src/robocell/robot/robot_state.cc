@@ -11,7 +11,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/function_name.h"
 #include "robocell/base/log.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/scene/actuator_kind.h"

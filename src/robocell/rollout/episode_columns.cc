@@ -9,7 +9,7 @@
 #include <functional>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/rollout/ctrl_units.h"
 

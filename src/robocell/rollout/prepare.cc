@@ -25,6 +25,7 @@
 #include "robocell/data/model_store.h"
 #include "robocell/rollout/run_inputs.h"
 #include "robocell/rollout/run_origin.h"
+#include "robocell/rollout/run_renderer.h"
 #include "robocell/rollout/validate_run.h"
 #include "robocell/spec/locations.h"
 
@@ -39,15 +40,17 @@ constexpr int kLockTries = 10;
 constexpr std::chrono::milliseconds kLockPause(100);
 
 std::string Manifest(const RunConfig& run, const RunInputs& inputs) {
-  return Json{{"format", "robocell-dataset"},
-              {"run", run.run},
-              {"seed", run.seed},
-              {"task", run.task.kind()},
-              {"identity", inputs.identity},
-              {"versions", inputs.versions},
-              {"files", inputs.files}}
-             .dump(2) +
-         "\n";
+  Json manifest{{"format", "robocell-dataset"},
+                {"run", run.run},
+                {"seed", run.seed},
+                {"task", run.task.kind()},
+                {"identity", inputs.identity},
+                {"versions", inputs.versions},
+                {"files", inputs.files}};
+  if (const std::string backend = BackendToBeginWith(run); !backend.empty()) {
+    manifest["renderer"] = backend;
+  }
+  return manifest.dump(2) + "\n";
 }
 
 // Throws Json::exception for a manifest of another making.

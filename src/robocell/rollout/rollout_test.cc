@@ -160,7 +160,8 @@ TEST_F(RolloutTest, WhatDrewIsRecordedWithWhatWasDrawn) {
   EXPECT_EQ(renderer_of("e"), "none");
   run.cameras.resolution = {64, 48};
   run.cameras.streams.push_back({.name = "wrist", .camera = "wrist_camera"});
-  const std::unique_ptr<Renderer> renderer = MakeRenderer({.quality = run.cameras.quality});
+  const std::unique_ptr<Renderer> renderer =
+      MakeRenderer({.quality = run.cameras.renderer.quality});
   Rng rng = Rng::Stream(2, "expert");
   RunRollout(run, *start, expert, rng,
              {.dataset = folder.path(),

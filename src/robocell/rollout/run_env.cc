@@ -9,7 +9,9 @@
 #include "robocell/env/stepper.h"
 #include "robocell/render/renderer.h"
 #include "robocell/rollout/plan.h"
+#include "robocell/rollout/run_renderer.h"
 #include "robocell/rollout/validate_run.h"
+#include "robocell/scenes/scene_source.h"
 #include "robocell/task/sampler_kind.h"
 #include "robocell/task/task_features.h"
 
@@ -59,9 +61,7 @@ RunEnv::RunEnv(RunConfig run) : state_(std::make_unique<State>()) {
   ValidateRunFields(run);
   state_->run = std::move(run);
   state_->sampler = MakeSampler(state_->run);
-  if (!state_->run.cameras.streams.empty())
-    state_->renderer = MakeRenderer(
-        {.backend = state_->run.cameras.renderer, .quality = state_->run.cameras.quality});
+  if (!state_->run.cameras.streams.empty()) state_->renderer = MakeRendererOf(state_->run);
 }
 RunEnv::~RunEnv() = default;
 RunEnv::RunEnv(RunEnv&&) noexcept = default;

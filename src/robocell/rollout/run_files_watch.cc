@@ -7,7 +7,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/file_set.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell {
 namespace {

@@ -16,6 +16,7 @@
 #include "robocell/rollout/earlier_attempts.h"
 #include "robocell/rollout/rollout.h"
 #include "robocell/rollout/run_files_watch.h"
+#include "robocell/rollout/run_renderer.h"
 #include "robocell/rollout/validate_run.h"
 #include "robocell/task/sampler_kind.h"
 #include "robocell/task/task_kind.h"
@@ -40,8 +41,7 @@ struct Runner::State {
   bool stale_sampler = false;  // it may remember scenes of models that were changed
 
   Renderer* EnsureRenderer() {
-    if (!renderer && !run.cameras.streams.empty())
-      renderer = MakeRenderer({.backend = run.cameras.renderer, .quality = run.cameras.quality});
+    if (!renderer && !run.cameras.streams.empty()) renderer = MakeRendererOf(run);
     return renderer.get();
   }
   std::optional<std::string> advice;

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/expert/expert_kind.h"
 #include "robocell/features/own_features.h"
 #include "robocell/render/stream_camera.h"

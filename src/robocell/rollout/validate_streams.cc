@@ -12,6 +12,7 @@
 #include "robocell/render/renderer.h"
 #include "robocell/render/stream_camera.h"
 #include "robocell/rollout/episode_cameras.h"
+#include "robocell/rollout/run_renderer.h"
 
 namespace robocell {
 namespace {
@@ -57,9 +58,7 @@ std::string FailingStreams(const RunConfig& run) {
 std::unique_ptr<Renderer> RendererFor(const RunConfig& run) {
   try {
     FfmpegVersion();
-    return MakeRenderer({.backend = run.cameras.renderer,
-                         .quality = run.cameras.quality,
-                         .visibility = {.geom_groups = {}, .sites = false, .skybox = false}});
+    return MakeRendererOf(run, {.geom_groups = {}, .sites = false, .skybox = false});
   } catch (const IoError& error) {
     throw IoError(FailingStreams(run) + error.what());
   } catch (const Error& error) {
@@ -85,7 +84,7 @@ void ValidateStreamsHere(const RunConfig& run, const Scene& scene, Problems& pro
   if (run.cameras.streams.empty()) return;
   const std::unique_ptr<Renderer> renderer = RendererFor(run);
   {
-    Problems::Scope quality(problems, "cameras.quality");
+    Problems::Scope quality(problems, "cameras.renderer.quality");
     const size_t before = problems.list().size();
     Try(problems, nullptr, [&] { renderer->SetModel(scene.model()); });
     if (problems.list().size() != before) return;

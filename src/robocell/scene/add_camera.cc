@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/base/units.h"
 #include "robocell/scene/robot_parts.h"
 #include "robocell/scene/spec_tree.h"

@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/scene/prefixed_config.h"
 #include "robocell/scene/robot_base.h"

@@ -5,8 +5,8 @@
 #include <filesystem>
 
 #include "robocell/base/files.h"
-#include "robocell/base/names.h"
 #include "robocell/base/real_file.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/scene/part.h"
 #include "robocell/scene/spec_tree.h"
 

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/engine_exception.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/spec_tree.h"

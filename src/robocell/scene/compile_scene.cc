@@ -6,7 +6,7 @@
 
 #include "robocell/assets/model_files.h"
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/scene/add_camera.h"
 #include "robocell/scene/add_object.h"

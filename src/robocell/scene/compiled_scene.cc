@@ -7,7 +7,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/function_name.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/model_watch.h"
 #include "robocell/scene/pool.h"
 

@@ -11,7 +11,7 @@
 #include <set>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/engine_exception.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/edit_values.h"

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/scene/placement.h"
 
 namespace robocell {

@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/gravity.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/element_lookup.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
 

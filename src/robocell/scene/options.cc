@@ -8,7 +8,7 @@
 #include <array>
 #include <span>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/spec/timestep.h"
 
 namespace robocell {

@@ -13,7 +13,7 @@
 #include "robocell/assets/model_files.h"
 #include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/rig.h"
 #include "robocell/scene/spec_tree.h"

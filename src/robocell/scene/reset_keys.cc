@@ -6,7 +6,7 @@
 #include <cstddef>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
 

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/control_modes.h"
 #include "robocell/scene/robot_parts.h"

@@ -6,7 +6,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/function_name.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/step.h"
 #include "robocell/scene/placement.h"
 #include "robocell/scene/rig.h"

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/compile_problem.h"
 #include "robocell/scene/spec_tree.h"

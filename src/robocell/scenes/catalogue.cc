@@ -10,7 +10,7 @@
 #include "robocell/assets/model_files.h"
 #include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"

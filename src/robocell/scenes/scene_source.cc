@@ -9,7 +9,7 @@
 
 #include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell {
 namespace {

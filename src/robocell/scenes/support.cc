@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"

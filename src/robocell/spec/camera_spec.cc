@@ -6,7 +6,7 @@
 #include <string_view>
 #include <Eigen/Geometry>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/spec/validate.h"
 
 namespace robocell {
@@ -80,10 +80,13 @@ void ValidateNotTooLarge(const CameraSystemConfig& cameras, const CameraConfig& 
 
 }  // namespace
 
+void RendererConfig::Validate(Problems& problems) const {
+  const std::vector<std::string> backends = {"auto", "gl", "soft"};
+  if (std::ranges::find(backends, backend) == backends.end())
+    problems.AddAt("backend", NoSuchName("", "back end", backend, backends));
+}
+
 void CameraSystemConfig::Validate(Problems& problems) const {
-  const std::vector<std::string> renderers = {"auto", "gl", "soft"};
-  if (std::ranges::find(renderers, renderer) == renderers.end())
-    problems.AddAt("renderer", NoSuchName("", "renderer", renderer, renderers));
   for (size_t i = 0; i < streams.size(); ++i) {
     Problems::Scope list(problems, "streams");
     Problems::Scope item(problems, i);

@@ -104,12 +104,30 @@ struct RenderQuality {
   }
 };
 
+// Who draws images, and how. In YAML a word stands for the back end, and for a quality one of the
+// names of render_quality.h: {backend: soft, quality: standard}.
+struct RendererConfig {
+  std::string backend = "auto";
+  RenderQuality quality = {};
+
+  static constexpr const char* kTypeName = "RendererConfig";
+  template <class V>
+  static void Fields(V&& v) {
+    v("backend", &RendererConfig::backend,
+      "Who draws: `soft` (the processor; the same bytes on every machine), `gl` (OpenGL), or "
+      "`auto`: what ROBOCELL_RENDERER names, else gl where there is one. A dataset that was begun "
+      "with `auto` keeps what that was.");
+    v("quality", &RendererConfig::quality,
+      "How images are drawn: `fast`, `standard`, `high`, or single fields.");
+  }
+  void Validate(Problems& problems) const;
+};
+
 // The streams of a run and the size they share.
 struct CameraSystemConfig {
   std::array<int, 2> resolution = {320, 240};
   List<CameraConfig> streams = {};
-  std::string renderer = "auto";
-  RenderQuality quality = {};
+  RendererConfig renderer = {};
 
   static constexpr const char* kTypeName = "CameraSystemConfig";
   template <class V>
@@ -117,11 +135,7 @@ struct CameraSystemConfig {
     v("resolution", &CameraSystemConfig::resolution, "Width and height in pixels.",
       Bound::kPositive);
     v("streams", &CameraSystemConfig::streams, "The image streams.");
-    v("renderer", &CameraSystemConfig::renderer,
-      "Who draws: `soft` (the processor; the same bytes on every machine), `gl` (OpenGL), or "
-      "`auto`: "
-      "what ROBOCELL_RENDERER names, else gl where there is one.");
-    v("quality", &CameraSystemConfig::quality, "How images are drawn.");
+    v("renderer", &CameraSystemConfig::renderer, "Who draws the images, and how.");
   }
   int width(const CameraConfig& stream) const { return stream.width.value_or(resolution[0]); }
   int height(const CameraConfig& stream) const { return stream.height.value_or(resolution[1]); }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/spec/validate.h"
 
 namespace robocell {

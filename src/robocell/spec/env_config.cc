@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/base/units.h"
 #include "robocell/spec/locations.h"
 #include "robocell/spec/validate.h"

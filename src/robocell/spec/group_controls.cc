@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell {
 namespace {

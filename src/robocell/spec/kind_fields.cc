@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/spec/validate.h"
 
 namespace robocell {
@@ -93,7 +93,7 @@ void ValidateKind(const KindSpec& spec, Problems& problems) {
   KindFields& fields = *spec.shared_fields();
   for (const KindFieldRef& field : fields.refs()) {
     const Problems::Scope scope(problems, field.name);
-    std::visit([&](const auto* value) { ValidateValue(*value, field.check, problems); },
+    std::visit([&](const auto* value) { ValidateValue(*value, field.bound, problems); },
                field.value);
   }
   fields.Validate(problems);

@@ -39,7 +39,7 @@ struct KindFieldRef {
   std::string name;
   KindField value;
   std::string doc;
-  Check check = Bound::kNone;
+  Bound bound = Bound::kNone;
 };
 
 // The fields of one kind, their type hidden.
@@ -69,8 +69,8 @@ class KindFieldsOf final : public KindFields {
   }
   std::vector<KindFieldRef> refs() override {
     std::vector<KindFieldRef> refs;
-    ForEachField(value_, [&](const char* name, auto& value, const char* doc, Check check) {
-      refs.push_back({name, &value, doc, check});
+    ForEachField(value_, [&](const char* name, auto& value, const char* doc, Bound bound) {
+      refs.push_back({name, &value, doc, bound});
     });
     return refs;
   }

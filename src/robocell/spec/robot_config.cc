@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/spec/group_controls.h"
 #include "robocell/spec/shared_parts.h"
 #include "robocell/spec/validate.h"

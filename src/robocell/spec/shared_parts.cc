@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell {
 namespace {

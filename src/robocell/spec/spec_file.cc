@@ -10,8 +10,8 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
-#include "robocell/base/names.h"
 #include "robocell/base/real_file.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/spec/yaml_hints.h"
 
 namespace robocell {

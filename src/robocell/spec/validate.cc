@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "robocell/base/names.h"
 #include "robocell/base/paths.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell {
 

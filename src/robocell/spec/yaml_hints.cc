@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/spec/env_config.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/scene_spec.h"

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "robocell/spec/render_quality.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/yaml.h"
 #include "robocell/testing/expect_throw.h"
@@ -75,7 +76,9 @@ TEST_F(OverrideTest, FieldsOfAMapWithoutAValueAreNoListItems) {
 TEST_F(OverrideTest, AddsWhatTheFileDoesNotHave) {
   EXPECT_EQ(Load({"episodes=5"}).episodes, 5);
   EXPECT_EQ(Load({"rates.policy_ms=40", "rates.control_ms=4"}).rates.policy_ms, 40);
-  EXPECT_EQ(Load({"cameras.quality.shadows=true"}).cameras.quality.shadows, true);
+  EXPECT_EQ(Load({"cameras.renderer.quality.shadows=true"}).cameras.renderer.quality.shadows, true);
+  EXPECT_EQ(Load({"cameras.renderer.quality=high"}).cameras.renderer.quality, NamedQuality("high"));
+  EXPECT_EQ(Load({"cameras.renderer.backend=gl"}).cameras.renderer.backend, "gl");
 }
 
 TEST_F(OverrideTest, ReachesIntoLists) {

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "robocell/spec/render_quality.h"
 #include "robocell/spec/spec_file.h"
 
 namespace robocell::yaml {
@@ -555,6 +556,24 @@ void Reader::Read(const YAML::Node& node, Pose& out) {
   if (problems_.list().size() == before) {
     out = PlacementPose(fields.pos, fields.euler, fields.quat);
   }
+}
+
+void Reader::Read(const YAML::Node& node, RendererConfig& out) {
+  if (node.IsScalar()) return Read(node, out.backend);
+  if (!node.IsMap()) {
+    return FailKind(node, "the name of a back end, or {backend: soft, quality: standard}");
+  }
+  ReadFields(node, out);
+}
+
+void Reader::Read(const YAML::Node& node, RenderQuality& out) {
+  if (node.IsScalar()) {
+    const std::vector<std::string> names = RenderQualities();
+    if (const auto which = ReadOneOf(node, names)) out = NamedQuality(names[*which]);
+    return;
+  }
+  if (!node.IsMap()) return FailKind(node, "fast, standard, high, or fields with values");
+  ReadFields(node, out);
 }
 
 void Reader::Read(const YAML::Node& node, AttachTarget& out) {

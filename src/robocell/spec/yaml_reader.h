@@ -21,7 +21,7 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/spec/element_ref.h"
 #include "robocell/spec/locations.h"
 #include "robocell/spec/run_config.h"
@@ -88,6 +88,8 @@ class Reader {
   void Read(const YAML::Node& node, IndexList& out);
   void Read(const YAML::Node& node, Pose& out);
   void Read(const YAML::Node& node, AttachTarget& out);
+  void Read(const YAML::Node& node, RendererConfig& out);
+  void Read(const YAML::Node& node, RenderQuality& out);
   void Read(const YAML::Node& node, ElementRef& out);
   void Read(const YAML::Node& node, RobotConfig& out);  // the fields, or the name of a robot file
   void Read(const YAML::Node& node, RobotSource& out);

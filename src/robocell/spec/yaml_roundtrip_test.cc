@@ -69,10 +69,10 @@ class RoundTrip : public ::testing::Test {};
 using SpecTypes =
     ::testing::Types<SceneSpec, RobotSpec, RobotConfig, AttachmentSpec, ForceTorqueSensorSpec,
                      ToolFrameSpec, SceneObject, CameraSpec, CameraConfig, CameraSystemConfig,
-                     RenderQuality, SimOptions, Edit, BaseConfig, MoveGroupConfig, GripperCtrl,
-                     GripperDistance, GripperJointRange, RunConfig, PickTaskConfig, FilesScenes,
-                     StartConfig, Rates, EnvConfig, EnvObject, CameraAdderConfig, SimSettings,
-                     WrapperConfig, PickAndPlaceTaskConfig, ObjectVariation>;
+                     RenderQuality, RendererConfig, SimOptions, Edit, BaseConfig, MoveGroupConfig,
+                     GripperCtrl, GripperDistance, GripperJointRange, RunConfig, PickTaskConfig,
+                     FilesScenes, StartConfig, Rates, EnvConfig, EnvObject, CameraAdderConfig,
+                     SimSettings, WrapperConfig, PickAndPlaceTaskConfig, ObjectVariation>;
 TYPED_TEST_SUITE(RoundTrip, SpecTypes);
 
 TYPED_TEST(RoundTrip, RandomSpecsComeBackEqual) {

@@ -6,7 +6,7 @@
 
 #include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/scenes/catalogue.h"
 #include "robocell/task/place_motion.h"
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/motion/gripper_shape.h"
 #include "robocell/scenes/catalogue.h"
 #include "robocell/task/pick_and_place_sampler.h"

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/task/task_kind.h"
 
 namespace robocell {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/task/pick_sampler.h"
 #include "robocell/task/start_sampler.h"
 

@@ -1,7 +1,7 @@
-#include "robocell/render/render_quality.h"
+#include "robocell/spec/render_quality.h"
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell {
 

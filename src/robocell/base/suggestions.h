@@ -1,4 +1,4 @@
-// Names and what to say when one is missing: nearest alternatives and short listings.
+// What to say when a name is missing: the nearest names, short listings, whole messages.
 #pragma once
 
 #include <string>

@@ -233,5 +233,73 @@ TEST(EnvTargetLead, AnFr3RisesAtOnceAfterItWasPushedIntoTheFloor) {
   ExpectToRiseAtOnce(EnvConfig::Load(assets::BuiltinCellFile("fr3")));
 }
 
+// A link that is blocked holds its joints back, while the TCP gets along by the others.
+struct BlockedLink {
+  Eigen::Vector3d box, push;
+};
+
+// Pushes so often; returns the largest lead of a joint, rad, and how far the first action back
+// brings the TCP, m.
+std::pair<double, double> PushLinkAgainstABox(EnvConfig config, const BlockedLink& blocked,
+                                              int pushes) {
+  config.root_frame_objects["box"] = {.offset = Pose(blocked.box),
+                                      .fixed = true,
+                                      .shape = Shape::kBox,
+                                      .size = Vec3{0.1, 0.1, 0.3},
+                                      .mass = 1};
+  config.control_mode = ControlMode::kCartesianTrpy;
+  config.relative_to = RelativeTo::kLastStep;
+  config.sim.on_collision = OnCollision::kReport;
+  config.task = {};
+  config.cameras.streams.clear();
+  Env env(config);
+  env.Reset({.seed = 10});
+  const Robot robot = Robot::Of(env.scene(), env.layout().robots[0].robot);
+  const auto move = [&](const Eigen::Vector3d& way) {
+    Numbers action(7, 0);
+    std::copy_n(way.data(), 3, action.begin());
+    action[6] = 1;
+    env.Step(action);
+  };
+  for (int i = 0; i < pushes; ++i) move(blocked.push);
+  double most = 0;
+  const Numbers q = robot.arm().joint_pos();
+  const std::span<const double> sent = robot.controller("arm").commanded_joint_pos();
+  for (size_t i = 0; i < q.size(); ++i) most = std::max(most, std::abs(sent[i] - q[i]));
+  const Pose pressed = robot.tcp_in_world();
+  move(-blocked.push);
+  const Eigen::Vector3d way = robot.tcp_in_world().translation() - pressed.translation();
+  return {most, -way.dot(blocked.push.normalized())};
+}
+
+// The lead of joints is three times that of poses, 0.3 rad, and one action.
+void ExpectJointsToBeLedLittle(EnvConfig config, const BlockedLink& blocked) {
+  for (const bool async : {true, false}) {
+    config.sim.async_control = async;
+    config.sim.frequency = 30;
+    const double free = PushLinkAgainstABox(config, blocked, 0).second;
+    const auto [lead, back] = PushLinkAgainstABox(config, blocked, 60);
+    EXPECT_LT(lead, 0.3 + 0.1) << async;
+    EXPECT_GT(back, free - 0.005) << async;
+    EXPECT_GT(back, 0.003) << async;
+  }
+}
+
+const BlockedLink kShoulderBehind = {{-0.35, 0.1, 0.3}, {-0.0129, 0.0061, -0.0141}};
+
+TEST(EnvTargetLead, JointsOfABlockedLinkOfABuiltInArmAreLedLittle) {
+  ExpectJointsToBeLedLittle(Rc7Env(), {{0.3, 0.3, 0.3}, {-0.0099, 0.0028, 0.0172}});
+}
+
+TEST(EnvTargetLead, JointsOfABlockedLinkOfAnFr3AreLedLittle) {
+  REQUIRE_MENAGERIE("franka_fr3");
+  ExpectJointsToBeLedLittle(EnvConfig::Load(assets::BuiltinCellFile("fr3")), kShoulderBehind);
+}
+
+TEST(EnvTargetLead, JointsOfABlockedLinkOfAPandaAreLedLittle) {
+  REQUIRE_MENAGERIE("franka_emika_panda");
+  ExpectJointsToBeLedLittle(EnvConfig::Load(assets::BuiltinCellFile("panda")), kShoulderBehind);
+}
+
 }  // namespace
 }  // namespace robocell

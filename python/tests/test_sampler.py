@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import robocell as rc
-from test_experts import Idle, load
+from test_task import Idle, load
 
 
 class Wait(rc.tasks.Task):

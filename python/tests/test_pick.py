@@ -9,7 +9,7 @@ import pytest
 
 import robocell as rc
 from robocell.gym import pick_cube_config
-from test_experts import load
+from test_task import load
 
 
 class Never(rc.tasks.PickTask):

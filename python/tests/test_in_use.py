@@ -17,7 +17,7 @@ import robocell as rc
 from robocell.gym import pick_cube_config
 from test_closed import uses
 from test_env_tasks import Reach
-from test_experts import Idle, load
+from test_task import Idle, load
 
 IN_USE = "scene 'cell' is in use by another thread ({}): a scene, with its robots, renderers"
 WAIT_S = 60

@@ -78,10 +78,10 @@ def test_software_on_a_machine_with_a_card_is_not_ok(tmp_path: Path):
 def test_a_run_with_cameras_says_once_that_a_card_is_idle(tmp_path: Path):
     run = rc.RunConfig.load(str(EXAMPLES / "demo.yaml"))
     assert run.cameras.streams
-    assert run.cameras.renderer == "soft"
+    assert run.cameras.renderer.backend == "soft"
     root = machine_with_a_card(tmp_path / "card")
     assert graphics_warnings(run, root) == []  # it uses no card on purpose
-    run.cameras.renderer = "auto"
+    run.cameras.renderer.backend = "auto"
     assert graphics_warnings(run, str(tmp_path)) == []
     drawing = describe().stdout.removeprefix("draws: ").strip()
     if "llvmpipe" in drawing:

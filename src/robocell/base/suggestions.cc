@@ -1,4 +1,4 @@
-#include "robocell/base/names.h"
+#include "robocell/base/suggestions.h"
 
 #include <algorithm>
 #include <cctype>

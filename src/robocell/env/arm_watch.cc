@@ -1,0 +1,86 @@
+#include "robocell/env/arm_watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "robocell/robot/arrival.h"
+
+namespace robocell {
+namespace {
+
+// s. Joints at rest are so slow that they would take this long to go as far as their tolerance; and
+// the window over which an arm that is not near its target is watched.
+constexpr double kSettling = 0.1;
+// What a resting joint moves in a window: a share of its tolerance, or of the way that is left.
+constexpr double kRestShare = 0.1, kRestShareOfWay = 0.01;
+// A joint that creeps to its target is on its way as long as it takes no longer than this to get
+// within its tolerance, s.
+constexpr double kPatience = 1;
+
+}  // namespace
+
+ArmWatch::ArmWatch(std::vector<double> tolerances, double timestep)
+    : tolerances_(std::move(tolerances)), timestep_(timestep), window_pos_(tolerances_.size()) {
+  seen_.fill(window_pos_);
+}
+
+void ArmWatch::Begin(std::span<const double> q, double time) {
+  std::ranges::copy(q, seen_[0].begin());
+  steps_ = 0;
+  at_rest_ = false;
+  StartWindow(time);
+}
+
+void ArmWatch::StartWindow(double time) {
+  for (size_t i = 0; i < window_pos_.size(); ++i) window_pos_[i] = Mean(i);
+  window_since_ = time;
+}
+
+void ArmWatch::Look(std::span<const double> q, std::span<const double> wanted, double time) {
+  std::rotate(seen_.begin(), seen_.end() - 1, seen_.end());
+  std::ranges::copy(q, seen_[0].begin());
+  ++steps_;
+  const bool slow = is_slow();
+  if (slow && time - window_since_ < kSettling) return;
+  at_rest_ = slow && HasHardlyMoved(wanted, time - window_since_);
+  StartWindow(time);
+}
+
+bool ArmWatch::IsNear(std::span<const double> wanted) const {
+  return AreWithin(seen_[0], wanted, tolerances_);
+}
+
+double ArmWatch::Velocity(size_t joint) const {
+  const size_t ago = std::min<size_t>(steps_, 2);
+  if (ago == 0) return 0;
+  return (seen_[0][joint] - seen_[ago][joint]) / (static_cast<double>(ago) * timestep_);
+}
+
+double ArmWatch::Mean(size_t joint) const {
+  return steps_ == 0 ? seen_[0][joint] : (seen_[0][joint] + seen_[1][joint]) / 2;
+}
+
+bool ArmWatch::is_slow() const {
+  if (steps_ < 2) return false;
+  for (size_t i = 0; i < tolerances_.size(); ++i) {
+    if (std::abs(Velocity(i)) * kSettling > tolerances_[i]) return false;
+  }
+  return true;
+}
+
+// In the window, by little of the tolerance, or by too little of the way that is left to get there
+// soon.
+bool ArmWatch::HasHardlyMoved(std::span<const double> wanted, double window) const {
+  for (size_t i = 0; i < tolerances_.size(); ++i) {
+    const double now = Mean(i), left = std::abs(now - wanted[i]);
+    const double nearer = std::abs(window_pos_[i] - wanted[i]) - left,
+                 beyond = left - tolerances_[i];
+    if (beyond > 0 && nearer * kPatience > beyond * window) return false;
+    const double most = std::max(kRestShare * tolerances_[i], kRestShareOfWay * left);
+    if (std::abs(now - window_pos_[i]) > most) return false;
+  }
+  return true;
+}
+
+}  // namespace robocell

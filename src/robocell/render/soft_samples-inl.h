@@ -1,0 +1,300 @@
+// Samples beside the centres of pixels, for smooth edges; part of soft_kernel.cc, compiled for each
+// instruction set. Only blocks that show an edge between surfaces have samples: FindEdgesHere lists
+// them from what the centres show, and DrawSamplesHere draws into them alone.
+#if defined(ROBOCELL_SOFT_SAMPLES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ROBOCELL_SOFT_SAMPLES_INL_H_
+#undef ROBOCELL_SOFT_SAMPLES_INL_H_
+#else
+#define ROBOCELL_SOFT_SAMPLES_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+
+#include "robocell/render/soft_frame.h"
+#include "robocell/render/soft_raster-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace robocell::internal::HWY_NAMESPACE {
+
+// Surfaces whose nearness differs by less than this share are one surface.
+constexpr float kOneSurface = 0.02f;
+
+// ---- Which blocks show an edge
+
+// Whether all pixels of a block and those right of it and below show triangle `id`.
+HWY_INLINE bool ShowsOne(const SoftBuffer& buffer, size_t block, bool has_right, bool has_below) {
+  const uint32_t* ids = buffer.ids[block].at;
+  const auto id = static_cast<int32_t>(ids[0]);
+  const I one = hn::Set(kInts, id);
+  for (int part = 0; part < kSoftPixels; part += kLanes) {
+    const I here = hn::Load(kInts, reinterpret_cast<const int32_t*>(ids) + part);
+    if (!hn::AllTrue(kInts, hn::Eq(here, one))) return false;
+  }
+  uint32_t other = 0;
+  if (has_right) {
+    const uint32_t* right = buffer.ids[block + 1].at;
+    other |= (right[0] ^ ids[0]) | (right[4] ^ ids[0]) | (right[8] ^ ids[0]) | (right[12] ^ ids[0]);
+  }
+  if (has_below) {
+    const uint32_t* below = buffer.ids[block + buffer.columns].at;
+    other |= (below[0] ^ ids[0]) | (below[1] ^ ids[0]) | (below[2] ^ ids[0]) | (below[3] ^ ids[0]);
+    if (has_right) other |= below[kSoftPixels] ^ ids[0];
+  }
+  return other == 0;
+}
+
+using Four = hn::CappedTag<float, kSoftBlock>;
+using FourInts = hn::RebindToSigned<Four>;
+
+// Marks the block, and those beside it, whose pixels meet another surface.
+HWY_INLINE void MarkEdges(const SoftBuffer& buffer, size_t block, bool has_right, bool has_below,
+                          int32_t* marks) {
+  constexpr Four four;
+  constexpr FourInts four_ints;
+  constexpr int kStride = 8;
+  alignas(32) float q[5 * kStride];
+  alignas(32) uint32_t ids[5 * kStride];
+  const auto copy = [&](const auto& from, auto* to, int row, size_t at, int from_row, int count) {
+    std::memcpy(to + kStride * row, from[at].at + kSoftBlock * from_row,
+                static_cast<size_t>(count) * 4);
+  };
+  const size_t right = has_right ? block + 1 : block,
+               below = has_below ? block + static_cast<size_t>(buffer.columns) : block,
+               beyond = below + (right - block);
+  const auto fill = [&](const auto& from, auto* to) {
+    for (int r = 0; r < 4; ++r) {
+      copy(from, to, r, block, r, 4);
+      to[kStride * r + 4] = from[right].at[4 * r + (has_right ? 0 : 3)];
+    }
+    copy(from, to, 4, below, has_below ? 0 : 3, 4);
+    to[kStride * 4 + 4] = from[beyond].at[(has_below ? 0 : 12) + (has_right ? 0 : 3)];
+  };
+  fill(buffer.nearness, q);
+  fill(buffer.ids, ids);
+  // Pairs in these directions: to the right, down, and both diagonals.
+  const auto differ = [&](int a, int b) HWY_ATTR {
+    unsigned pairs = 0;
+    for (int k = 0; k < kSoftBlock; k += static_cast<int>(hn::Lanes(four))) {
+      const auto qa = hn::LoadU(four, q + a + k), qb = hn::LoadU(four, q + b + k);
+      const auto ia = hn::LoadU(four_ints, reinterpret_cast<const int32_t*>(ids) + a + k),
+                 ib = hn::LoadU(four_ints, reinterpret_cast<const int32_t*>(ids) + b + k);
+      const auto other = hn::Ne(hn::ShiftRight<kSoftRunBits>(hn::Xor(ia, ib)), hn::Zero(four_ints));
+      const auto apart = hn::Gt(hn::Abs(hn::Sub(qa, qb)),
+                                hn::Mul(hn::Set(four, 0.75f * kOneSurface), hn::Min(qa, qb)));
+      uint8_t bits[8] = {};
+      hn::StoreMaskBits(four, hn::Or(apart, hn::RebindMask(four, other)), bits);
+      pairs |= static_cast<unsigned>(bits[0]) << k;
+    }
+    return pairs;
+  };
+  unsigned here = 0, at_right = 0, at_below = 0, at_beyond = 0;
+  for (int r = 0; r < 4; ++r) {
+    const int at = kStride * r;
+    const unsigned across = differ(at, at + 1), along = differ(at, at + kStride),
+                   falling = differ(at, at + kStride + 1), rising = differ(at + 1, at + kStride);
+    here |= across | along | falling;
+    at_right |= (across | rising) & 8;
+    if (r < 3) {
+      here |= rising;
+      at_right |= falling & 8;
+    } else {
+      here |= rising & 7;
+      at_below |= along | (falling & 7) | rising;
+      at_beyond |= falling & 8;
+    }
+  }
+  if (here) marks[block] = 1;
+  if (at_right && has_right) marks[right] = 1;
+  if (at_below && has_below) marks[below] = 1;
+  if (at_beyond && has_right && has_below) marks[beyond] = 1;
+}
+
+// Gives each block that shows an edge a slot; returns how many there are.
+inline int FindEdgesHere(const SoftBuffer& buffer, SoftSamples* samples) {
+  int32_t* slots = samples->slots.data();
+  const size_t blocks = buffer.ids.size();
+  std::fill_n(slots, blocks, 0);
+  for (int by = 0; by < buffer.rows; ++by) {
+    for (int bx = 0; bx < buffer.columns; ++bx) {
+      const size_t block = static_cast<size_t>(by) * buffer.columns + bx;
+      const bool has_right = bx + 1 < buffer.columns, has_below = by + 1 < buffer.rows;
+      if (ShowsOne(buffer, block, has_right, has_below)) continue;
+      MarkEdges(buffer, block, has_right, has_below, slots);
+    }
+  }
+  int used = 0;
+  const size_t stride = static_cast<size_t>(buffer.columns) + 1;
+  int32_t* before = samples->before.data();
+  std::fill_n(before, stride, 0);
+  for (int by = 0; by < buffer.rows; ++by, before += stride, slots += buffer.columns) {
+    int32_t in_row = before[stride] = 0;
+    for (int bx = 0; bx < buffer.columns; ++bx) {
+      in_row += slots[bx];
+      before[stride + bx + 1] = before[bx + 1] + in_row;
+      slots[bx] = slots[bx] ? used++ : kSoftNoSlot;
+    }
+  }
+  return used;
+}
+
+// ---- Drawing into them
+
+struct ToSamples {
+  static constexpr bool kSamples = true;
+  SoftSamples* samples;
+  int64_t margin;  // steps
+
+  // Those of the triangles that meet a block with samples.
+  HWY_INLINE M AtEdges(M triangles, V bx0, V by0, V bx1, V by1) const {
+    if (hn::AllFalse(kFloats, triangles)) return triangles;
+    const I columns = hn::Set(kInts, samples->columns + 1);
+    const auto before = [&](V bx, V by) HWY_ATTR {
+      const auto whole = [&](V v) HWY_ATTR {
+        return hn::ConvertTo(kInts, hn::IfThenElseZero(triangles, v));
+      };
+      return hn::GatherIndex(kInts, samples->before.data(),
+                             hn::Add(hn::Mul(whole(by), columns), whole(bx)));
+    };
+    const V one = Num(1), end_x = hn::Add(bx1, one), end_y = hn::Add(by1, one);
+    const I inside = hn::Sub(hn::Sub(before(end_x, end_y), before(bx0, end_y)),
+                             hn::Sub(before(end_x, by0), before(bx0, by0)));
+    return hn::And(triangles, hn::RebindMask(kFloats, hn::Gt(inside, hn::Zero(kInts))));
+  }
+};
+
+HWY_INLINE void DrawSmall(const Batch& b, int i, uint32_t id, const ToSamples& to) {
+  SoftSamples& samples = *to.samples;
+  const V nearness = Num(b.nearness[i]), weight1 = Num(b.weight1[i]), weight2 = Num(b.weight2[i]);
+  const V low = Num(b.low[i]), high = Num(b.high[i]);
+  for (int by = b.y0[i]; by <= b.y1[i]; ++by) {
+    for (int bx = b.x0[i]; bx <= b.x1[i]; ++bx) {
+      const int32_t slot = samples.slots[static_cast<size_t>(by) * samples.columns + bx];
+      if (slot < 0) continue;
+      for (int s = 0; s < samples.count; ++s) {
+        const float dx = static_cast<float>(4 * (bx - b.x0[i])) + samples.right[s],
+                    dy = static_cast<float>(4 * (by - b.y0[i])) + samples.down[s];
+        BlockEdges edges;
+        for (int k = 0; k < 3; ++k) {
+          edges.right[k] = b.right[k][i];
+          edges.down[k] = b.down[k][i];
+          edges.e[k] = b.e[k][i] + (dx * edges.right[k] + dy * edges.down[k]);
+        }
+        const size_t at = samples.At(slot, s);
+        for (int part = 0; part < kSoftPixels; part += kLanes) {
+          V e1, e2;
+          const M covered = Inside(edges, part, &e1, &e2);
+          if (hn::AllFalse(kFloats, covered)) continue;
+          const V q = hn::Add(nearness, hn::Add(hn::Mul(e1, weight1), hn::Mul(e2, weight2)));
+          Put<true>(covered, hn::Min(hn::Max(q, low), high), id, part, samples.nearness[at].at,
+                    samples.ids[at].at);
+        }
+      }
+    }
+  }
+}
+
+HWY_INLINE void DrawMiddling(const SoftView& view, const Batch& b, int i, uint32_t id,
+                             const ToSamples& to) {
+  SoftSamples& samples = *to.samples;
+  const V nearness = Num(b.nearness[i]), weight1 = Num(b.weight1[i]), weight2 = Num(b.weight2[i]);
+  const V low = Num(b.low[i]), high = Num(b.high[i]);
+  const int shift = __builtin_ctz(static_cast<unsigned>(view.steps));
+  BlockEdges edges;
+  float first[kSoftMostSamples][3];
+  for (int k = 0; k < 3; ++k) {
+    edges.right[k] = b.right[k][i];
+    edges.down[k] = b.down[k][i];
+    for (int s = 0; s < samples.count; ++s) {
+      first[s][k] = WholeEdge(b, i, k, shift, static_cast<int>(samples.right[s] * view.steps),
+                              static_cast<int>(samples.down[s] * view.steps));
+    }
+  }
+  for (int by = b.y0[i]; by <= b.y1[i]; ++by) {
+    const int32_t* slots = samples.slots.data() + static_cast<size_t>(by) * samples.columns;
+    const float dy = static_cast<float>(4 * (by - b.y0[i]));
+    for (int bx = b.x0[i]; bx <= b.x1[i]; ++bx) {
+      if (slots[bx] < 0) continue;
+      const float dx = static_cast<float>(4 * (bx - b.x0[i]));
+      for (int s = 0; s < samples.count; ++s) {
+        for (int k = 0; k < 3; ++k) {
+          edges.e[k] = first[s][k] + (dx * edges.right[k] + dy * edges.down[k]);
+        }
+        const size_t at = samples.At(slots[bx], s);
+        for (int part = 0; part < kSoftPixels; part += kLanes) {
+          V e1, e2;
+          const M covered = Inside(edges, part, &e1, &e2);
+          if (hn::AllFalse(kFloats, covered)) continue;
+          const V q = hn::Add(nearness, hn::Add(hn::Mul(e1, weight1), hn::Mul(e2, weight2)));
+          Put<true>(covered, hn::Min(hn::Max(q, low), high), id, part, samples.nearness[at].at,
+                    samples.ids[at].at);
+        }
+      }
+    }
+  }
+}
+
+inline void DrawLarge(const SoftView& view, const Point* p, const PlaneNearness& plane, float low,
+                      float high, uint32_t id, const ToSamples& to) {
+  const LargeTriangle t = MakeLarge(view, p, to.margin);
+  if (t.empty()) return;
+  SoftSamples& samples = *to.samples;
+  LargeRows row(t, 0.5);
+  const V lowest = Num(low), highest = Num(high);
+  const V near_right = Num(static_cast<float>(plane.right)),
+          near_down = Num(static_cast<float>(plane.down));
+  BlockEdges edges;
+  double first[kSoftMostSamples][3];  // edge functions of the samples, in whole pixels
+  for (int k = 0; k < 3; ++k) {
+    edges.right[k] = static_cast<float>(row.right[k]);
+    edges.down[k] = static_cast<float>(row.down[k]);
+    for (int s = 0; s < samples.count; ++s) {
+      const auto right = static_cast<int64_t>(samples.right[s] * view.steps),
+                 down = static_cast<int64_t>(samples.down[s] * view.steps);
+      first[s][k] = static_cast<double>((t.e[k] + t.dx[k] * right + t.dy[k] * down) >> t.shift);
+    }
+  }
+  for (int by = t.y0; by <= t.y1; ++by) {
+    row.Go(t, by);
+    const int32_t* slots = samples.slots.data() + static_cast<size_t>(by) * samples.columns;
+    for (int bx = row.begin; bx <= row.end; ++bx) {
+      if (slots[bx] < 0) continue;
+      for (int s = 0; s < samples.count; ++s) {
+        for (int k = 0; k < 3; ++k) {
+          edges.e[k] = EdgeNumber(first[s][k] + 4.0 * (by - t.y0) * row.down[k] +
+                                  4.0 * (bx - t.x0) * row.right[k]);
+        }
+        const V origin =
+            Num(static_cast<float>(plane.first + plane.down * (4 * by + samples.down[s]) +
+                                   plane.right * (4 * bx + samples.right[s])));
+        const size_t at = samples.At(slots[bx], s);
+        for (int part = 0; part < kSoftPixels; part += kLanes) {
+          V unused1, unused2;
+          const M covered = Inside(edges, part, &unused1, &unused2);
+          if (hn::AllFalse(kFloats, covered)) continue;
+          const V q =
+              hn::Add(origin, hn::Add(hn::Mul(near_right, hn::Load(kFloats, kColumn + part)),
+                                      hn::Mul(near_down, hn::Load(kFloats, kRow + part))));
+          Put<true>(covered, hn::Min(hn::Max(q, lowest), highest), id, part,
+                    samples.nearness[at].at, samples.ids[at].at);
+        }
+      }
+    }
+  }
+}
+
+inline void DrawSamplesHere(const SoftView& view, const SoftInstance& instance,
+                            SoftScratch* scratch, SoftSamples* samples) {
+  PlaceVertices(view, instance, scratch);
+  const int count = FindFacing(instance, scratch);
+  // Samples are less than half a pixel from the centre.
+  DrawFacing(view, instance, count, scratch,
+             ToSamples{samples, static_cast<int64_t>(0.5f * view.steps)});
+}
+
+}  // namespace robocell::internal::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif  // include guard

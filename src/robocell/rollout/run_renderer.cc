@@ -1,0 +1,81 @@
+#include "robocell/rollout/run_renderer.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <nlohmann/json.hpp>
+
+#include "robocell/base/error.h"
+#include "robocell/data/dataset.h"
+#include "robocell/data/episode_reader.h"
+#include "robocell/render/renderer_backends.h"
+
+namespace robocell {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr const char* kOpen = "auto";
+
+// The name in "soft: AVX2"; "" for another text.
+std::string NameIn(const std::string& description) {
+  const size_t colon = description.find(": ");
+  return colon == std::string::npos ? "" : description.substr(0, colon);
+}
+
+// Of the first episode that has images; "" where none has.
+std::string BackendOfEpisodes(const std::filesystem::path& dataset) {
+  try {
+    for (const Episode& episode : Dataset(dataset)) {
+      const Json metadata = Json::parse(episode.metadata_json());
+      if (metadata.contains("renderer")) return NameIn(metadata.at("renderer").get<std::string>());
+    }
+  } catch (const Error&) {  // no dataset yet; `verify` reports a damaged one
+  } catch (const Json::exception&) {
+  }
+  return "";
+}
+
+// "" where the manifest says nothing about it.
+std::string StoredBackend(const RunConfig& run) {
+  if (run.output.empty()) return "";
+  const std::optional<std::string> manifest = ReadManifest(run.output);
+  if (!manifest) return "";
+  const Json json = Json::parse(*manifest, nullptr, false);
+  if (!json.is_object() || !json.contains("renderer") || !json["renderer"].is_string()) return "";
+  return json["renderer"].get<std::string>();
+}
+
+}  // namespace
+
+std::string BackendOf(const RunConfig& run) {
+  const std::string& backend = run.cameras.renderer.backend;
+  if (backend != kOpen) return backend;
+  const std::string stored = StoredBackend(run);
+  return stored.empty() ? backend : stored;
+}
+
+std::string BackendToBeginWith(const RunConfig& run) {
+  if (run.cameras.streams.empty()) return "";
+  const std::string& backend = run.cameras.renderer.backend;
+  if (backend != kOpen) return backend;
+  const std::string drawn = BackendOfEpisodes(run.output);
+  return drawn.empty() ? RendererBackendHere() : drawn;
+}
+
+std::unique_ptr<Renderer> MakeRendererOf(const RunConfig& run, const Visibility& visibility) {
+  const std::string backend = BackendOf(run);
+  try {
+    return MakeRenderer(
+        {.backend = backend, .quality = run.cameras.renderer.quality, .visibility = visibility});
+  } catch (const Error& error) {
+    if (backend == run.cameras.renderer.backend) throw;
+    throw Error(
+        fmt::format("run '{}': the images of the dataset '{}' are drawn with '{}', which does not "
+                    "work here: {}\nGo on where it works, or give another `output` to start a new "
+                    "dataset",
+                    run.run, run.output, backend, error.what()));
+  }
+}
+
+}  // namespace robocell

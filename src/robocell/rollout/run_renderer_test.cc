@@ -1,0 +1,65 @@
+#include "robocell/rollout/run_renderer.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "robocell/base/error.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+class RunRendererTest : public testing::Test {
+ protected:
+  RunRendererTest() {
+    run.run = "r";
+    run.output = folder.path().string();
+    run.cameras.streams.push_back({.name = "front", .camera = "front"});
+  }
+  void Store(const std::string& backend) {
+    std::ofstream(folder.path() / "dataset.json") << R"({"renderer": ")" << backend << "\"}\n";
+  }
+
+  TempDir folder;
+  RunConfig run;
+};
+
+TEST_F(RunRendererTest, DrawsWithWhatTheDatasetWasBegunWith) {
+  EXPECT_EQ(BackendOf(run), "auto");
+  Store("soft");
+  EXPECT_EQ(BackendOf(run), "soft");
+  EXPECT_THAT(MakeRendererOf(run)->description(), testing::StartsWith("soft: "));
+}
+
+TEST_F(RunRendererTest, DrawsWithWhatTheRunNames) {
+  Store("gl");
+  run.cameras.renderer.backend = "soft";
+  EXPECT_EQ(BackendOf(run), "soft");
+  EXPECT_EQ(BackendToBeginWith(run), "soft");
+}
+
+TEST_F(RunRendererTest, StopsWhereTheDatasetsBackEndDoesNotWork) {
+  Store("crayons");
+  ExpectThrow<Error>([&] { MakeRendererOf(run); },
+                     "are drawn with 'crayons', which does not work here: ");
+}
+
+TEST_F(RunRendererTest, StoresNothingForARunWithoutCameras) {
+  run.cameras.streams.clear();
+  EXPECT_EQ(BackendToBeginWith(run), "");
+}
+
+TEST_F(RunRendererTest, BeginsWithWhatTheEnvironmentVariableNames) {
+  ASSERT_EQ(setenv("ROBOCELL_RENDERER", "soft", 1), 0);
+  EXPECT_EQ(BackendToBeginWith(run), "soft");
+  ASSERT_EQ(unsetenv("ROBOCELL_RENDERER"), 0);
+  EXPECT_THAT(BackendToBeginWith(run), testing::AnyOf("gl", "soft"));
+}
+
+}  // namespace
+}  // namespace robocell
