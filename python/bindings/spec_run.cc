@@ -32,7 +32,7 @@ void BindRunSpecs(nb::module_& m) {
   DefYamlFile(run);
   run.def_prop_ro(
       "source_dir", [](const RunConfig& r) { return r.source_dir; },
-      "Folder of the run file, which its relative paths start at; '' without one.");
+      "Folder of the run file, to which its paths are relative; '' without one.");
 }
 
 }  // namespace robocell::python

@@ -67,7 +67,7 @@ void BindSceneSourceSpecs(nb::module_& m) {
       .def_prop_rw(
           "source", [](const SceneSourceSpec& spec) { return spec.kind(); },
           [](SceneSourceSpec& spec, const std::string& kind) { spec.SetKind(kind); },
-          "The kind of source; a new kind has its defaults.")
+          "The kind of source. A new kind starts with its defaults.")
       .def_prop_rw(
           kHouses,
           [](SceneSourceSpec& spec) { return Convert<IndexList>::Get(spec.houses, kHouses, {}); },
