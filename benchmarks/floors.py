@@ -134,6 +134,15 @@ SCENES = (
         floor=20,
         aim=40,
     ),
+    Floor(
+        "P11",
+        "the same with shadows and 4 samples, beside rays on Embree",
+        "render",
+        "image of `soft`, shadows and 4 samples, {robot}",
+        "rays on Embree with hard shadows",
+        floor=2,
+        aim=4,
+    ),
 )
 EPISODES = (
     Floor(

@@ -12,6 +12,7 @@ import sys
 from pathlib import Path
 
 from bench_program import on_one_core
+from embree import embree_peer
 from render_side import SIDES, VIEWS
 from robots import arm_files
 from table import Row
@@ -24,6 +25,7 @@ COMPARED = (
     ("soft", "mujoco_off", "peer: `mujoco.Renderer`, effects off"),
     ("gl", "mujoco_off", "peer: `mujoco.Renderer`, effects off"),
     ("soft_standard", "mujoco", "peer: `mujoco.Renderer`, default"),
+    ("soft_standard", "embree", "peer: rays on Embree with hard shadows"),
 )
 NAMES = {
     "soft": "image of `soft`",
@@ -36,11 +38,15 @@ Times = dict[str, list[float]]
 def rows(_: Path) -> list[Row]:
     """Of each robot, in the view in which the ratio is worse."""
     found = []
+    with_embree = embree_peer() is not None
+    sides_here = [*SIDES, "embree"] if with_embree else list(SIDES)
     for file in arm_files():
         if file.stem not in ARMS:
             continue
-        measured = {view: rounds(file, view) for view in VIEWS}
+        measured = {view: rounds(file, view, sides_here) for view in VIEWS}
         for ours, peer, note in COMPARED:
+            if peer not in sides_here:
+                continue
             of_views = [
                 Row(
                     f"{NAMES[ours]}, {file.stem}",
@@ -55,9 +61,9 @@ def rows(_: Path) -> list[Row]:
     return found
 
 
-def rounds(file: Path, view: str) -> Times:
+def rounds(file: Path, view: str, sides: list[str]) -> Times:
     """Milliseconds of each image of each side."""
-    times: Times = {side: [] for side in SIDES}
+    times: Times = {side: [] for side in sides}
     for _ in range(ROUNDS):
         for side, values in times.items():
             values += one(side, file, view)

@@ -2,18 +2,23 @@
 
 render_side.py SIDE ROBOT.yaml VIEW. Sides: soft, gl (robocell's back ends without effects),
 soft_standard (shadows and 4 samples a pixel), mujoco (mujoco.Renderer as it is), mujoco_off (the
-same without shadows, reflections and multisampling). An image is colour, depth and segmentation.
+same without shadows, reflections and multisampling), embree (embree_peer.cc: rays with hard shadows
+from C++). An image is colour, depth and segmentation.
 """
 
 from __future__ import annotations
 
 import json
 import sys
+import tempfile
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from embree import milliseconds
 
 WIDTH, HEIGHT = 640, 480
 STATES, WARM = 12, 2
@@ -107,6 +112,12 @@ def main() -> None:
     """The process."""
     side, file, view = sys.argv[1:]
     scene = scene_of(file)
+    if side == "embree":
+        with tempfile.TemporaryDirectory() as folder:
+            listed = states(scene)
+            said = milliseconds(scene.model, listed, view_of(scene, view), Path(folder))
+        print(json.dumps(json.loads(said)[WARM:]))
+        return
     draw = SIDES[side](scene, view_of(scene, view))
     taken = []
     for state in states(scene):

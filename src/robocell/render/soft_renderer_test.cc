@@ -15,6 +15,7 @@
 #include "robocell/mujoco/clip_planes.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/render/renderer.h"
+#include "robocell/render/testing/soft_images.h"
 #include "robocell/testing/count_allocations.h"
 #include "robocell/testing/instruction_sets.h"
 #include "robocell/testing/menagerie.h"
@@ -22,8 +23,6 @@
 
 namespace robocell {
 namespace {
-
-constexpr int kAcross = 320, kDown = 240, kShown = kAcross * kDown;
 
 // Every shape, textures of both kinds, lights of both kinds, and flexible objects.
 constexpr char kZoo[] = R"(<mujoco>
@@ -59,45 +58,6 @@ constexpr char kZoo[] = R"(<mujoco>
   </worldbody>
   <tendon><spatial width=".01" rgba=".9 .4 .1 1"><site site="a"/><site site="b"/></spatial></tendon>
 </mujoco>)";
-
-struct SoftImages {
-  std::vector<uint8_t> rgb = std::vector<uint8_t>(3 * kShown);
-  std::vector<float> depth = std::vector<float>(kShown);
-  std::vector<int32_t> ids = std::vector<int32_t>(kShown);
-  CameraModel camera;
-};
-
-SoftImages TakeOf(Renderer& renderer, const mjData* data, const CameraView& view) {
-  SoftImages out;
-  out.camera = renderer.Render(data, {.camera = view, .width = kAcross, .height = kDown},
-                               {.rgb = out.rgb, .depth = out.depth, .segmentation = out.ids});
-  return out;
-}
-
-// Structural similarity of the brightness (Wang et al. 2004), over windows of 8 x 8 pixels.
-double Similarity(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
-  constexpr double kC1 = 6.5025, kC2 = 58.5225;
-  double sum = 0;
-  int windows = 0;
-  for (int y = 0; y + 8 <= kDown; y += 4) {
-    for (int x = 0; x + 8 <= kAcross; x += 4, ++windows) {
-      double ma = 0, mb = 0, aa = 0, bb = 0, ab = 0;
-      for (int k = 0; k < 64; ++k) {
-        const int at = 3 * ((y + k / 8) * kAcross + x + k % 8);
-        const double va = (a[at] + a[at + 1] + a[at + 2]) / 3.0,
-                     vb = (b[at] + b[at + 1] + b[at + 2]) / 3.0;
-        ma += va / 64;
-        mb += vb / 64;
-        aa += va * va / 64;
-        bb += vb * vb / 64;
-        ab += va * vb / 64;
-      }
-      sum += (2 * ma * mb + kC1) * (2 * (ab - ma * mb) + kC2) /
-             ((ma * ma + mb * mb + kC1) * (aa - ma * ma + bb - mb * mb + kC2));
-    }
-  }
-  return sum / windows;
-}
 
 // A model in random states, seen from random places.
 class RandomViews {
@@ -194,8 +154,9 @@ TEST_P(SoftAgrees, WithOpenGl) {
     int ids_here = 0, depth_here = 0;
     for (int k = 0; k < kShown; ++k) {
       ids_here += a.ids[k] != b.ids[k];
-      // Beyond 5 m OpenGL's own depths are wrong by millimetres: there the engine's rays judge,
-      // which the next test holds to one millimetre.
+      // Beyond 5 m OpenGL's own depths are wrong by millimetres, as FarAway shows in
+      // soft_kinds_test.cc: there the engine's rays judge, which the next test holds to one
+      // millimetre.
       depth_here += !(std::abs(a.depth[k] - b.depth[k]) <= std::max(1e-3f, 2e-4f * b.depth[k]));
     }
     EXPECT_LE(ids_here, 1e-3 * kShown) << "view " << i;

@@ -11,6 +11,7 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 
@@ -166,75 +167,97 @@ struct ToSamples {
   }
 };
 
-HWY_INLINE void DrawSmall(const Batch& b, int i, uint32_t id, const ToSamples& to) {
-  SoftSamples& samples = *to.samples;
-  const V nearness = Num(b.nearness[i]), weight1 = Num(b.weight1[i]), weight2 = Num(b.weight2[i]);
-  const V low = Num(b.low[i]), high = Num(b.high[i]);
-  for (int by = b.y0[i]; by <= b.y1[i]; ++by) {
-    for (int bx = b.x0[i]; bx <= b.x1[i]; ++bx) {
-      const int32_t slot = samples.slots[static_cast<size_t>(by) * samples.columns + bx];
-      if (slot < 0) continue;
-      for (int s = 0; s < samples.count; ++s) {
-        const float dx = static_cast<float>(4 * (bx - b.x0[i])) + samples.right[s],
-                    dy = static_cast<float>(4 * (by - b.y0[i])) + samples.down[s];
-        BlockEdges edges;
-        for (int k = 0; k < 3; ++k) {
-          edges.right[k] = b.right[k][i];
-          edges.down[k] = b.down[k][i];
-          edges.e[k] = b.e[k][i] + (dx * edges.right[k] + dy * edges.down[k]);
-        }
-        const size_t at = samples.At(slot, s);
-        for (int part = 0; part < kSoftPixels; part += kLanes) {
-          V e1, e2;
-          const M covered = Inside(edges, part, &e1, &e2);
-          if (hn::AllFalse(kFloats, covered)) continue;
-          const V q = hn::Add(nearness, hn::Add(hn::Mul(e1, weight1), hn::Mul(e2, weight2)));
-          Put<true>(covered, hn::Min(hn::Max(q, low), high), id, part, samples.nearness[at].at,
-                    samples.ids[at].at);
-        }
+// Draws a triangle into the samples of one block. `e`: edge functions of each sample at the block's
+// first pixel; `beside`: what a sample adds to the centre's at most.
+struct SampledTriangle {
+  V pixel[3][kSoftPixels / kLanes];  // what pixels add to the edge functions
+  V nearness, weight1, weight2, low, high;
+  float beside[3];
+  uint32_t id;
+
+  HWY_INLINE SampledTriangle(const Batch& b, int i, uint32_t number)
+      : nearness(Num(b.nearness[i])),
+        weight1(Num(b.weight1[i])),
+        weight2(Num(b.weight2[i])),
+        low(Num(b.low[i])),
+        high(Num(b.high[i])),
+        id(number) {
+    for (int k = 0; k < 3; ++k) {
+      const float right = b.right[k][i], down = b.down[k][i];
+      beside[k] = 0.5f * (std::abs(right) + std::abs(down)) + 1;
+      for (int part = 0; part < kSoftPixels; part += kLanes) {
+        pixel[k][part / kLanes] = hn::Add(hn::Mul(Num(right), hn::Load(kFloats, kColumn + part)),
+                                          hn::Mul(Num(down), hn::Load(kFloats, kRow + part)));
       }
     }
   }
-}
 
-HWY_INLINE void DrawMiddling(const SoftView& view, const Batch& b, int i, uint32_t id,
-                             const ToSamples& to) {
-  SoftSamples& samples = *to.samples;
-  const V nearness = Num(b.nearness[i]), weight1 = Num(b.weight1[i]), weight2 = Num(b.weight2[i]);
-  const V low = Num(b.low[i]), high = Num(b.high[i]);
-  const int shift = __builtin_ctz(static_cast<unsigned>(view.steps));
-  BlockEdges edges;
-  float first[kSoftMostSamples][3];
-  for (int k = 0; k < 3; ++k) {
-    edges.right[k] = b.right[k][i];
-    edges.down[k] = b.down[k][i];
-    for (int s = 0; s < samples.count; ++s) {
-      first[s][k] = WholeEdge(b, i, k, shift, static_cast<int>(samples.right[s] * view.steps),
-                              static_cast<int>(samples.down[s] * view.steps));
+  // `of_samples`: what they add to the edge functions `e` of the centre.
+  HWY_INLINE void Draw(SoftSamples& samples, int32_t slot, const float* e,
+                       const float (*of_samples)[3]) const {
+    const V zero = hn::Zero(kFloats);
+    for (int part = 0; part < kSoftPixels; part += kLanes) {
+      const auto edge = [&](int k, float more)
+                            HWY_ATTR { return hn::Add(Num(e[k] + more), pixel[k][part / kLanes]); };
+      const V most = hn::Min(edge(0, beside[0]), hn::Min(edge(1, beside[1]), edge(2, beside[2])));
+      if (hn::AllFalse(kFloats, hn::Ge(most, zero))) continue;
+      for (int s = 0; s < samples.count; ++s) {
+        const V e1 = edge(1, of_samples[s][1]), e2 = edge(2, of_samples[s][2]);
+        const M covered = hn::Ge(hn::Min(edge(0, of_samples[s][0]), hn::Min(e1, e2)), zero);
+        if (hn::AllFalse(kFloats, covered)) continue;
+        const V q = hn::Add(nearness, hn::Add(hn::Mul(e1, weight1), hn::Mul(e2, weight2)));
+        const size_t at = samples.At(slot, s);
+        Put<true>(covered, hn::Min(hn::Max(q, low), high), id, part, samples.nearness[at].at,
+                  samples.ids[at].at);
+      }
     }
   }
+};
+
+// Edge functions of triangles that are set up in batches are whole numbers below 2^24: sums are
+// exact in any order.
+HWY_INLINE void DrawInBlocks(const Batch& b, int i, uint32_t id, const float* first,
+                             const float (*of_samples)[3], SoftSamples& samples) {
+  const SampledTriangle triangle(b, i, id);
   for (int by = b.y0[i]; by <= b.y1[i]; ++by) {
     const int32_t* slots = samples.slots.data() + static_cast<size_t>(by) * samples.columns;
     const float dy = static_cast<float>(4 * (by - b.y0[i]));
     for (int bx = b.x0[i]; bx <= b.x1[i]; ++bx) {
       if (slots[bx] < 0) continue;
       const float dx = static_cast<float>(4 * (bx - b.x0[i]));
-      for (int s = 0; s < samples.count; ++s) {
-        for (int k = 0; k < 3; ++k) {
-          edges.e[k] = first[s][k] + (dx * edges.right[k] + dy * edges.down[k]);
-        }
-        const size_t at = samples.At(slots[bx], s);
-        for (int part = 0; part < kSoftPixels; part += kLanes) {
-          V e1, e2;
-          const M covered = Inside(edges, part, &e1, &e2);
-          if (hn::AllFalse(kFloats, covered)) continue;
-          const V q = hn::Add(nearness, hn::Add(hn::Mul(e1, weight1), hn::Mul(e2, weight2)));
-          Put<true>(covered, hn::Min(hn::Max(q, low), high), id, part, samples.nearness[at].at,
-                    samples.ids[at].at);
-        }
-      }
+      float e[3];
+      for (int k = 0; k < 3; ++k) e[k] = first[k] + (dx * b.right[k][i] + dy * b.down[k][i]);
+      triangle.Draw(samples, slots[bx], e, of_samples);
     }
   }
+}
+
+HWY_INLINE void DrawSmall(const Batch& b, int i, uint32_t id, const ToSamples& to) {
+  SoftSamples& samples = *to.samples;
+  float first[3], of_samples[kSoftMostSamples][3];
+  for (int k = 0; k < 3; ++k) {
+    first[k] = b.e[k][i];
+    for (int s = 0; s < samples.count; ++s) {
+      of_samples[s][k] = samples.right[s] * b.right[k][i] + samples.down[s] * b.down[k][i];
+    }
+  }
+  DrawInBlocks(b, i, id, first, of_samples, samples);
+}
+
+HWY_INLINE void DrawMiddling(const SoftView& view, const Batch& b, int i, uint32_t id,
+                             const ToSamples& to) {
+  SoftSamples& samples = *to.samples;
+  const int shift = __builtin_ctz(static_cast<unsigned>(view.steps));
+  float first[3], of_samples[kSoftMostSamples][3];
+  for (int k = 0; k < 3; ++k) {
+    first[k] = WholeEdge(b, i, k, shift, 0, 0);
+    for (int s = 0; s < samples.count; ++s) {
+      const float there = WholeEdge(b, i, k, shift, static_cast<int>(samples.right[s] * view.steps),
+                                    static_cast<int>(samples.down[s] * view.steps));
+      of_samples[s][k] = there - first[k];
+    }
+  }
+  DrawInBlocks(b, i, id, first, of_samples, samples);
 }
 
 inline void DrawLarge(const SoftView& view, const Point* p, const PlaneNearness& plane, float low,
