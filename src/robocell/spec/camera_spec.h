@@ -85,7 +85,7 @@ struct CameraConfig {
   void Validate(Problems& problems) const;
 };
 
-// How images are drawn; everything costly is off by default, and what was used is recorded.
+// The quality of images. Everything costly is off by default, and records hold what was used.
 struct RenderQuality {
   bool shadows = false;
   bool reflections = false;
@@ -104,7 +104,7 @@ struct RenderQuality {
   }
 };
 
-// Who draws images, and how. In YAML a word stands for the back end, and for a quality one of the
+// The back end that renders images, and its quality. In YAML a word stands for the back end, and for a quality one of the
 // names of render_quality.h: {backend: soft, quality: standard}.
 struct RendererConfig {
   std::string backend = "auto";
