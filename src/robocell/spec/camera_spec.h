@@ -104,8 +104,8 @@ struct RenderQuality {
   }
 };
 
-// The back end that renders images, and its quality. In YAML a word stands for the back end, and for a quality one of the
-// names of render_quality.h: {backend: soft, quality: standard}.
+// The back end that renders images, and its quality. In YAML a word stands for the back end, and
+// for a quality one of the names of render_quality.h: {backend: soft, quality: standard}.
 struct RendererConfig {
   std::string backend = "auto";
   RenderQuality quality = {};
