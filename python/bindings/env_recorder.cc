@@ -37,7 +37,7 @@ class PythonRecorder {
     if (batch_) {
       of_batch.emplace(*batch_, &PlaceOfBatch, done);
     } else {
-      of_env.emplace(env_, &Place, done);
+      of_env.emplace(env_, static_cast<std::string (*)(const Env&)>(&Place), done);
     }
     const nb::gil_scoped_release release;
     return f();
