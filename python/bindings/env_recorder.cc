@@ -113,9 +113,9 @@ void BindEnvRecorder(nb::module_& m) {
         return EnvOfEpisode(episode, images, PythonData()).release();
       },
       "episode"_a, "images"_a = false, nb::rv_policy::take_ownership,
-      "The environment that an episode was recorded in, made from what the dataset keeps; without "
-      "`images` it has no streams.\n\nArgumentError for episodes that no environment recorded, "
-      "NotFoundError for a task that is not registered: import its module before.");
+      "Makes the environment that an episode was recorded in, from the dataset alone; without "
+      "`images` it has no streams.\n\nRaises ArgumentError for episodes that no environment "
+      "recorded, and NotFoundError for a task that is not registered: import its module first.");
   m.def(
       "replay_actions",
       [](Env& env, const Episode& episode, const std::string& frame, double tolerance) {
@@ -126,10 +126,10 @@ void BindEnvRecorder(nb::module_& m) {
                              {.frame = in, .tolerance = tolerance, .poll = SparsePoll()});
       },
       "env"_a, "episode"_a, "frame"_a = "world", "tolerance"_a = 0.0,
-      "Goes back to the start of an episode and gives its actions again, until an observation or a "
-      "reward differs from what was recorded by more than `tolerance` (0: to the bit).\n\n`frame` "
-      "as of Env.set_state: with 'root' for a rig that stands elsewhere, which needs a tolerance. "
-      "ArgumentError for an episode of another configuration. Ctrl-C ends it.");
+      "Returns to the start of an episode and repeats its actions, until an observation or a "
+      "reward differs from the record by more than `tolerance` (0: to the bit).\n\n`frame` as in "
+      "Env.set_state: 'root' for a root frame that stands elsewhere, which needs a tolerance. "
+      "Raises ArgumentError for an episode of another configuration. Ctrl-C ends it.");
 }
 
 }  // namespace robocell::python
