@@ -24,10 +24,6 @@ using namespace nb::literals;
 
 namespace {
 
-std::string PlaceOfBatch(const EnvBatch& batch) {
-  return "batch of environment '" + batch.config().name + "'";
-}
-
 // A recorder of an environment, or of a copy in a batch, which others may be stepping.
 class PythonRecorder {
  public:
@@ -35,7 +31,7 @@ class PythonRecorder {
   auto Do(const char* done, F&& f) {
     std::optional<InUse> of_batch, of_env;
     if (batch_) {
-      of_batch.emplace(*batch_, &PlaceOfBatch, done);
+      of_batch.emplace(*batch_, static_cast<std::string (*)(const EnvBatch&)>(&Place), done);
     } else {
       of_env.emplace(env_, static_cast<std::string (*)(const Env&)>(&Place), done);
     }
