@@ -105,7 +105,12 @@ def test_what_a_topic_shows_of_itself_runs(topic):
     try:
         exec(
             textwrap.dedent("\n".join(shown)),
-            {"robocell": rc, "scene": scene, "robot": scene.robot("rc7")},
+            {
+                "robocell": rc,
+                "scene": scene,
+                "robot": scene.robot("rc7"),
+                "run": rc.RunConfig.load(RUN),
+            },
         )
     finally:
         rc.log.set_log_level(level)
