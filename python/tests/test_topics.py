@@ -95,6 +95,7 @@ def test_what_a_topic_shows_of_itself_runs(topic):
     config = rc.RobotConfig.load(rc.models.robot_file("rc7"))
     spec.robots.append(rc.RobotSpec(name="rc7", config=config))
     scene = rc.Scene.build(spec)
+    run = rc.RunConfig(run="shown", robot=config, output="not written")
     shown = [
         line
         for line in importlib.import_module(f"robocell.{topic}").__doc__.splitlines()
@@ -105,7 +106,7 @@ def test_what_a_topic_shows_of_itself_runs(topic):
     try:
         exec(
             textwrap.dedent("\n".join(shown)),
-            {"robocell": rc, "scene": scene, "robot": scene.robot("rc7")},
+            {"robocell": rc, "scene": scene, "robot": scene.robot("rc7"), "run": run},
         )
     finally:
         rc.log.set_log_level(level)
