@@ -59,7 +59,7 @@ EnvRecorderOptions OptionsOf(const std::string& prefix, bool images, const std::
 Env& CopyOf(EnvBatch& batch, int copy) {
   batch.RequireOpen();
   if (copy >= 0 && copy < batch.size()) return batch.env(copy);
-  throw ArgumentError("copy " + std::to_string(copy) + " of a " + PlaceOfBatch(batch) + " of " +
+  throw ArgumentError("copy " + std::to_string(copy) + " of a " + Place(batch) + " of " +
                       std::to_string(batch.size()) + ": copies are counted from 0");
 }
 

@@ -98,7 +98,7 @@ TEST(ValidateRun, ASceneWithoutATableIsTold) {
   TempDir folder;
   AtomicWrite(folder / "bare.xml", "<mujoco><worldbody><site name='floor'/></worldbody></mujoco>");
   run.scenes = FilesScenes{.files = {(folder / "bare.xml").string()}};
-  ExpectThrow<SpecError>([&] { CheckRun(run); }, "nowhere to put objects");
+  ExpectThrow<SpecError>([&] { ValidateRun(run); }, "nowhere to put objects");
 }
 
 TEST(ValidateRun, EverySceneNeedsATable) {
@@ -115,8 +115,8 @@ TEST(ValidateRun, EverySceneNeedsATable) {
   for (const char* name : {"good.xml", "beside.xml", "bare.xml"})
     scenes.files.push_back((folder / name).string());
   run.scenes = scenes;
-  ExpectThrow<SpecError>([&] { CheckRun(run); }, "so that it is beside the box");
-  ExpectThrow<SpecError>([&] { CheckRun(run); }, "bare.xml': site 'table_top' needs a box geom");
+  ExpectThrow<SpecError>([&] { ValidateRun(run); }, "so that it is beside the box");
+  ExpectThrow<SpecError>([&] { ValidateRun(run); }, "bare.xml': site 'table_top' needs a box geom");
 }
 
 TEST(ValidateRun, ATableThatFallsIsTold) {
@@ -167,7 +167,7 @@ TEST(ValidateRun, ADistanceThatTheGripperDoesNotHaveIsRefused) {
 TEST(ValidateRun, DistancesOutOfReachAreToldWithTheReach) {
   RunConfig run = Demo();
   run.start.base_distance = {0.3, 60};
-  const std::string text = ExpectThrow<SpecError>([&] { CheckRun(run); },
+  const std::string text = ExpectThrow<SpecError>([&] { ValidateRun(run); },
                                                   "start.base_distance: [0.3, 60] m goes beyond");
   EXPECT_THAT(text, HasSubstr("of which 95 % is used"));
   EXPECT_NO_THROW(ValidateRun(run, {.scripted_expert = false, .on_this_machine = false}))
@@ -175,12 +175,12 @@ TEST(ValidateRun, DistancesOutOfReachAreToldWithTheReach) {
   // What is told as the most there is, is accepted: it is not rounded up.
   const size_t at = text.find("goes beyond ") + 12;
   (*run.start.base_distance)[1] = std::stod(text.substr(at));
-  EXPECT_NO_THROW(CheckRun(run)) << (*run.start.base_distance)[1];
+  EXPECT_NO_THROW(ValidateRun(run)) << (*run.start.base_distance)[1];
   (*run.start.base_distance)[1] += 0.001;
-  ExpectThrow<SpecError>([&] { CheckRun(run); }, "] m goes beyond " + text.substr(at, 5));
+  ExpectThrow<SpecError>([&] { ValidateRun(run); }, "] m goes beyond " + text.substr(at, 5));
   run = Demo();
   run.start.base_height_offset = -25;
-  ExpectThrow<SpecError>([&] { CheckRun(run); }, "start.base_height_offset: -25 m puts the base");
+  ExpectThrow<SpecError>([&] { ValidateRun(run); }, "start.base_height_offset: -25 m puts the base");
 }
 
 TEST(ValidateRun, ALiftThatNoArmHasIsRefused) {
