@@ -42,7 +42,7 @@ def test_shards_share_a_folder_but_not_a_shard(tmp_path: Path):
 def test_the_lock_of_a_killed_process_is_free(tmp_path: Path):
     code = (
         "import sys, time; from pathlib import Path\n"
-        "from robocell import DatasetLock\n"
+        "from robocell.data import DatasetLock\n"
         f"with DatasetLock(Path({str(tmp_path)!r})): print('held', flush=True); time.sleep(100)"
     )
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}

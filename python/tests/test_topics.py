@@ -5,6 +5,7 @@ import inspect
 import subprocess
 import sys
 import textwrap
+from pathlib import Path
 
 import pytest
 
@@ -102,6 +103,7 @@ def test_what_a_topic_shows_of_itself_runs(topic):
         if line.startswith("    ")
     ]
     assert shown
+    run = rc.RunConfig.load(Path(__file__).parents[2] / "examples" / "demo.yaml")
     level, sink = rc.log.log_level(), rc.log.set_log_sink(None)
     try:
         exec(
