@@ -20,8 +20,8 @@ SOURCES = DOCS.parent / "src" / "robocell"
 WIDE, HIGH = 1.5, 0.62  # of a box
 # Chosen so that no arrow crosses a box.
 COLUMNS = {
-    **{"base": 0, "math": -2.2, "mujoco": 0, "media": 2.2, "spec": -2.2, "data": 4.4},
-    **{"assets": -3.3, "kinematics": -1.2, "scene": 0, "robot": -0.8, "motion": -2.2},
+    **{"base": 0, "math": -2.2, "mujoco": 0, "media": 2.2, "spec": -3, "data": 4.4},
+    **{"assets": -3.3, "kinematics": -1.1, "scene": 0, "robot": -0.8, "motion": -2.2},
     **{"render": 0.4, "control": 2.6, "scenes": -0.9, "features": 4.2, "task": 1.6},
     **{"expert": 0.6, "env": 2.6, "rollout": 1.6, "diagnose": 1.6},
 }

@@ -25,6 +25,7 @@ RUNS = (
     FilesScenes,
     rc.render.CameraSystemConfig,
     rc.render.CameraConfig,
+    rc.render.RendererConfig,
     rc.render.RenderQuality,
     rc.control.Rates,
 )

@@ -1,8 +1,6 @@
 // A task of your own and its expert in C++: put the red cube on the blue one. The same in Python:
 // ../stack_cubes.py. How it is built and run: CMakeLists.txt.
-#include <robocell/base/plugin.h>
 #include <robocell/robocell.h>
-#include <robocell/task/task_kind.h>
 
 #include <algorithm>
 #include <cmath>

@@ -79,7 +79,7 @@ void BindBase(nb::module_& m) {
   classes.error = NewClass(m, "Error", "Base of everything robocell raises.", PyExc_RuntimeError);
   classes.spec = NewClass(m, "SpecError", "A spec or file is wrong; lists every problem found.",
                           classes.error, PyExc_ValueError);
-  classes.not_found = NewClass(m, "NotFoundError", "A name that does not exist was asked for.",
+  classes.not_found = NewClass(m, "NotFoundError", "The requested name does not exist.",
                                classes.error, PyExc_LookupError);
   classes.argument = NewClass(m, "ArgumentError", "An argument has the wrong shape, range or kind.",
                               classes.error, PyExc_ValueError);
@@ -104,16 +104,16 @@ void BindBase(nb::module_& m) {
       "load_plugin", [](const std::filesystem::path& path) { return LoadPlugin(path.string()); },
       nb::arg("path"),
       "Loads a shared library that registers kinds of tasks, experts, scene sources or samplers "
-      "(ROBOCELL_PLUGIN in C++), once in a process. Returns its full path. IoError for one that "
-      "cannot be loaded; ArgumentError for one that is no plugin or is of another version.");
+      "(ROBOCELL_PLUGIN in C++), once in a process. Returns its full path. Raises IoError if it "
+      "cannot be loaded, and ArgumentError if it is not a plugin or is for another version.");
   m.def(
       "temporary_path",
       [](const std::filesystem::path& parent, const std::string& name) {
         return TemporaryPath(parent, name);
       },
       nb::arg("parent"), nb::arg("name"),
-      "A hidden name for what is being made, another one with each call; whoever finds it taken, "
-      "by a process elsewhere, asks for the next. What is left of it is swept by its name.");
+      "Returns a hidden name for unfinished files, a new one with each call. If another process "
+      "has taken it, call again. Remains are found by the name and removed.");
 }
 
 }  // namespace robocell::python

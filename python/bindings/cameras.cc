@@ -49,9 +49,9 @@ CameraView ViewOf(const mjModel* model, nb::handle camera, std::string_view plac
 }
 
 void BindCameras(nb::module_& m) {
-  nb::class_<OrbitCamera>(
-      m, "OrbitCamera",
-      "Looks at a point: degrees and metres; azimuth 90 looks along +y, negative elevation down.")
+  nb::class_<OrbitCamera>(m, "OrbitCamera",
+                          "A camera that looks at a point: degrees and metres; azimuth 90 looks "
+                          "along +y, negative elevation down.")
       .def(
           "__init__",
           [](OrbitCamera* self, nb::handle lookat, double distance, double azimuth,
@@ -61,18 +61,17 @@ void BindCameras(nb::module_& m) {
           "lookat"_a = nb::make_tuple(0.0, 0.0, 0.0), "distance"_a = 2.0, "azimuth"_a = 90.0,
           "elevation"_a = -45.0, "fovy"_a = 45.0);
   nb::class_<FreeCamera>(m, "FreeCamera",
-                         "A camera anywhere: pose in the world in MuJoCo's camera axes, vertical "
-                         "field of view in degrees.")
+                         "A camera at any pose in the world, in MuJoCo's camera axes, with its "
+                         "vertical field of view in degrees.")
       .def(
           "__init__",
           [](FreeCamera* self, const Pose& pose, double fovy) {
             new (self) FreeCamera{pose, fovy};
           },
           "camera_in_world"_a, "fovy"_a = 45.0);
-  nb::class_<NamedTracking>(
-      m, "TrackingCamera",
-      "An OrbitCamera around a body, wherever it goes: around the centre of mass of the body and "
-      "all that hangs from it.")
+  nb::class_<NamedTracking>(m, "TrackingCamera",
+                            "An OrbitCamera around a moving body: around the centre of mass of the "
+                            "body and everything attached to it.")
       .def(
           "__init__",
           [](NamedTracking* self, std::string body, double distance, double azimuth,

@@ -15,8 +15,8 @@ NB_MODULE(_core, m) {
   robocell::RequireEngineVersion();
   m.attr("__mujoco_version__") = robocell::CompiledEngineVersion();
   m.def("mujoco_version", &robocell::LoadedEngineVersion,
-        "Version of the MuJoCo that is loaded; __mujoco_version__ is the one robocell was built "
-        "for.");
+        "Returns the version of the loaded MuJoCo; __mujoco_version__ is the one robocell was "
+        "built for.");
   BindMujoco(m);
   BindMath(m);
   BindSpec(m);

@@ -33,10 +33,10 @@ struct HeldLock {
 void BindLock(nb::module_& m) {
   nb::class_<HeldLock>(
       m, "DatasetLock",
-      "Keeps two runs, or a run and a repair, from working on the same dataset.\n\n"
-      "`with DatasetLock(folder, shard, count):` IoError names the owner when it "
-      "is taken. The whole plan is locked with count 1; shards of a plan share the "
-      "folder and lock themselves. The locks of a killed process are free.")
+      "A lock that keeps two runs, or a run and a repair, from working on the same "
+      "dataset.\n\n`with DatasetLock(folder, shard, count):` IoError names the owner if the lock "
+      "is taken. Count 1 locks the whole plan; shards of a plan share the folder and lock "
+      "themselves. The locks of a killed process are free.")
       .def(
           "__init__",
           [](HeldLock* self, const std::filesystem::path& dataset, int shard, int count) {
@@ -67,32 +67,31 @@ void BindLeftovers(nb::module_& m) {
       },
       "dataset"_a, "episode"_a = "", "process"_a = nb::none(), "folders_only"_a = false,
       nb::call_guard<nb::gil_scoped_release>(),
-      "Removes what dead processes left half-written, and returns its names; never what somebody "
-      "is "
-      "writing. Of one process and the episodes whose ids begin with `episode`, or all: that is "
-      "for "
-      "whoever holds the DatasetLock of the whole dataset. With `folders_only`, which anybody may, "
-      "files stay.");
+      "Removes half-written files and folders of dead processes, and returns their names. Files "
+      "that are being written stay. Selects one process and the episodes whose ids begin with "
+      "`episode`, or all; for the holder of the DatasetLock of the whole dataset. With "
+      "`folders_only`, which needs no lock, files stay.");
 }
 
 void BindVerify(nb::module_& m) {
   m.def("sign_json", &InsertSelfHash, "text"_a,
-        "A JSON text with its own hash where 64 zeros are: \"json_sha256\": \"000...\".");
+        "Returns a JSON text with its own hash in place of 64 zeros: \"json_sha256\": \"000...\".");
   m.def(
       "set_aside",
       [](const std::filesystem::path& dataset, const std::string& name) {
         return std::string(kQuarantineFolder) + "/" + Quarantine(dataset, name);
       },
       "dataset"_a, "name"_a,
-      "Moves a damaged part of a dataset to where repair moves it; its name from the dataset on.");
+      "Moves a damaged part of a dataset to the quarantine, as repair does. Returns its new name "
+      "relative to the dataset.");
   m.def("require_dataset", &RequireDataset, "dataset"_a,
-        "ArgumentError for a folder that is no dataset; it names the one that is near.");
+        "Raises ArgumentError for a folder that is not a dataset, with the nearest dataset.");
   m.def("json_damage", &JsonDamage, "text"_a,
         "Returns why a text does not match the hash that it contains; None when it does.");
   m.def("other_run_of", &OtherRunOf, "report"_a, "dataset"_a,
-        "The name of the run that a report (its text) is of when that is another one than "
-        "dataset.json describes; None when it is the same, or nothing says so.");
-  nb::class_<VerifyProblem>(m, "VerifyProblem", "What is wrong with one file of a dataset.")
+        "Returns the name of a report's run if it differs from the run in dataset.json; None if it "
+        "is the same or unknown.");
+  nb::class_<VerifyProblem>(m, "VerifyProblem", "A problem with one file of a dataset.")
       .def_ro("episode", &VerifyProblem::episode)
       .def_ro("file", &VerifyProblem::file)
       .def_ro("reason", &VerifyProblem::reason)
@@ -104,12 +103,12 @@ void BindVerify(nb::module_& m) {
               "Ids of episodes that cannot be judged here: no access, another format version, no "
               "decoder. Repair leaves them alone.")
       .def_ro("foreign", &VerifyResult::foreign,
-              "Things that do not belong there, in intact episodes or the dataset.")
+              "Foreign files and folders in intact episodes or the dataset.")
       .def_prop_ro("only_unreadable", &VerifyResult::only_unreadable,
-                   "Whether there are problems, and all of them are this machine's or version's.")
+                   "Whether all problems, if any, come from this machine or version.")
       .def_ro("problems", &VerifyResult::problems)
-      .def_ro("leftovers", &VerifyResult::leftovers, "What a crash left behind.")
-      .def_ro("being_written", &VerifyResult::being_written, "Episodes whose writer lives.")
+      .def_ro("leftovers", &VerifyResult::leftovers, "Remains of a crash.")
+      .def_ro("being_written", &VerifyResult::being_written, "Episodes that are being written.")
       .def_ro("others", &VerifyResult::others)
       .def_prop_ro("ok", &VerifyResult::ok)
       .def("__str__", &VerifyResult::Text)
@@ -117,11 +116,11 @@ void BindVerify(nb::module_& m) {
         return fmt::format("<VerifyResult: {} good, {} bad, {} unfinished>", r.good.size(),
                            r.bad.size(), r.leftovers.size() + r.being_written.size());
       });
-  nb::class_<RepairResult>(m, "RepairResult", "What repair found and moved aside.")
+  nb::class_<RepairResult>(m, "RepairResult", "Result of a repair: what it found and moved aside.")
       .def_ro("found", &RepairResult::found)
-      .def_ro("moved", &RepairResult::moved, "Names of what now lies in <dataset>/.quarantine.")
+      .def_ro("moved", &RepairResult::moved, "Names of the entries now in <dataset>/.quarantine.")
       .def_ro("remaining", &RepairResult::remaining,
-              "Problems that moving things aside could not mend; their texts say what can.")
+              "Problems that repair could not fix; their texts say how to fix them.")
       .def("__repr__", [](const RepairResult& r) {
         return fmt::format("<RepairResult: {} moved aside>", r.moved.size());
       });
@@ -138,10 +137,9 @@ void BindVerify(nb::module_& m) {
         return Repair(dataset, {.decode_videos = decode_videos, .progress = {}});
       },
       "dataset"_a, "decode_videos"_a = false, nb::call_guard<nb::gil_scoped_release>(),
-      "Moves damaged episodes, foreign things in good ones, damaged models, a damaged "
-      "dataset.json, and what a crash left behind aside, into <dataset>/.quarantine. What cannot "
-      "be judged here stays. "
-      "IoError names who is generating into the dataset.");
+      "Moves damaged episodes, foreign files in good ones, damaged models, a damaged dataset.json, "
+      "and remains of a crash aside, into <dataset>/.quarantine. What cannot be judged here stays. "
+      "IoError names the process that generates into the dataset.");
 }
 
 }  // namespace

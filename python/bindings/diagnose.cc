@@ -19,18 +19,19 @@ namespace {
 using WithoutLock = nb::call_guard<nb::gil_scoped_release>;
 
 void BindFinding(nb::module_& m) {
-  nb::enum_<Severity>(m, "Severity", "How a finding of a check is meant.")
-      .value("NOTE", Severity::kNote, "Good to know; needs no change.")
-      .value("WARNING", Severity::kWarning, "It works, and is probably not what was meant.");
-  nb::class_<Finding>(m, "Finding", "What a check says about somebody's robot.")
+  nb::enum_<Severity>(m, "Severity", "Severity of a finding.")
+      .value("NOTE", Severity::kNote, "Information that needs no change.")
+      .value("WARNING", Severity::kWarning, "Valid, but probably unintended.");
+  nb::class_<Finding>(m, "Finding", "A finding of a check.")
       .def_ro("subject", &Finding::subject, "'robot 'left''.")
       .def_ro("severity", &Finding::severity)
       .def_ro("place", &Finding::place,
-              "'arm.yaml:9:14' or 'arm.xml:12'; '' when it stands in no file.")
-      .def_ro("text", &Finding::text, "What is found, why, and the next step.")
+              "Place: 'arm.yaml:9:14' or 'arm.xml:12'; '' without a file.")
+      .def_ro("text", &Finding::text, "The finding, its reason, and the next step.")
       .def_ro("edit", &Finding::edit,
-              "The entry of the robot file's `edits` that mends it; '' when none does.")
-      .def("__str__", &LineWithoutSubject, "Place and text, as `robocell check` shows them.")
+              "The entry of the robot file's `edits` that fixes it; '' if there is none.")
+      .def("__str__", &LineWithoutSubject,
+           "Returns place and text, as `robocell check` prints them.")
       .def("__repr__", [](const Finding& finding) { return "<Finding " + Line(finding) + ">"; });
 }
 
@@ -44,10 +45,10 @@ void BindDiagnose(nb::module_& m) {
         return CheckRobot(robot, {.beside_warnings = beside_warnings});
       },
       "robot"_a, nb::kw_only(), "beside_warnings"_a = false, WithoutLock(),
-      "Tries a robot out in its scene, which is reset and stepped: what touches at home, whether "
-      "its arms stay there and follow a small step of each joint, which groups and actuators "
-      "nothing commands. Returns a Finding for whatever does not work as it should; with "
-      "`beside_warnings` without those that the scene's warnings have already.");
+      "Tries a robot out in its scene, which is reset and stepped: contacts at home, whether its "
+      "arms stay there and follow a small step of each joint, and groups and actuators that "
+      "nothing commands. Returns a Finding for each problem; with `beside_warnings` without those "
+      "that are already warnings of the scene.");
   m.def(
       "validate_robot",
       [](const Robot& robot) {
@@ -56,14 +57,14 @@ void BindDiagnose(nb::module_& m) {
         problems.Throw("robot '" + robot.name() + "'");
       },
       "robot"_a, WithoutLock(),
-      "SpecError when the robot's file says what its model does not do: a gripper's `distance` "
-      "that measuring contradicts, a base wider than the robot reaches; or when no controller can "
-      "drive its arm or gripper, or a name cannot stand in a record. `generate` asks the same.");
-  m.def(
-      "why_no_picks", &WhyNoPicks, "robot"_a, WithoutLock(),
-      "What the scripted expert of pick tasks misses of a robot: a base that can be put anywhere, "
-      "an arm and a gripper with controllers. Empty when pick tasks can use it. `generate` refuses "
-      "a robot for each of these reasons.");
+      "Raises SpecError if the robot's file contradicts its model: a gripper's `distance` that "
+      "measuring contradicts, a base wider than the robot's reach. Also if no controller can drive "
+      "its arm or gripper, or a name is not allowed in a record. `generate` makes the same "
+      "checks.");
+  m.def("why_no_picks", &WhyNoPicks, "robot"_a, WithoutLock(),
+        "Returns what the scripted expert of pick tasks misses in a robot: a base that can be "
+        "placed anywhere, an arm and a gripper with controllers. Empty if pick tasks can use the "
+        "robot; `generate` rejects a robot for each of these reasons.");
   m.def(
       "check_run",
       [](const RunConfig& run, bool scripted_expert, bool on_this_machine) {
@@ -71,11 +72,11 @@ void BindDiagnose(nb::module_& m) {
                         {.scripted_expert = scripted_expert, .on_this_machine = on_this_machine});
       },
       "run"_a, "scripted_expert"_a = true, "on_this_machine"_a = true, WithoutLock(),
-      "SpecError with everything that can be known to be wrong before the first episode: fields, "
-      "models, cameras, object kinds, names of columns, what the robot file says although its "
-      "model does otherwise, and what the scripted expert needs of the robot. With "
-      "`on_this_machine`, streams are drawn once: IoError without ffmpeg, Error without OpenGL. "
-      "Writes nothing. Returns warnings: what works and is probably not meant.");
+      "Raises SpecError with every problem that can be known before the first episode: fields, "
+      "models, cameras, object kinds, names of columns, contradictions between the robot's file "
+      "and its model, and what the scripted expert needs of the robot. With `on_this_machine`, "
+      "streams are drawn once: IoError without ffmpeg, Error without OpenGL. Writes nothing. "
+      "Returns warnings: configurations that are valid but probably unintended.");
 }
 
 }  // namespace robocell::python

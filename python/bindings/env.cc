@@ -332,8 +332,8 @@ PyType_Slot env_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&TraverseEnv
 
 void BindEnv(nb::module_& m) {
   m.def("env_scene_spec", &EnvSceneSpec, "config"_a,
-        "The scene of an environment: robots and grippers in the rig, objects and cameras in their "
-        "frames.\n\nSpecError lists all that is wrong with the configuration.");
+        "Returns the scene of an environment: robots, grippers, objects and cameras in their "
+        "frames.\n\nSpecError lists all problems of the configuration.");
   nb::class_<Env> env(
       m, "Env",
       "A cell of robots behind reset and step; all poses in the shared base frame.\n\n"
@@ -362,31 +362,29 @@ void BindEnv(nb::module_& m) {
            nb::sig("def reset(self, seed: int | None = None, keyframe: int | str | "
                    "collections.abc.Mapping[str, str] | None = None) -> tuple[dict[str, "
                    "typing.Any], dict[str, typing.Any]]"),
-           "To the start: (observation, info). Without a seed the next start of those that the "
-           "last seed began. With a keyframe (see Scene.reset) robots start there, not at home.")
-      .def("step", &StepEnv, "action"_a,
-           nb::sig("def step(self, action: collections.abc.Mapping[str, typing.Any]) -> "
-                   "tuple[dict[str, typing.Any], float, bool, bool, dict[str, typing.Any]]"),
-           "Sends the commands and simulates until the step ends: (observation, reward, "
-           "terminated, truncated, info).\n\n"
-           "info['reason'] says why it ended: arrived, settled (at rest, but not within "
-           "arrival_tolerance), collision, ik_failed, timeout or diverged "
-           "(then truncated is true, and only reset goes on); info['robots'][name] has ik_success, "
-           "collision, and what was left of the motion: joint_error and joint_speed, the largest "
-           "of any joint, and of the TCP position_error, rotation_error, linear_speed, "
-           "angular_speed, and position_shortfall and rotation_shortfall, by which the target "
-           "falls short of the commanded pose, and joint_taken_back, position_taken_back and "
-           "rotation_taken_back, by which the target from which the action started was taken back "
-           "since it led the arm by more than max_target_lead; info['collisions'] lists what "
-           "touched, by robot and "
-           "body. Wrong keys, "
-           "sizes and numbers that are not finite are an ArgumentError before anything moves; "
-           "numbers beyond their range are cut to it. While another thread steps it, all functions "
-           "are an Error. Ctrl-C ends it halfway; then only reset goes on. With a task there are "
-           "info['is_success'], "
-           "which terminates, and info['instruction'].")
+           "Resets to a start and returns (observation, info). Without a seed it is the next start "
+           "of the last seed. With a keyframe (see Scene.reset) robots start there instead of at "
+           "home.")
+      .def(
+          "step", &StepEnv, "action"_a,
+          nb::sig("def step(self, action: collections.abc.Mapping[str, typing.Any]) -> "
+                  "tuple[dict[str, typing.Any], float, bool, bool, dict[str, typing.Any]]"),
+          "Sends the commands, simulates until the step ends, and returns (observation, reward, "
+          "terminated, truncated, info).\n\ninfo['reason'] says why it ended: arrived, settled (at "
+          "rest, but not within arrival_tolerance), collision, ik_failed, timeout or diverged "
+          "(then truncated is true, and only reset helps).\n\ninfo['robots'][name] has ik_success, "
+          "collision, and the remaining motion: joint_error and joint_speed, the largest of any "
+          "joint; of the TCP position_error, rotation_error, linear_speed and angular_speed; "
+          "position_shortfall and rotation_shortfall, from the target to the commanded pose; "
+          "joint_taken_back, position_taken_back and rotation_taken_back, by which the target at "
+          "the start of the action was taken back because it led the arm by more than "
+          "max_target_lead.\n\ninfo['collisions'] lists what touched, by robot and body. With a "
+          "task there are info['is_success'], which terminates, and info['instruction'].\n\nWrong "
+          "keys, sizes and numbers that are not finite raise ArgumentError before anything moves; "
+          "numbers beyond their range are clipped. While another thread steps the environment, "
+          "every call is an Error. Ctrl-C ends a step halfway; then only reset helps.")
       .def("save", &Env::Save, "name"_a,
-           "Keeps the present state under a name; restore(name) goes back to it.")
+           "Keeps the present state under a name; restore(name) returns to it.")
       .def(
           "restore",
           [](Env& e, const std::string& name) {
@@ -398,16 +396,16 @@ void BindEnv(nb::module_& m) {
             return Observation(e);
           },
           "name"_a, nb::sig("def restore(self, name: str) -> dict[str, typing.Any]"),
-          "Back to a saved state; the observation of then. What follows is the same to the bit. "
-          "NotFoundError lists what is saved.")
+          "Restores a saved state and returns its observation. Everything after it is the same to "
+          "the bit. NotFoundError lists the saved states.")
       .def("forget", &Env::Forget, "name"_a, "Drops a saved state.")
       .def_prop_ro(
-          "saved", [](const Env& e) { return e.saved(); }, "Names of saved states.")
+          "saved", [](const Env& e) { return e.saved(); }, "Returns the names of saved states.")
       .def_prop_ro(
           "instruction", [](const Env& e) { return e.instruction(); },
-          "What the task is, in words; '' without one.")
+          "The task's instruction in words; '' without a task.")
       .def("set_origin_to_current", &Env::SetOriginToCurrent, "robot"_a,
-           "With relative_to configured_origin: from now on relative to where it was last sent.")
+           "With relative_to configured_origin: makes the last target the origin of later actions.")
       .def_prop_ro(
           "action_parts", [](const Env& e) { return ActionParts(e.layout()); },
           nb::sig("def action_parts(self, /) -> tuple[tuple[tuple[str, ...], int, int], ...]"),
@@ -416,32 +414,32 @@ void BindEnv(nb::module_& m) {
       .def_prop_ro(
           "observation_parts", [](const Env& e) { return ObservationParts(e.layout()); },
           nb::sig("def observation_parts(self, /) -> tuple[tuple[tuple[str, ...], int, int], ...]"),
-          "The same of observations.")
+          "The same for observations.")
       .def_prop_ro(
           "observed", [](const Env& e) { return FeatureList(e.layout().observed); },
           nb::sig("def observed(self, /) -> list[Feature]"),
-          "What observations are, part by part, with units, frames and ranges; a name is "
-          "'observation/' and the path in the dictionaries.")
+          "The parts of observations, with units, frames and ranges; a name is 'observation/' and "
+          "the path in the dictionaries.")
       .def_prop_ro(
           "commanded", [](const Env& e) { return FeatureList(e.layout().commanded); },
           nb::sig("def commanded(self, /) -> list[Feature]"),
-          "The same of actions: 'action/left/joints'.")
+          "The same for actions: 'action/left/joints'.")
       .def_prop_ro(
           "action_range", [](const Env& e) { return RangeParts(e, e.layout().action, false); },
           nb::sig("def action_range(self, /) -> tuple[dict[str, typing.Any], "
                   "dict[str, typing.Any]]"),
-          "What actions lie between: (lower, upper), each like an action.")
+          "Range of actions: (lower, upper), each like an action.")
       .def_prop_ro(
           "observation_range",
           [](const Env& e) { return RangeParts(e, e.layout().observation, true); },
           nb::sig("def observation_range(self, /) -> tuple[dict[str, typing.Any], "
                   "dict[str, typing.Any]]"),
-          "What observations lie between: (lower, upper), each like an observation.")
+          "Range of observations: (lower, upper), each like an observation.")
       .def_prop_ro(
           "scene", [](const Env& e) { return e.scene(); }, "The simulation.")
       .def_prop_ro(
           "config", [](const Env& e) { return EnvConfig(e.config()); },
-          "A copy of the configuration it was made from.")
+          "A copy of the environment's configuration.")
       .def(
           "close",
           [](Env& e) {
@@ -449,7 +447,7 @@ void BindEnv(nb::module_& m) {
             const SceneUse::Claim claim(e.scene().use(), "Env.close");
             Scene(e.scene()).Close();
           },
-          "Ends its use, and its scene's.");
+          "Closes the environment and its scene.");
 }
 
 }  // namespace robocell::python

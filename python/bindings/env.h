@@ -5,11 +5,13 @@
 
 #include "bindings.h"
 #include "robocell/env/env.h"
+#include "robocell/env/env_batch.h"
 
 namespace robocell::python {
 
-// "environment 'duo'".
+// "environment 'duo'", "batch of environment 'duo'".
 std::string Place(const Env& env);
+std::string Place(const EnvBatch& batch);
 
 // The numbers of an ArmMotion by their keys in infos.
 struct MotionField {

@@ -16,13 +16,13 @@ namespace robocell::python {
 
 using namespace nb::literals;
 
-namespace {
-
-using Seeds = std::vector<std::optional<uint64_t>>;
-
 std::string Place(const EnvBatch& batch) {
   return "batch of environment '" + batch.config().name + "'";
 }
+
+namespace {
+
+using Seeds = std::vector<std::optional<uint64_t>>;
 
 size_t CopyCount(const EnvBatch& batch) { return static_cast<size_t>(batch.size()); }
 

@@ -24,10 +24,6 @@ using namespace nb::literals;
 
 namespace {
 
-std::string PlaceOfBatch(const EnvBatch& batch) {
-  return "batch of environment '" + batch.config().name + "'";
-}
-
 // A recorder of an environment, or of a copy in a batch, which others may be stepping.
 class PythonRecorder {
  public:
@@ -35,9 +31,9 @@ class PythonRecorder {
   auto Do(const char* done, F&& f) {
     std::optional<InUse> of_batch, of_env;
     if (batch_) {
-      of_batch.emplace(*batch_, &PlaceOfBatch, done);
+      of_batch.emplace(*batch_, static_cast<std::string (*)(const EnvBatch&)>(&Place), done);
     } else {
-      of_env.emplace(env_, &Place, done);
+      of_env.emplace(env_, static_cast<std::string (*)(const Env&)>(&Place), done);
     }
     const nb::gil_scoped_release release;
     return f();
@@ -113,9 +109,9 @@ void BindEnvRecorder(nb::module_& m) {
         return EnvOfEpisode(episode, images, PythonData()).release();
       },
       "episode"_a, "images"_a = false, nb::rv_policy::take_ownership,
-      "The environment that an episode was recorded in, made from what the dataset keeps; without "
-      "`images` it has no streams.\n\nArgumentError for episodes that no environment recorded, "
-      "NotFoundError for a task that is not registered: import its module before.");
+      "Makes the environment that an episode was recorded in, from the dataset alone; without "
+      "`images` it has no streams.\n\nRaises ArgumentError for episodes that no environment "
+      "recorded, and NotFoundError for a task that is not registered: import its module first.");
   m.def(
       "replay_actions",
       [](Env& env, const Episode& episode, const std::string& frame, double tolerance) {
@@ -126,10 +122,10 @@ void BindEnvRecorder(nb::module_& m) {
                              {.frame = in, .tolerance = tolerance, .poll = SparsePoll()});
       },
       "env"_a, "episode"_a, "frame"_a = "world", "tolerance"_a = 0.0,
-      "Goes back to the start of an episode and gives its actions again, until an observation or a "
-      "reward differs from what was recorded by more than `tolerance` (0: to the bit).\n\n`frame` "
-      "as of Env.set_state: with 'root' for a rig that stands elsewhere, which needs a tolerance. "
-      "ArgumentError for an episode of another configuration. Ctrl-C ends it.");
+      "Returns to the start of an episode and repeats its actions, until an observation or a "
+      "reward differs from the record by more than `tolerance` (0: to the bit).\n\n`frame` as in "
+      "Env.set_state: 'root' for a root frame that stands elsewhere, which needs a tolerance. "
+      "Raises ArgumentError for an episode of another configuration. Ctrl-C ends it.");
 }
 
 }  // namespace robocell::python

@@ -30,8 +30,8 @@ namespace {
 void BindState(nb::module_& m) {
   nb::class_<EnvState>(
       m, "EnvState",
-      "All that an environment needs to go on as it did; for others of the same configuration. It "
-      "can be pickled, and is made of numbers: EnvState(state.numbers) is the same.")
+      "The complete state of an environment, also for others of the same configuration. It can be "
+      "pickled, and consists of numbers: EnvState(state.numbers) is the same.")
       .def(
           "__init__",
           [](EnvState* self, nb::handle numbers) {
@@ -43,7 +43,7 @@ void BindState(nb::module_& m) {
           nb::sig("def numbers(self, /) -> numpy.typing.NDArray[numpy.float64]"), "For files.")
       .def_prop_ro(
           "root_frame_to_world", [](const EnvState& s) { return s.root_frame_to_world; },
-          "Where the rig stood.")
+          "Pose of the root frame in the world.")
       .def("__getstate__", [](const EnvState& s) { return s.numbers(); })
       .def("__setstate__", [](EnvState& s, const std::vector<double>& numbers) {
         new (&s) EnvState(EnvState::FromNumbers(numbers));
@@ -55,7 +55,7 @@ void BindState(nb::module_& m) {
 void BindEnvState(nb::module_& m) { BindState(m); }
 
 void DefEnvState(nb::class_<Env>& env) {
-  env.def("get_state", &Env::state, "The present state as a value.")
+  env.def("get_state", &Env::state, "Returns the present state as a value.")
       .def(
           "set_state",
           [](Env& e, const EnvState& state, const std::string& frame) {
@@ -70,10 +70,10 @@ void DefEnvState(nb::class_<Env>& env) {
           "state"_a, "frame"_a = "world",
           nb::sig("def set_state(self, state: EnvState, frame: str = 'world') -> dict[str, "
                   "typing.Any]"),
-          "Goes on from a state of an environment of the same configuration; the observation of "
-          "then.\n\nWhat follows is the same to the bit; with frame 'root' what can move of "
-          "root_frame_objects is put where it was in the root frame, for a rig that stands "
-          "elsewhere.");
+          "Continues from a state of an environment of the same configuration, and returns its "
+          "observation.\n\nEverything after it is the same to the bit. With frame 'root', "
+          "root_frame_objects that can move are put where they were in the root frame, for a root "
+          "frame that stands elsewhere.");
 }
 
 }  // namespace robocell::python

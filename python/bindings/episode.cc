@@ -131,10 +131,10 @@ nb::object AllFramesOf(const Episode& episode, const std::string& name,
 }  // namespace
 
 void BindEpisode(nb::module_& m) {
-  nb::class_<SegmentLabel>(m, "SegmentLabel", "What the pixels of one number in segmentation show.")
+  nb::class_<SegmentLabel>(m, "SegmentLabel", "Meaning of one id in segmentation.")
       .def_ro("name", &SegmentLabel::name, "The body.")
       .def_ro("owner", &SegmentLabel::owner,
-              "What it belongs to, as columns name it: 'robots/rc7', 'objects/mug'; or ''.")
+              "Owner of the body, named as in columns: 'robots/rc7', 'objects/mug'; or ''.")
       .def("__repr__", [](const SegmentLabel& label) {
         return "SegmentLabel(name='" + label.name + "', owner='" + label.owner + "')";
       });
@@ -145,8 +145,7 @@ void BindEpisode(nb::module_& m) {
       .def(
           "__init__",
           [](Episode* self, const std::filesystem::path& folder) { new (self) Episode(folder); },
-          "folder"_a,
-          "Opens the episode in a folder. IoError names the file that is missing or damaged.")
+          "folder"_a, "Opens the episode in a folder. IoError names a missing or damaged file.")
       .def_prop_ro("folder", &Episode::folder)
       .def_prop_ro("id", &Episode::id)
       .def_prop_ro("success", &Episode::success)
@@ -159,16 +158,16 @@ void BindEpisode(nb::module_& m) {
       .def_prop_ro(
           "results", [](const Episode& e) { return Json(e.results_json()); },
           nb::sig("def results(self) -> dict[str, object]"),
-          "What was found out at its end, as of `json`; EnvRecorder has `final_observation`.")
+          "Results at the end of the episode, from `json`; EnvRecorder adds `final_observation`.")
       .def_prop_ro(
           "metadata", [](const Episode& e) { return Json(e.metadata_json()); },
           "Seeds, scene, task and whatever else describes the episode.")
       .def_prop_ro(
           "features", [](const Episode& e) { return FeatureList(e.features()); },
           nb::sig("def features(self) -> list[Feature]"),
-          "What the columns are: role, unit, frame, range of each. Empty in episodes that were "
-          "recorded without.")
-      .def("rows", &Episode::rows, "table"_a = "steps", "Number of rows of a table.")
+          "Features of the columns: role, unit, frame, range of each. Empty in episodes that were "
+          "recorded without features.")
+      .def("rows", &Episode::rows, "table"_a = "steps", "Returns the number of rows of a table.")
       .def("__len__", [](const Episode& e) { return e.rows(); })
       .def_prop_ro("tables", &Episode::tables)
       .def_prop_ro("columns", &ColumnNames, "Names of all columns and constants.")
@@ -178,15 +177,15 @@ void BindEpisode(nb::module_& m) {
             return Column{&e, &e.column(name)};
           },
           "name"_a, nb::keep_alive<0, 1>(),
-          "A column without its rows: what is known of it, and `column[10:20]` reads ten rows. "
-          "NotFoundError with the nearest names.")
+          "Returns a column without reading it; `column[10:20]` reads ten rows. NotFoundError has "
+          "the nearest names.")
       .def(
           "__getitem__",
           [](const Episode& e, const std::string& name) {
             return ReadRows({&e, &e.column(name)}, 0, std::nullopt);
           },
           "name"_a, nb::sig("def __getitem__(self, name: str) -> numpy.typing.NDArray[typing.Any]"),
-          "A whole column as an array (rows, ...). NotFoundError with the nearest names.")
+          "Reads a whole column as an array (rows, ...). NotFoundError has the nearest names.")
       .def(
           "read",
           [](const Episode& e, const std::string& name, int64_t first,
@@ -196,7 +195,7 @@ void BindEpisode(nb::module_& m) {
           "name"_a, "first"_a = 0, "count"_a = nb::none(),
           nb::sig("def read(self, name: str, first: int = 0, count: int | None = None) -> "
                   "numpy.typing.NDArray[typing.Any]"),
-          "A range of rows of a column as an array.")
+          "Reads a range of rows of a column as an array.")
       .def_prop_ro("cameras",
                    [](const Episode& e) {
                      std::vector<std::string> names;
@@ -224,7 +223,7 @@ void BindEpisode(nb::module_& m) {
           },
           "The cameras that also have segmentation.")
       .def_prop_ro("segment_labels", &Episode::segment_labels,
-                   "What 0, 1, ... in frames(..., kind='segmentation') show.")
+                   "Meaning of 0, 1, ... in frames(..., kind='segmentation').")
       .def_prop_ro(
           "streams",
           [](const Episode& e) {
@@ -232,28 +231,24 @@ void BindEpisode(nb::module_& m) {
             for (const ImageStream& stream : e.streams()) names.push_back(stream.name);
             return names;
           },
-          "The names of all image streams: 'wrist' for the colour images of a camera, "
-          "'wrist.depth' "
-          "and 'wrist.segmentation' where it has those.")
-      .def(
-          "frame", &FrameAt, "stream"_a, "index"_a, "kind"_a = nb::none(),
-          nb::sig("def frame(self, stream: str, index: int, kind: str | None = None) -> "
-                  "numpy.typing.NDArray[typing.Any]"),
-          "One decoded image: what `frames(stream, kind)[index]` is, without the others.\n\n"
-          "`stream` is one of `streams`, or a camera with its `kind`: 'rgb', 'depth', "
-          "'segmentation'. Negative indices count from the end. A decoder goes on from one call to "
-          "the next, so images in their order cost little; an image elsewhere is looked up by the "
-          "key frame before it. IndexError names the number of frames, NotFoundError the nearest "
-          "streams.")
-      .def(
-          "frames", &AllFramesOf, "stream"_a, "kind"_a = nb::none(),
-          nb::sig("def frames(self, stream: str, kind: str | None = None) -> "
-                  "numpy.typing.NDArray[typing.Any]"),
-          "All frames of a stream, or of a camera and a kind. 'rgb': uint8 (frames, height, width, "
-          "3). 'depth': uint16 (frames, height, width), millimetres along the camera's axis, 0 for "
-          "no hit, 65535 for that and more; exactly as rendered. 'segmentation': uint16 (frames, "
-          "height, width), numbers of segment_labels, NO_SEGMENT where none of them is seen. "
-          "NotFoundError when the camera has no such images.")
+          "Names of all image streams: 'wrist' for the colour images of a camera, 'wrist.depth' "
+          "and 'wrist.segmentation' if it has those.")
+      .def("frame", &FrameAt, "stream"_a, "index"_a, "kind"_a = nb::none(),
+           nb::sig("def frame(self, stream: str, index: int, kind: str | None = None) -> "
+                   "numpy.typing.NDArray[typing.Any]"),
+           "Decodes one image: `frames(stream, kind)[index]` without the others.\n\n`stream` is "
+           "one of `streams`, or a camera with its `kind`: 'rgb', 'depth', 'segmentation'. "
+           "Negative indices count from the end. A decoder stays alive between calls, so images in "
+           "order are cheap; another image is found from the key frame before it. IndexError names "
+           "the number of frames, NotFoundError the nearest streams.")
+      .def("frames", &AllFramesOf, "stream"_a, "kind"_a = nb::none(),
+           nb::sig("def frames(self, stream: str, kind: str | None = None) -> "
+                   "numpy.typing.NDArray[typing.Any]"),
+           "Decodes all frames of a stream, or of a camera and a kind. 'rgb': uint8 (frames, "
+           "height, width, 3). 'depth': uint16 (frames, height, width), millimetres along the "
+           "camera's axis, 0 for no hit, 65535 for that and more; exactly as rendered. "
+           "'segmentation': uint16 (frames, height, width), indices of segment_labels, NO_SEGMENT "
+           "for none. Raises NotFoundError if the camera has no such images.")
       .def(
           "frames_of_rows",
           [](const Episode& e, const std::string& camera, const std::string& table) {
@@ -263,13 +258,12 @@ void BindEpisode(nb::module_& m) {
           "camera"_a, "table"_a = "steps",
           nb::sig("def frames_of_rows(self, camera: str, table: str = 'steps') -> "
                   "numpy.typing.NDArray[numpy.int64]"),
-          "The index of the frame that the camera showed at each row of a table: the last one that "
-          "is not newer, -1 where there is none yet. Frame i belongs to row i of the camera's own "
-          "table; rows of other tables find theirs by the column `time` of both.")
+          "Returns the index of the camera's frame at each row of a table: the last one that is "
+          "not newer, -1 before the first. Frame i belongs to row i of the camera's own table; for "
+          "other tables the column `time` of both is compared.")
       .def_prop_ro("files", &Episode::files)
       .def_prop_ro("models", &Episode::models,
-                   "The models it was made in: their names in the metadata -> where the dataset "
-                   "keeps them.")
+                   "Models of the episode: name in the metadata -> path in the dataset.")
       .def("__getstate__",
            [](const Episode& e) {
              return nb::make_tuple(std::filesystem::absolute(e.folder()).string());
@@ -283,8 +277,8 @@ void BindEpisode(nb::module_& m) {
                (e.success() ? "success" : e.end_reason()) + ">";
       });
   m.def("release_idle_files", &ReleaseIdleFiles, nb::call_guard<nb::gil_scoped_release>(),
-        "Closes the files and ends the decoders that episodes keep for their next call; before a "
-        "dataset is moved or deleted, for example. Episodes open them again when they need them.");
+        "Closes the files and decoders that episodes keep for their next call, for example before "
+        "a dataset is moved or deleted. Episodes open them again on demand.");
 }
 
 }  // namespace robocell::python

@@ -104,25 +104,24 @@ void IkSolver::SolveForLong(const Pose& target) {
 void BindIkSolver(nb::module_& m) {
   nb::class_<IkSolver>(
       m, "IkSolver",
-      "Inverse kinematics with options that were prepared once, for loops that ask for one pose "
-      "after the other.\n\nMade by `ik_solver` of a robot, its kinematics or a chain; it works on "
-      "the chain as it was then. Answers are those of `ik` with the same options. It holds "
-      "Python's lock while it solves, unless it has a filter, a preference or more restarts or "
-      "iterations than by default.",
+      "Inverse kinematics with options prepared once, for loops that solve one pose after the "
+      "other.\n\n`ik_solver` of a robot, its kinematics or a chain makes one; it uses the chain as "
+      "it was then. Results are those of `ik` with the same options. It holds Python's lock while "
+      "it solves, unless it has a filter, a preference or more restarts or iterations than the "
+      "defaults.",
       nb::type_slots(solver_slots))
       .def("solve", &IkSolver::Solve, "target"_a, "seed"_a, "out"_a = nb::none(),
            nb::sig("def solve(self, target: Pose | numpy.typing.ArrayLike, seed: object, out: "
                    "numpy.typing.NDArray[numpy.float64] | None = None) -> bool"),
-           "Whether there is a solution for `target` (in the base frame), a Pose, PyKDL.Frame or "
-           "(4, 4) matrix, starting at `seed` (n,).\n\nA solution is written into `out` (n,), "
-           "which may be the seed; without a solution `out` stays as it is. Nothing is allocated "
-           "for a Pose or a contiguous matrix of float64 and a seed of float64.")
+           "Solves `target` (in the base frame), a Pose, PyKDL.Frame or (4, 4) matrix, starting at "
+           "`seed` (n,). Returns True if there is a solution.\n\nA solution is written into `out` "
+           "(n,), which may be the seed; without a solution `out` does not change. Nothing is "
+           "allocated for a Pose or a contiguous float64 matrix and a float64 seed.")
       .def_prop_ro(
           "result", [](const IkSolver& s) { return s.result(); },
           "The IkResult of the last `solve`, a copy.")
       .def_prop_ro(
-          "chain", [](const IkSolver& s) { return s.chain(); },
-          "The chain that it works on, a copy.")
+          "chain", [](const IkSolver& s) { return s.chain(); }, "A copy of the solver's chain.")
       .def("__repr__",
            [](const IkSolver& s) { return "<IkSolver of " + s.chain().description() + ">"; });
 }

@@ -140,23 +140,24 @@ void DefArray(nb::class_<Pose>& c, const char* name, F getter, const char* doc) 
 void DefReaders(nb::class_<Pose>& c) {
   DefArray(
       c, "translation", [](const Pose& p) { return Vector(p.translation()); },
-      "(3,) metres, a copy.");
+      "Translation (3,) in metres, a copy.");
   DefArray(
       c, "quaternion", [](const Pose& p) { return NumberCopy(p.quaternion()); },
-      "(4,) xyzw, w >= 0, a copy.");
+      "Quaternion (4,) xyzw, w >= 0, a copy.");
   DefArray(
       c, "quaternion_wxyz", [](const Pose& p) { return NumberCopy(p.quaternion_wxyz()); },
-      "(4,) in MuJoCo's order.");
+      "Returns the quaternion (4,) in MuJoCo's order.");
   DefArray(
       c, "rotation", [](const Pose& p) { return Matrix<3>(p.rotation()); }, "(3, 3).");
   DefArray(
       c, "rpy", [](const Pose& p) { return Vector(p.rpy()); },
-      "(3,) rad, extrinsic xyz; at gimbal lock roll is 0.");
+      "Returns roll, pitch, yaw (3,) in rad, extrinsic xyz; at gimbal lock roll is 0.");
   DefArray(
       c, "rotvec", [](const Pose& p) { return Vector(p.rotvec()); },
-      "(3,) axis times angle, rad, angle in [0, pi].");
+      "Returns the rotation vector (3,): axis times angle, rad, angle in [0, pi].");
   DefArray(
-      c, "matrix", [](const Pose& p) { return Matrix<4>(p.matrix()); }, "(4, 4) homogeneous.");
+      c, "matrix", [](const Pose& p) { return Matrix<4>(p.matrix()); },
+      "Returns the homogeneous matrix (4, 4).");
   DefArray(
       c, "xyzrpy", [](const Pose& p) { return NumberCopy(p.xyzrpy()); }, "(6,) metres and rad.");
   c.def_prop_ro("angle", &Pose::angle, "Angle of the rotation in [0, pi], rad.");
@@ -164,7 +165,7 @@ void DefReaders(nb::class_<Pose>& c) {
 
 void DefOperations(nb::class_<Pose>& c) {
   c.def("inverse", &Pose::inverse, "X_BA of X_AB.")
-      .def(nb::self * nb::self, "X_AC = X_AB * X_BC.")
+      .def(nb::self * nb::self, "Composes poses: X_AC = X_AB * X_BC.")
       .def(
           "__matmul__", [](const Pose& a, const Pose& b) { return a * b; }, nb::is_operator(),
           "The same as *.")
@@ -174,39 +175,45 @@ void DefOperations(nb::class_<Pose>& c) {
           nb::arg("point"),
           nb::sig("def transform(self, point: numpy.typing.ArrayLike) -> "
                   "numpy.typing.NDArray[numpy.float64]"),
-          "A point given in B, (3,) metres, in A.")
+          "Transforms a point (3,), metres, from B to A.")
       .def("interpolate", &Pose::interpolate, nb::arg("to"), nb::arg("s"),
-           "s = 0 gives this pose, s = 1 gives `to`: straight line and shortest arc.")
+           "Interpolates on a straight line and the shortest arc: s = 0 gives this pose, s = 1 "
+           "gives `to`.")
       .def("limit_translation", &Pose::limit_translation, nb::arg("metres"),
-           "The same pose with the translation shortened to at most so much.")
+           "Returns the pose with its translation shortened to at most this length.")
       .def("limit_rotation", &Pose::limit_rotation, nb::arg("radians"),
-           "The same pose with the rotation shortened to at most so much.")
+           "Returns the pose with its rotation shortened to at most this angle.")
       .def("is_close", &Pose::is_close, nb::arg("other"), nb::arg("rotation_tolerance") = 1e-8,
            nb::arg("translation_tolerance") = 1e-8,
-           "Angle between the rotations and distance are within their tolerance (rad, m).")
-      .def("to_kdl", &ToKdl, nb::sig("def to_kdl(self) -> typing.Any"),
-           "A PyKDL.Frame. ImportError with the install line when PyKDL is missing.")
+           "Returns True if the distance (m) and the angle between the rotations (rad) are within "
+           "their tolerances.")
+      .def(
+          "to_kdl", &ToKdl, nb::sig("def to_kdl(self) -> typing.Any"),
+          "Returns a PyKDL.Frame. Raises ImportError with the install command if PyKDL is missing.")
       .def_static("from_kdl", &FromFrame, nb::arg("frame"),
-                  nb::sig("def from_kdl(frame: typing.Any) -> Pose"), "From a PyKDL.Frame.");
+                  nb::sig("def from_kdl(frame: typing.Any) -> Pose"),
+                  "Makes a pose from a PyKDL.Frame.");
 }
 
 void BindMotions(nb::module_& m) {
-  nb::class_<CoordinateState>(m, "CoordinateState", "One coordinate of a motion at a time.")
+  nb::class_<CoordinateState>(m, "CoordinateState",
+                              "State of one coordinate of a motion at one time.")
       .def_ro("position", &CoordinateState::position)
       .def_ro("velocity", &CoordinateState::velocity, "Per second.")
-      .def_ro("acceleration", &CoordinateState::acceleration, "Per second squared.")
+      .def_ro("acceleration", &CoordinateState::acceleration, "Acceleration, per second squared.")
       .def("__repr__", [](const CoordinateState& s) {
         return fmt::format("CoordinateState(position={}, velocity={}, acceleration={})", s.position,
                            s.velocity, s.acceleration);
       });
   m.def("minimum_jerk", &MinimumJerk, nb::arg("time"), nb::arg("duration"),
-        "From 0 at time 0 to 1 at `duration`, at rest before, after and at both ends, with the "
-        "least jerk: a CoordinateState. Use its position as the `s` of Pose.interpolate, or of "
-        "start + s * (goal - start). ArgumentError for a negative duration.");
+        "Returns the CoordinateState of a minimum-jerk motion from 0 at time 0 to 1 at `duration`, "
+        "at rest before, after and at both ends. Use its position as the `s` of Pose.interpolate, "
+        "or of start + s * (goal - start). Raises ArgumentError for a negative duration.");
   m.def("minimum_jerk_duration", &MinimumJerkDuration, nb::arg("distance"), nb::arg("max_velocity"),
         nb::arg("max_acceleration"),
-        "The shortest duration (s) in which such a motion over `distance` keeps both limits; "
-        "infinity is no limit. ArgumentError unless limits are > 0 and the distance is finite.");
+        "Returns the shortest duration (s) in which a minimum-jerk motion over `distance` keeps "
+        "both limits; infinity is no limit. Raises ArgumentError unless limits are > 0 and the "
+        "distance is finite.");
   m.def(
       "joint_move_duration",
       [](nb::handle start, nb::handle goal, nb::handle velocity, nb::handle acceleration) {
@@ -217,9 +224,9 @@ void BindMotions(nb::module_& m) {
       nb::arg("start"), nb::arg("goal"), nb::arg("max_velocity"), nb::arg("max_acceleration"),
       nb::sig("def joint_move_duration(start: object, goal: object, max_velocity: object, "
               "max_acceleration: object) -> float"),
-      "The shortest duration (s) in which minimum-jerk motions of all joints, which start and "
-      "arrive together, keep their limits: (n,) each, rad/s and rad/s^2, or m. ArgumentError for "
-      "different sizes.");
+      "Returns the shortest duration (s) in which minimum-jerk motions of all joints, which start "
+      "and arrive together, keep their limits: (n,) each, rad/s and rad/s^2, or m. Raises "
+      "ArgumentError for different sizes.");
   m.def(
       "pose_move_duration",
       [](const PoseOrFrame& start, const PoseOrFrame& goal, double linear_velocity,
@@ -234,7 +241,7 @@ void BindMotions(nb::module_& m) {
       nb::sig("def pose_move_duration(start: Pose, goal: Pose, *, linear_velocity: float = inf, "
               "linear_acceleration: float = inf, angular_velocity: float = inf, "
               "angular_acceleration: float = inf) -> float"),
-      "The shortest duration (s) in which start.interpolate(goal, minimum_jerk(t, "
+      "Returns the shortest duration (s) in which start.interpolate(goal, minimum_jerk(t, "
       "duration).position) keeps the limits: m/s, m/s^2, rad/s, rad/s^2.");
 }
 
@@ -273,7 +280,7 @@ void BindMath(nb::module_& m) {
       nb::arg("rotvec") = nb::none(), nb::arg("rotation") = nb::none(), nb::sig(kInitSignature));
   DefReaders(c);
   DefOperations(c);
-  c.def(nb::self == nb::self, "Exact equality.");
+  c.def(nb::self == nb::self, "Returns True for exact equality.");
   c.def("__hash__", [](const Pose& p) { return nb::hash(State(p)); });
   c.def("__repr__", &Repr);
   c.def("__getstate__", &State, nb::sig("def __getstate__(self) -> tuple[float, ...]"));

@@ -129,10 +129,10 @@ class PyPickTaskSampler : public PySamplerOf<PickTaskSampler> {
 void BindPickTask(nb::module_& m) {
   nb::class_<PickTask, Task, PyTaskOf<PickTask>>(
       m, "PickTask",
-      "Pick an object up. Success: it is lift_height (m) above its start while robots hold it:\n"
-      "nothing else touches it, and a gripper has it between its fingers, or several robots have\n"
-      "it between them. The reward, 0 to 1, is half for a TCP near the object and half for its\n"
-      "height; at success it is 1.")
+      "A task to pick up an object. Success: it is lift_height (m) above its start while robots "
+      "hold it:\nnothing else touches it, and a gripper has it between its fingers, or several "
+      "robots have\nit between them. The reward, 0 to 1, is half for a TCP near the object and "
+      "half for its\nheight; at success it is 1.")
       .def(nb::init<std::string, std::string, std::vector<std::string>, double>(), "object"_a,
            "kind"_a, "all_objects"_a, "lift_height"_a = kLiftHeight)
       .def(
@@ -197,7 +197,7 @@ auto BindPlanner(nb::module_& m, const char* name, const char* doc) {
             const nb::gil_scoped_release release;
             return e.Planner::Act(s, rng.get());
           },
-          "scene"_a, "rng"_a, "{robot: {group: GroupCommand}} until the next policy tick.")
+          "scene"_a, "rng"_a, "Returns {robot: {group: GroupCommand}} until the next policy tick.")
       .def("done", [](const Planner& e) { return e.Planner::done(); })
       .def("failure", [](const Planner& e) { return e.Planner::failure(); })
       .def("phase", [](const Planner& e) { return e.Planner::phase(); })
@@ -209,10 +209,10 @@ void BindPlanners(nb::module_& m) {
       m, "PickPlanner",
       "The scripted expert: picks up the start's target from above, with any robot that has one "
       "arm and one gripper that can be measured.")
-      .def_prop_ro("attempts", &PickPlanner::attempts, "Grasps tried so far.");
+      .def_prop_ro("attempts", &PickPlanner::attempts, "Number of grasps tried so far.");
   BindPlanner<PickAndPlacePlanner>(
       m, "PickAndPlacePlanner",
-      "The scripted expert of pick_and_place tasks, for any robot with one arm and one gripper: "
+      "The scripted expert of pick_and_place tasks, for any robot with one arm and one gripper. It "
       "picks the\nobject up as PickPlanner does, plans how to put it down once it is in the hand, "
       "and picks up\nagain what slipped. It needs a task of kind pick_and_place.");
 }
@@ -225,30 +225,29 @@ void BindPlaces(nb::module_& m) {
             new (self) Support{frame, half_x, half_y, thickness};
           },
           "frame_to_world"_a, "half_x"_a, "half_y"_a, "thickness"_a = 0.0)
-      .def_ro("frame_to_world", &Support::frame_to_world, "Its middle, z up.")
+      .def_ro("frame_to_world", &Support::frame_to_world, "Pose of its middle, z up.")
       .def_ro("half_x", &Support::half_x, "Half extent along its x axis, metres.")
       .def_ro("half_y", &Support::half_y, "Half extent along its y axis, metres.")
-      .def_ro("thickness", &Support::thickness, "How far down its body goes, metres.");
-  nb::class_<BasePlacement>(m, "BasePlacement",
-                            "Where a robot's base stands relative to the "
-                            "target.")
+      .def_ro("thickness", &Support::thickness, "Depth of its body below the face, metres.");
+  nb::class_<BasePlacement>(m, "BasePlacement", "Place of a robot's base relative to the target.")
       .def(
           "__init__",
           [](BasePlacement* self, double distance, double height) {
             new (self) BasePlacement{distance, height};
           },
           "distance"_a, "height"_a)
-      .def_ro("distance", &BasePlacement::distance, "Horizontal, metres.")
-      .def_ro("height", &BasePlacement::height, "Of the base's bottom above the target, metres.");
+      .def_ro("distance", &BasePlacement::distance, "Horizontal distance, metres.")
+      .def_ro("height", &BasePlacement::height,
+              "Height of the base's bottom above the target, metres.");
 }
 
 void BindPickSampler(nb::module_& m) {
   nb::class_<PickTaskSampler, TaskSampler, PyPickTaskSampler>(
       m, "PickTaskSampler",
-      "Objects settled on a support, one of them the target, and a robot placed beside it.\n\n"
-      "A subclass may replace sample() or any of the stages, which sample() calls in this order: "
-      "make_base_scene,\nchoose_kinds, choose_base_placement, place_objects, propose_base_pose, "
-      "validate_base_pose, validate_cameras, make_task.")
+      "Samples starts with objects settled on a support, one of them the target, and a robot "
+      "beside it.\n\nA subclass may replace sample() or any of the stages, which sample() calls in "
+      "this order: make_base_scene,\nchoose_kinds, choose_base_placement, place_objects, "
+      "propose_base_pose, validate_base_pose, validate_cameras, make_task.")
       .def(nb::init<RunConfig>(), "run"_a)
       .def_prop_ro(
           "run", [](const PickTaskSampler& s) { return s.run(); }, "A copy.")
@@ -264,13 +263,13 @@ void BindPickSampler(nb::module_& m) {
       .def(
           "make_base_scene",
           [](PickTaskSampler& s, int scene) { return s.PickTaskSampler::MakeBaseScene(scene); },
-          "scene_index"_a, Unlocked(), "The scene without objects and robot.")
+          "scene_index"_a, Unlocked(), "Returns the scene without objects and robot.")
       .def(
           "choose_kinds",
           [](PickTaskSampler& s, const SampleRequest& request, PythonRng& rng) {
             return s.PickTaskSampler::ChooseKinds(request, rng.get());
           },
-          "request"_a, "rng"_a, "Kinds of the catalogue, the target's first.")
+          "request"_a, "rng"_a, "Returns kinds of the catalogue, the target's first.")
       .def(
           "choose_base_placement",
           [](PickTaskSampler& s, const SampleRequest& request, PythonRng& rng) {
@@ -294,7 +293,7 @@ void BindPickSampler(nb::module_& m) {
           "support"_a, "objects"_a, "rng"_a,
           nb::sig("def place_objects(self, support: Support, objects: list[SceneObject], rng: Rng) "
                   "-> bool"),
-          "Sets the objects' poses on the support; False when there is no room.")
+          "Sets the objects' poses on the support. Returns False if there is no room.")
       .def(
           "propose_base_pose",
           [](PickTaskSampler& s, const Robot& robot, const Support& support, const Pose& target,
@@ -304,8 +303,9 @@ void BindPickSampler(nb::module_& m) {
             return s.PickTaskSampler::ProposeBasePose(robot, support, target, placement, stream);
           },
           "robot"_a, "support"_a, "target_in_world"_a, "placement"_a, "rng"_a,
-          "A pose for the robot's base, its bottom, in the world; None when the robot as it stands "
-          "would overlap the support all around the target: then the objects are placed anew.")
+          "Returns a pose in the world for the bottom of the robot's base. Returns None if the "
+          "robot at home would overlap the support all around the target; then the objects are "
+          "placed again.")
       .def(
           "validate_base_pose",
           [](PickTaskSampler& s, Scene scene, Robot robot, const std::string& target_body) {
@@ -313,7 +313,8 @@ void BindPickSampler(nb::module_& m) {
             return s.PickTaskSampler::ValidateBasePose(scene, robot, target_body);
           },
           "scene"_a, "robot"_a, "target_body"_a,
-          "None when the robot stands free where it is and reaches a grasp of the target.")
+          "Returns None if the robot is collision-free where it stands and reaches a grasp of the "
+          "target.")
       .def(
           "validate_cameras",
           [](PickTaskSampler& s, Scene scene, const std::string& target_body) {
@@ -321,7 +322,7 @@ void BindPickSampler(nb::module_& m) {
             return s.PickTaskSampler::ValidateCameras(scene, target_body);
           },
           "scene"_a, "target_body"_a,
-          "None when the cameras of start.visible_from see enough of the target.")
+          "Returns None if the cameras of start.visible_from see enough of the target.")
       .def(
           "make_task",
           [](PickTaskSampler& s, const std::string& target, const std::string& kind,
@@ -329,7 +330,7 @@ void BindPickSampler(nb::module_& m) {
             return s.PickTaskSampler::MakeTask(target, kind, objects);
           },
           "target"_a, "kind"_a, "objects"_a,
-          "The judge of the episode: `target` among `objects`, names in the scene.");
+          "Returns the task of the episode: `target` among `objects`, names in the scene.");
 }
 
 }  // namespace

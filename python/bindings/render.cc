@@ -113,11 +113,10 @@ RgbImage ToImage(nb::handle value) {
 
 void BindRender(nb::module_& m) {
   BindCameras(m);
-  nb::class_<SceneRenderer> renderer(
-      m, "Renderer",
-      "Images of a scene: colour, depth in metres, body ids; with the camera that they were drawn "
-      "with.",
-      nb::type_slots(kHandleSlots<SceneRenderer>));
+  nb::class_<SceneRenderer> renderer(m, "Renderer",
+                                     "Renders images of a scene: colour, depth in metres, body "
+                                     "ids, with the camera of each image.",
+                                     nb::type_slots(kHandleSlots<SceneRenderer>));
   GuardHandle<SceneRenderer>(
       renderer, [](const SceneRenderer& r, SceneClaims& claims) { claims.Add(r.scene()); },
       [](const SceneRenderer& r) { RequireOpen(r.scene(), "renderer"); });
@@ -171,12 +170,11 @@ void BindRender(nb::module_& m) {
       "path"_a, "rgb"_a.none(),
       nb::sig("def write_png(path: str | os.PathLike, rgb: numpy.typing.NDArray[numpy.uint8]) -> "
               "None"),
-      "Writes a colour image, uint8 (H, W, 3). TypeError for any other array, and what makes one "
-      "of it.");
+      "Writes a colour image, uint8 (H, W, 3). TypeError for any other array says how to convert "
+      "it.");
   m.def(
       "describe_gl", [] { return DescribeGl(); }, nb::call_guard<nb::gil_scoped_release>(),
-      "What draws on this machine. Raises an Error that names everything that was tried when "
-      "nothing "
+      "Returns what draws on this machine. Raises Error with everything that was tried if nothing "
       "does.");
   m.def(
       "graphics_advice",

@@ -100,11 +100,11 @@ void BindGroups(nb::module_& m) {
           "joint_vel", [](const MoveGroup& g) { return NewArray(g.joint_vel()); },
           [](MoveGroup& g, nb::handle v) { g.SetJointVel(ToRow(v, "joint_vel")); },
           nb::for_getter(nb::sig("def joint_vel(self) -> numpy.typing.NDArray[numpy.float64]")),
-          "Joint velocities (nv,).")
+          "Joint velocities (nv,), rad/s or m/s.")
       .def_prop_ro(
           "joint_torque", [](const MoveGroup& g) { return NewArray(g.joint_torque()); },
           nb::for_getter(nb::sig("def joint_torque(self) -> numpy.typing.NDArray[numpy.float64]")),
-          "What the actuators apply (nv,), Nm or N.")
+          "Torques of the actuators (nv,), Nm or N.")
       .def_prop_rw(
           "ctrl", [](const MoveGroup& g) { return NewArray(g.ctrl()); },
           [](MoveGroup& g, nb::handle c) { g.SetCtrl(ToRow(c, "ctrl")); },
@@ -113,13 +113,13 @@ void BindGroups(nb::module_& m) {
       .def_prop_ro(
           "noop_ctrl", [](const MoveGroup& g) { return NewArray(g.noop_ctrl()); },
           nb::for_getter(nb::sig("def noop_ctrl(self) -> numpy.typing.NDArray[numpy.float64]")),
-          "The control that leaves the group where it is.")
+          "Returns the control that holds the group where it is.")
       .def_prop_ro(
           "joint_pos_limits",
           [](const MoveGroup& g) { return IntervalArray(g.joint_pos_limits()); },
           nb::for_getter(
               nb::sig("def joint_pos_limits(self) -> numpy.typing.NDArray[numpy.float64]")),
-          "(nq, 2); infinite where there are none.")
+          "Joint limits (nq, 2); infinite for joints without limits.")
       .def_prop_ro(
           "ctrl_limits", [](const MoveGroup& g) { return IntervalArray(g.ctrl_limits()); },
           nb::for_getter(nb::sig("def ctrl_limits(self) -> numpy.typing.NDArray[numpy.float64]")),
@@ -138,12 +138,14 @@ void BindGroups(nb::module_& m) {
           "q"_a, "v"_a,
           nb::sig("def integrate(self, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike) -> "
                   "numpy.typing.NDArray[numpy.float64]"),
-          "The joint positions (nq,) that q (nq,) becomes when it moves with the velocities v "
-          "(nv,) for a unit of time: rad and rad/s, m and m/s; quaternions turn and stay unit. "
-          "Nothing moves in the scene. ArgumentError for another number of values.")
-      .def("jacobian", &GroupJacobian, "(6, nv) at the leaf, world axes, linear rows first.");
+          "Returns the joint positions (nq,) after q (nq,) moved with the velocities v (nv,) for a "
+          "unit of time: rad and rad/s, m and m/s; quaternions rotate and stay unit. Nothing moves "
+          "in the scene. Raises ArgumentError for a wrong number of values.")
+      .def("jacobian", &GroupJacobian,
+           "Returns the Jacobian (6, nv) at the leaf frame, in world axes, linear rows first.");
   nb::class_<GripperGroup, MoveGroup, PyGripperGroup> gripper(
-      m, "GripperGroup", "A gripper: opening 0 closed ... 1 open whatever the raw control means.");
+      m, "GripperGroup",
+      "A gripper. Its opening is 0 (closed) to 1 (open), whatever the raw control means.");
   gripper.def(nb::init<>())
       .def_prop_rw(
           "opening",
@@ -158,12 +160,12 @@ void BindGroups(nb::module_& m) {
           },
           nb::for_setter(nb::arg("value").none()),
           nb::for_setter(nb::sig("def opening(self, value: float, /) -> None")),
-          "Measured opening; setting it commands the actuator, and the robot's update keeps to "
-          "it. Beyond 0 ... 1 the nearest is used, and the log says so once.")
+          "Measured opening. Setting it commands the actuator, and the robot's update holds it. "
+          "Values beyond 0 ... 1 are clipped, which is logged once.")
       .def(
           "raw_ctrl", [](const GripperGroup& g, double o) { return g.ctrl_for_opening(o); },
           "opening"_a, Unlocked(),
-          "The raw control of the first actuator that leads to an opening, 0 ... 1.")
+          "Returns the raw control of the first actuator for an opening, 0 ... 1.")
       .def(
           "raw_ctrls",
           [](const GripperGroup& g, double o) {
@@ -171,7 +173,7 @@ void BindGroups(nb::module_& m) {
             g.CtrlForOpening(o, ctrl);
             return ctrl;
           },
-          "opening"_a, Unlocked(), "The same for each actuator (nu,).")
+          "opening"_a, Unlocked(), "Returns the raw controls (nu,) for an opening, 0 ... 1.")
       .def("open", &GripperGroup::Open, Unlocked())
       .def("close", &GripperGroup::Close, Unlocked())
       .def_prop_ro("inter_finger_dist", &GripperGroup::inter_finger_dist, "Metres.")
@@ -182,61 +184,64 @@ void BindGroups(nb::module_& m) {
             return std::pair(range.lower, range.upper);
           },
           Unlocked(),
-          "(closed, open) in metres; measured once when the robot's configuration does not say.")
+          "Finger distance (closed, open) in metres; measured once unless the robot's "
+          "configuration gives it.")
       .def_prop_ro("is_open", &GripperGroup::is_open)
       .def("is_grasping", &GripperGroup::is_grasping, "body"_a = "",
-           "Both fingers touch `body`, or any body that is not the robot's.");
-  nb::class_<BaseGroup, MoveGroup, PyBaseGroup> base(m, "BaseGroup", "What a robot stands on.");
+           "Returns True if both fingers touch `body`, or any body that is not the robot's.");
+  nb::class_<BaseGroup, MoveGroup, PyBaseGroup> base(m, "BaseGroup", "The base of a robot.");
   base.def(nb::init<>())
       .def_prop_rw("pose", &BaseGroup::pose, &BaseGroup::SetPose,
                    "Pose in the world. Setting it teleports a mocap, free, planar or driven base, "
                    "and leaves behind what the robot holds; a fixed base raises ArgumentError.")
       .def_prop_ro("is_mobile", &BaseGroup::is_mobile)
       .def_prop_ro("is_driven", &BaseGroup::is_driven,
-                   "Whether `update` moves it to `target`, as a driven base.")
-      .def_prop_rw("target", &BaseGroup::target, &BaseGroup::SetTarget,
-                   "Pose in the world that a driven base moves to, within its largest speeds and "
-                   "with what the robot holds. ArgumentError for other bases.")
+                   "Whether `update` moves the base to `target`, as a driven base.")
+      .def_prop_rw(
+          "target", &BaseGroup::target, &BaseGroup::SetTarget,
+          "Target pose of a driven base in the world. The base moves there within its largest "
+          "speeds and with what the robot holds. Raises ArgumentError for other bases.")
       .def_prop_rw(
           "max_linear_speed", [](const BaseGroup& b) { return b.max_speeds().linear; },
           [](BaseGroup& b, double speed) {
             b.SetMaxSpeeds({.linear = speed, .angular = b.max_speeds().angular});
           },
-          "m/s, of a driven base.")
+          "Largest speed of a driven base, m/s.")
       .def_prop_rw(
           "max_angular_speed", [](const BaseGroup& b) { return b.max_speeds().angular; },
           [](BaseGroup& b, double speed) {
             b.SetMaxSpeeds({.linear = b.max_speeds().linear, .angular = speed});
           },
-          "rad/s, of a driven base.");
+          "Largest angular speed of a driven base, rad/s.");
   for (const nb::handle type : {nb::handle(group), nb::handle(gripper), nb::handle(base)})
     GuardGroup(type);
 }
 
 void BindAction(nb::module_& m) {
   nb::class_<GroupCommand>(m, "GroupCommand",
-                           "What one group is asked to do until the next policy tick.")
+                           "The command of one group until the next policy tick.")
       .def_static(
           "joints", [](nb::handle q) { return GroupCommand::Joints(ToRow(q, "joints")); }, "q"_a,
-          "Absolute joint positions.")
+          "Commands absolute joint positions, rad or m.")
       .def_static(
           "relative_joints",
           [](nb::handle dq) { return GroupCommand::RelativeJoints(ToRow(dq, "relative_joints")); },
-          "dq"_a, "Added to the present target.")
+          "dq"_a, "Commands joint positions relative to the present target.")
       .def_static(
           "leaf_pose", [](const PoseOrFrame& p) { return GroupCommand::LeafPose(p.get()); },
-          "leaf_in_robot"_a, "Pose of the leaf in the robot base frame, through IK.")
+          "leaf_in_robot"_a,
+          "Commands a pose of the leaf frame in the robot base frame, through IK.")
       .def_static("base_pose", &GroupCommand::BasePose, "base_in_world"_a,
-                  "Pose of a driven base in the world, to which `update` moves it.")
+                  "Commands a pose of a driven base in the world, to which `update` moves it.")
       .def_static("opening", &GroupCommand::Opening, "opening"_a,
-                  "Of a gripper: 0 closed ... 1 open.")
+                  "Commands the opening of a gripper, 0 closed ... 1 open.")
       .def_static(
           "velocities",
           [](nb::handle v) { return GroupCommand::Velocities(ToRow(v, "velocities")); }, "v"_a,
-          "Joint velocities, for a controller that takes them.")
+          "Commands joint velocities, for a controller that takes them.")
       .def_static(
           "torques", [](nb::handle t) { return GroupCommand::Torques(ToRow(t, "torques")); }, "t"_a,
-          "Joint torques, for a controller that takes them.")
+          "Commands joint torques, for a controller that takes them.")
       .def_prop_ro("values", [](const GroupCommand& c) { return NewArray(c.values); })
       .def_ro("pose", &GroupCommand::pose);
 }
@@ -265,9 +270,9 @@ void BindRobotClass(nb::module_& m) {
       robot, [](const Robot& r, SceneClaims& claims) { claims.Add(r.use()); },
       [](const Robot& r) { r.RequireOpen(); }, {.always = {"name", "prefix", "scene"}});
   DefRobotIk(robot);
-  robot.def(nb::init<const Robot&>(), "robot"_a, "Another handle to the same robot.")
+  robot.def(nb::init<const Robot&>(), "robot"_a, "Makes another handle to the same robot.")
       .def_static("of", &Robot::Of, "scene"_a, "name"_a, Unlocked(),
-                  "A configured robot by its name in the scene.")
+                  "Returns a configured robot by its name in the scene.")
       .def_static(
           "from_scene",
           [](const Scene& scene, const std::string& base, const std::string& tip,
@@ -277,12 +282,12 @@ void BindRobotClass(nb::module_& m) {
           },
           "scene"_a, "base_body"_a, "tip_body"_a, "prefix"_a = "", "tool"_a = nb::none(),
           Unlocked(),
-          "A robot without configuration: the chain between two bodies, driven by the position "
-          "servos, velocity servos or motors on its joints.\n\nRobots whose arm has the "
-          "same joints and actuators, configured or not, share its mode, controller and "
-          "command ports; making one changes nothing of these. One that has some of the actuators "
-          "of an arm that is driven, and others, is measured only: its ports say which arm has "
-          "them.")
+          "Makes a robot without configuration: the chain between two bodies, driven by the "
+          "position servos, velocity servos or motors on its joints.\n\nRobots whose arm has the "
+          "same joints and actuators, configured or not, share its mode, controller and command "
+          "ports; making one does not change these. A robot that has only some of the actuators of "
+          "a driven arm, or others too, can only be measured; its ports say which arm has the "
+          "actuators.")
       .def_prop_ro("name", &Robot::name)
       .def_prop_ro("prefix", &Robot::prefix)
       .def_prop_ro("scene", &Robot::scene)
@@ -291,7 +296,7 @@ void BindRobotClass(nb::module_& m) {
           "group",
           [](const Robot& r, const std::string& name) { return GroupObject(r, r.group(name)); },
           "name"_a, nb::sig("def group(self, name: str) -> MoveGroup"),
-          "A group by name: a GripperGroup, a BaseGroup or a plain MoveGroup.")
+          "Returns a group by name: a GripperGroup, a BaseGroup or a plain MoveGroup.")
       .def_prop_ro(
           "groups",
           [](const Robot& r) {
@@ -316,10 +321,9 @@ void BindRobotClass(nb::module_& m) {
             return gripper.empty() ? std::nullopt : std::optional(gripper);
           },
           "arm"_a,
-          "The name of the gripper that goes with an arm: the first that hangs on the arm's last "
-          "link, in the order of the file; where it carries none the first that no other arm "
-          "carries; None without. `gripper` is that of the first arm. ArgumentError for a group "
-          "that is no arm.")
+          "Returns the name of an arm's gripper: the first in the file that is attached to the "
+          "arm's last link, else the first that no other arm carries; None without one. `gripper` "
+          "is that of the first arm. Raises ArgumentError for a group that is not an arm.")
       .def_prop_ro(
           "base", [](const Robot& r) { return GroupObject(r, r.base()); },
           nb::sig("def base(self, /) -> BaseGroup"))
@@ -329,7 +333,8 @@ void BindRobotClass(nb::module_& m) {
             TrackScene(r.scene());
             r.SetGroup(KeepGroup(nb::borrow(group)));
           },
-          "group"_a, "Adds or replaces a group by one written in Python, which the robot keeps.")
+          "group"_a,
+          "Adds a group written in Python, or replaces one by it. The robot keeps the object.")
       .def(
           "apply",
           [](Robot& r, const RobotAction& action) {
@@ -343,15 +348,14 @@ void BindRobotClass(nb::module_& m) {
            "Reads the state into the ports and runs every group's controller once.")
       .def(
           "step", [](Robot& r) { return r.Step(); }, nb::call_guard<nb::gil_scoped_release>(),
-          "Steps the whole scene.")
+          "Makes one step of the whole scene.")
       .def(
           "step_n", [](Robot& r, int n) { return r.StepN(n); }, "n"_a, Unlocked(),
-          "n steps of the whole scene, without update() in between.")
+          "Makes n steps of the whole scene, without update() in between.")
       .def_prop_rw(
           "paused", &Robot::paused, &Robot::set_paused,
-          "While True, step() and step_n() of this robot leave the scene as it is; those of "
-          "the scene and of other robots go on, and so does update(). It stays through "
-          "resets and rebuilds.")
+          "While True, step() and step_n() of this robot do nothing; those of the scene and of "
+          "other robots work, and so does update(). The value survives resets and rebuilds.")
       .def_prop_ro("n_joints", &Robot::n_joints)
       .def_prop_ro("joint_names", &Robot::joint_names)
       .def_prop_ro("joint_limits", [](const Robot& r) { return IntervalArray(r.joint_limits()); })
@@ -364,22 +368,20 @@ void BindRobotClass(nb::module_& m) {
             r.SetJointPos(ToRow(q, "q"), call_forward);
           },
           "q"_a, "call_forward"_a = true,
-          "Teleports the arm, re-seeds its port and tells its actuators to hold it there; "
-          "velocities "
-          "stay. Positions beyond the limits are taken, and the "
-          "limits push back: the log says so once. Without `call_forward` poses are updated when "
-          "they are asked for, and all else by the next step.")
+          "Teleports the arm, resets its port and lets its actuators hold it there; velocities "
+          "stay. Positions beyond the limits are accepted, and the limits push back, which is "
+          "logged once. Without `call_forward` poses are updated on demand, and everything else by "
+          "the next step.")
       .def(
           "fk_frame",
           [](const Robot& r, nb::handle q) {
             return q.is_none() ? r.FkFrame() : r.FkFrame(ToRow(q, "q"));
           },
-          "q"_a = nb::none(), "Pose of the TCP in the robot base frame.")
+          "q"_a = nb::none(), "Returns the pose of the TCP in the robot base frame.")
       .def(
           "copy_config", [](const Robot& r) { return RobotConfig(r.config()); },
-          "A copy of the robot's configuration: that of its file or spec, an empty one (name and "
-          "model at most) for a robot without. Changing it changes no robot; build a scene with "
-          "it.")
+          "Returns a copy of the robot's configuration: that of its file or spec, or an empty one "
+          "(name and model at most). Changing the copy changes no robot; build a scene with it.")
       .def_prop_ro("kinematics", [](const Robot& r) { return Kinematics{r}; })
       .def_prop_ro("base_in_world", &Robot::base_in_world)
       .def_prop_ro("tcp_in_world", &Robot::tcp_in_world)
@@ -389,13 +391,10 @@ void BindRobotClass(nb::module_& m) {
           "ft_sensor",
           [](const Robot& r, const std::string& name) { return ToPyKdl(r.ft_sensor(name)); },
           "name"_a, nb::sig("def ft_sensor(self, name: str) -> typing.Any"),
-          "What update() read of a force-torque sensor, as a PyKDL.Wrench: the load on the sensor "
-          "(a "
-          "mass that hangs from it reads its weight, along gravity), N and Nm, in the axes and "
-          "about "
-          "the origin of its `frame_site`.\n\nNotFoundError lists the sensors; ImportError with "
-          "the "
-          "install line when PyKDL is missing.")
+          "Returns the reading of a force-torque sensor at the last update(), as a PyKDL.Wrench: "
+          "the load on the sensor (a mass that hangs from it reads its weight, along gravity), N "
+          "and Nm, in the axes and about the origin of its `frame_site`.\n\nNotFoundError lists "
+          "the sensors; ImportError has the install command if PyKDL is missing.")
       .def(
           "ft_sensor_wrench",
           [](const Robot& r, const std::string& name) {
@@ -404,29 +403,25 @@ void BindRobotClass(nb::module_& m) {
           },
           "name"_a,
           nb::sig("def ft_sensor_wrench(self, name: str) -> numpy.typing.NDArray[numpy.float64]"),
-          "The same as numbers (6,): force, then torque.")
+          "Returns the same as numbers (6,): force, then torque.")
       .def("ft_sensor_frame", &Robot::ft_sensor_frame, "name"_a,
-           "Pose in the world of the site that the reading is expressed in.")
+           "Returns the pose in the world of the site whose axes the reading has.")
       .def("tare_ft_sensor", &Robot::TareFtSensor, "name"_a,
-           "What the sensor reads now, as the last step or forward() left it, is taken off its "
-           "readings until the next reset.")
+           "Subtracts the present reading, of the last step or forward(), from later readings "
+           "until the next reset.")
       .def(
           "kdl_chain", [](const Robot& r) { return ToPyKdl(r.chain()); },
           nb::sig("def kdl_chain(self) -> typing.Any"),
-          "The arm as a PyKDL.Chain from the robot base frame to the TCP, with what it weighs; "
-          "joint values are the model's.\n\nPyKDL's solvers do not keep their chain: the robot "
-          "does, "
-          "as long as it lives, so that `PyKDL.ChainDynParam(robot.kdl_chain(), gravity)` is "
-          "right. "
-          "The same object each time, until the arm weighs or measures something else (an object "
-          "on "
-          "it, refresh_tool_inertia) or you added segments to it.\n\nImportError with the install "
-          "line when PyKDL is "
-          "missing.")
+          "Returns the arm as a PyKDL.Chain from the robot base frame to the TCP, with its masses; "
+          "joint values are the model's.\n\nPyKDL's solvers do not keep their chain. The robot "
+          "keeps it as long as it lives, so that `PyKDL.ChainDynParam(robot.kdl_chain(), gravity)` "
+          "is safe. It is the same object each time, until masses or lengths of the arm change (an "
+          "object on it, refresh_tool_inertia) or you added segments to it.\n\nRaises ImportError "
+          "with the install command if PyKDL is missing.")
       .def_prop_ro(
           "chain", [](const Robot& r) { return Chain(r.chain()); },
-          "The arm's kinematics and dynamics on their own, from the robot base frame to the TCP: "
-          "a copy of what they are now.")
+          "A copy of the arm's present kinematics and dynamics, from the robot base frame to the "
+          "TCP.")
       .def(
           "gravity_torques",
           [](const Robot& r, std::optional<double> gravity_z) {
@@ -436,9 +431,9 @@ void BindRobotClass(nb::module_& m) {
             return NewArray(torques);
           },
           "gravity_z"_a = nb::none(),
-          "Torques (n,) that hold the arm where it is against the scene's gravity, or against "
-          "`gravity_z` along the world's z axis, m/s^2. Bodies with gravcomp count less. The "
-          "scene's is zero where its options disable it.")
+          "Returns the torques (n,) that hold the arm where it is against the scene's gravity, or "
+          "against `gravity_z` along the world's z axis, m/s^2. Bodies with gravcomp count less. "
+          "The scene's gravity is zero if its options disable it.")
       .def(
           "gravity_in_base",
           [](const Robot& r, std::optional<double> gravity_z) {
@@ -446,34 +441,34 @@ void BindRobotClass(nb::module_& m) {
             return Values({gravity.data(), 3});
           },
           "gravity_z"_a = nb::none(),
-          "(3,) the scene's gravity in the axes of the robot base frame, for the dynamics of "
-          "`chain`.")
+          "Returns the scene's gravity (3,) in the axes of the robot base frame, for the dynamics "
+          "of `chain`.")
       .def("refresh_tool_inertia", &Robot::RefreshToolInertia,
-           "Weigh what hangs on the arm (gripper, tool) where it is now instead of where it is at "
-           "the model's reference, until the next reset.")
+           "Recomputes the inertia of what is attached to the arm (gripper, tool) at its present "
+           "pose instead of the model's reference, until the next reset.")
       .def_prop_ro("has_tcp_frame", &Robot::has_tcp_frame,
-                   "Whether the arm ends in a site, not in a body's frame.")
-      .def_prop_ro("tcp_site", &Robot::tcp_site, "That site's full name, else ''.")
+                   "Whether the arm ends in a site instead of a body's frame.")
+      .def_prop_ro("tcp_site", &Robot::tcp_site, "Full name of that site, else ''.")
       .def_prop_ro("tip_to_tcp", &Robot::tip_to_tcp,
-                   "Pose of the TCP in the tip body: the last one that the arm moves, or the one "
+                   "Pose of the TCP in the tip body: the last body that the arm moves, or the one "
                    "given to from_scene.")
       .def("is_driven", &Robot::is_driven, "group"_a,
-           "Whether the group has a controller, which `update` runs.")
+           "Returns True if the group has a controller, which `update` runs.")
       .def("__repr__", [](const Robot& r) { return "<Robot '" + r.name() + "'>"; });
   DefControl(robot);
-  m.def("robots_of", &RobotsOf, "scene"_a, Unlocked(), "All configured robots of a scene.");
+  m.def("robots_of", &RobotsOf, "scene"_a, Unlocked(), "Returns all configured robots of a scene.");
 }
 
 void BindStepper(nb::module_& m) {
-  nb::class_<StepOutcome>(m, "StepOutcome", "How a policy tick went.")
+  nb::class_<StepOutcome>(m, "StepOutcome", "Result of a policy tick.")
       .def_ro("step", &StepOutcome::step)
       .def_ro("failed_robot", &StepOutcome::failed_robot)
       .def_ro("failed_group", &StepOutcome::failed_group)
       .def_prop_ro("ok", &StepOutcome::ok);
-  nb::class_<Stepper> stepper(
-      m, "Stepper",
-      "Drives robots and engine: per control tick every robot's update, then the engine's steps.",
-      nb::type_slots(kHandleSlots<Stepper, &VisitStepper>));
+  nb::class_<Stepper> stepper(m, "Stepper",
+                              "Drives robots and engine: in each control tick every robot's "
+                              "update, then the engine's steps.",
+                              nb::type_slots(kHandleSlots<Stepper, &VisitStepper>));
   GuardHandle<Stepper>(
       stepper, [](const Stepper& s, SceneClaims& claims) { claims.Add(s.scene()); },
       [](const Stepper& s) { RequireOpen(s.scene(), "stepper"); });

@@ -35,29 +35,31 @@ struct StopFlag {
 };
 
 void BindItemResult(nb::module_& m) {
-  nb::class_<ItemResult>(m, "ItemResult", "What became of one item of a plan.")
+  nb::class_<ItemResult>(m, "ItemResult", "Result of one item of a plan.")
       .def_ro("item", &ItemResult::item)
-      .def_ro("committed", &ItemResult::committed, "An episode is on the disk.")
-      .def_ro("complete", &ItemResult::complete, "Nothing is left to be made of it.")
+      .def_ro("committed", &ItemResult::committed, "Whether an episode is on the disk.")
+      .def_ro("complete", &ItemResult::complete, "Whether nothing of the item is missing.")
       .def_ro("success", &ItemResult::success)
-      .def_ro("stopped", &ItemResult::stopped, "Ended by the stop flag; nothing was kept.")
-      .def_ro("resumed", &ItemResult::resumed, "It was complete before.")
-      .def_ro("kept", &ItemResult::kept, "Episodes written now.")
-      .def_ro("attempts", &ItemResult::attempts, "That came to an end.")
+      .def_ro("stopped", &ItemResult::stopped,
+              "Whether the stop flag ended it; nothing was kept then.")
+      .def_ro("resumed", &ItemResult::resumed, "Whether it was complete before.")
+      .def_ro("kept", &ItemResult::kept, "Number of episodes written by this call.")
+      .def_ro("attempts", &ItemResult::attempts, "Number of attempts that ended.")
       .def_ro("undecided", &ItemResult::undecided,
-              "Attempts that the stop flag ended; they count nowhere else.")
-      .def_ro("accepted", &ItemResult::accepted, "Attempts whose start the sampler accepted.")
+              "Number of attempts that the stop flag ended; they count nowhere else.")
+      .def_ro("accepted", &ItemResult::accepted,
+              "Number of attempts whose start the sampler accepted.")
       .def_ro("refusals", &ItemResult::refusals, "'stage: reason' -> count, of refused starts.")
       .def_ro("advice", &ItemResult::advice,
-              "What most starts were refused for, and from where the robot would reach its "
-              "object; '' when a start was accepted.")
+              "The most frequent reason of refused starts, and from where the robot would reach "
+              "its object; '' if a start was accepted.")
       .def_ro("redrawn", &ItemResult::redrawn,
-              "Reason -> count, of places for objects and robot that were tried and given up "
-              "within the attempts; the sampler tried attempts + these.")
+              "Reason -> count, of places for objects and robot that were rejected within the "
+              "attempts; the sampler tried attempts + these.")
       .def_ro("failures", &ItemResult::failures, "Reason -> count, of failed rollouts.")
       .def_ro("robot", &ItemResult::robot, "Its name.")
       .def_ro("object_kind", &ItemResult::object_kind,
-              "Of the last attempt's target; '' when the sampler does not say.")
+              "Kind of the last attempt's target; '' if the sampler does not report it.")
       .def_ro("kinds", &ItemResult::kinds, "Object kind -> attempts.")
       .def_ro("rollouts", &ItemResult::rollouts, "Object kind -> rollouts.")
       .def_ro("rows", &ItemResult::rows)
@@ -76,29 +78,31 @@ void BindItemResult(nb::module_& m) {
 }
 
 void BindReplay(nb::module_& m) {
-  nb::class_<ReplayDifference>(m, "ReplayDifference", "A value that a replay made otherwise.")
-      .def_ro("row", &ReplayDifference::row, "Of the table steps.")
-      .def_ro("tick", &ReplayDifference::tick, "Of the table control.")
+  nb::class_<ReplayDifference>(m, "ReplayDifference",
+                               "A difference between a replay and its record.")
+      .def_ro("row", &ReplayDifference::row, "Row of the table steps.")
+      .def_ro("tick", &ReplayDifference::tick, "Row of the table control.")
       .def_ro("time", &ReplayDifference::time, "Recorded, s.")
       .def_ro("what", &ReplayDifference::what,
-              "For people: joint 'robot_0/joint3' of rc7/arm, object 'target' z.")
-      .def_ro("column", &ReplayDifference::column, "Where it is recorded.")
+              "Description: joint 'robot_0/joint3' of rc7/arm, object 'target' z.")
+      .def_ro("column", &ReplayDifference::column, "The recorded column.")
       .def_ro("recorded", &ReplayDifference::recorded)
       .def_ro("replayed", &ReplayDifference::replayed)
       .def_ro("units", &ReplayDifference::units)
-      .def_ro("others", &ReplayDifference::others, "Further values of the row that differ.");
-  nb::class_<ReplayResult>(m, "ReplayResult", "What a replay of an episode came to.")
+      .def_ro("others", &ReplayDifference::others,
+              "Number of further values of the row that differ.");
+  nb::class_<ReplayResult>(m, "ReplayResult", "Result of replaying an episode.")
       .def_ro("episode", &ReplayResult::episode)
-      .def_ro("rows", &ReplayResult::rows, "Compared without a difference.")
-      .def_ro("ticks", &ReplayResult::ticks, "The same, of the control table.")
+      .def_ro("rows", &ReplayResult::rows, "Number of rows without a difference.")
+      .def_ro("ticks", &ReplayResult::ticks, "The same for the control table.")
       .def_ro("first", &ReplayResult::first, "The first difference, or None.")
       .def_ro("versions", &ReplayResult::versions, "Versions that changed since, or ''.")
       .def_prop_ro("ok", &ReplayResult::ok)
       .def("__str__", &ReplayResult::Text)
       .def("__repr__", [](const ReplayResult& r) { return "<ReplayResult " + r.Text() + ">"; });
   m.def("recorded_scene", &RecordedScene, "episode"_a, nb::call_guard<nb::gil_scoped_release>(),
-        "The SceneSpec that an episode was generated in, with the models that its dataset keeps. "
-        "ArgumentError when the episode does not say.");
+        "Returns the SceneSpec of a generated episode, with the models stored in its dataset. "
+        "Raises ArgumentError if the episode does not contain it.");
   m.def(
       "verify_replay",
       [](const Episode& episode, double tolerance) {
@@ -106,8 +110,8 @@ void BindReplay(nb::module_& m) {
       },
       "episode"_a, "tolerance"_a = ReplayOptions{}.tolerance,
       nb::call_guard<nb::gil_scoped_release>(),
-      "Simulates a generated episode again from its start and its recorded controls and compares "
-      "joints, objects and clock; stops at the first row or tick in which a value differs by more "
+      "Simulates a generated episode again from its start with its recorded controls, and compares "
+      "joints, objects and clock. Stops at the first row or tick in which a value differs by more "
       "than the tolerance (m, rad, m/s, rad/s, s).");
 }
 
@@ -177,41 +181,41 @@ PyType_Slot runner_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&PythonRu
 }  // namespace
 
 void BindRollout(nb::module_& m) {
-  nb::class_<PlanItem>(m, "PlanItem", "One episode to be made.")
+  nb::class_<PlanItem>(m, "PlanItem", "One episode of a plan.")
       .def_ro("index", &PlanItem::index, "In the plan.")
       .def_ro("scene", &PlanItem::scene)
       .def_ro("episode", &PlanItem::episode, "In its scene.")
       .def_ro("id", &PlanItem::id, "Name of the episode's folder.")
       .def("__repr__", [](const PlanItem& item) { return "<PlanItem " + item.id + ">"; });
   m.def("make_plan", &MakePlan, "run"_a,
-        "The episodes of a run: same file, same plan, same seeds.");
+        "Returns the episodes of a run: the same file gives the same plan and the same seeds.");
   m.def("shard_plan", &Shard, "plan"_a, "shard"_a, "count"_a,
-        "The items of shard `shard` of `count`.");
+        "Returns the items of shard `shard` of `count`.");
   m.def("changed_code", &ChangedCode, "dataset"_a, "run"_a,
-        "Source files of the run's task and features that hold something else than when the "
-        "dataset was begun.");
+        "Returns the source files of the run's task and features that changed since the dataset "
+        "was begun.");
   m.def(
       "parse_shard",
       [](const std::string& text) {
         const ShardSpec spec = ParseShard(text);
         return nb::make_tuple(spec.shard, spec.count);
       },
-      "text"_a, "(i, N) of 'i/N'.");
+      "text"_a, "Parses 'i/N' to (i, N).");
   m.def("run_identity", &RunIdentity, "run"_a,
-        "What identifies a run, as YAML: its fields without workers and output.");
+        "Returns the identity of a run as YAML: its fields without workers and output.");
   m.def(
       "prepare_dataset",
       [](const RunConfig& run, bool validate) { PrepareDataset(run, {.validate = validate}); },
       "run"_a, nb::kw_only(), "validate"_a = true, nb::call_guard<nb::gil_scoped_release>(),
-      "Creates the run's output folder, or checks that the one there belongs to the same run "
-      "(SpecError names what differs). A dataset without episodes is begun anew. Validates "
-      "the run first unless told not to.");
+      "Creates the run's output folder, or checks that the existing one belongs to the same run "
+      "(SpecError names the differences). A dataset without episodes begins again. Validates the "
+      "run first, unless `validate` is False.");
   m.def("validate_dataset", &ValidateDataset, "run"_a, nb::call_guard<nb::gil_scoped_release>(),
-        "What prepare_dataset would say of the run's output folder; writes nothing.");
+        "Checks the run's output folder as prepare_dataset does, without writing.");
   m.def(
       "require_same_run", [](const RunConfig& run) { RequireSameRun(run); }, "run"_a,
       nb::call_guard<nb::gil_scoped_release>(),
-      "SpecError, naming each difference, unless the run's dataset was prepared for it: same "
+      "Raises SpecError with each difference unless the run's dataset was prepared for it: same "
       "fields, model files and versions.");
   m.def(
       "items_on_disk",
@@ -220,10 +224,10 @@ void BindRollout(nb::module_& m) {
         return std::make_pair(found.made, found.broken);
       },
       "run"_a, "items"_a, nb::call_guard<nb::gil_scoped_release>(),
-      "(ids of the items whose episode is on the disk, with all failures before it that the run "
-      "keeps; texts about what stands in the way of the others).");
+      "Returns (ids of the items whose episode is on the disk, with all failures before it that "
+      "the run keeps; messages about what blocks the others).");
   m.def("is_complete", &IsComplete, "run"_a, "item"_a, nb::call_guard<nb::gil_scoped_release>(),
-        "Whether nothing is left to do for an item: its episode is on the disk.");
+        "Returns True if an item's episode is on the disk.");
   nb::class_<StopFlag>(m, "StopFlag", "Asks a running Runner to stop at the next action.")
       .def(nb::init<>())
       .def("set", [](StopFlag& flag) { flag.value = true; })
@@ -242,9 +246,8 @@ void BindRollout(nb::module_& m) {
                 PythonRunner(run, ShareKeeper(std::move(expert)), ShareKeeper(std::move(sampler)));
           },
           "run"_a, "expert"_a = nb::none(), "sampler"_a = nb::none(),
-          "`expert`: a function (run, start) -> Expert that replaces the scripted one; `sampler`: "
-          "a "
-          "function (run) -> TaskSampler.")
+          "`expert`: a function (run, start) -> Expert that replaces the scripted expert; "
+          "`sampler`: a function (run) -> TaskSampler.")
       .def(
           "run",
           [](PythonRunner& runner, const PlanItem& item, const StopFlag* flag) {
@@ -257,9 +260,8 @@ void BindRollout(nb::module_& m) {
             });
           },
           "item"_a, "stop"_a = nb::none(),
-          "Tries attempts until an episode is kept; returns an ItemResult. Ctrl-C ends it "
-          "within "
-          "an action;\nepisodes that were kept before stay.");
+          "Makes attempts until an episode is kept, and returns an ItemResult. Ctrl-C ends it "
+          "within an action;\nepisodes that were kept before stay.");
 }
 
 }  // namespace robocell::python

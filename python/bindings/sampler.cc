@@ -39,8 +39,7 @@ PyType_Slot start_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&TraverseS
 
 void BindStart(nb::module_& m) {
   nb::class_<EpisodeStart>(m, "EpisodeStart",
-                           "Where and with what an episode starts: a scene at its start state, and "
-                           "its task.",
+                           "The start of an episode: a scene at its start state, and its task.",
                            nb::type_slots(start_slots))
       .def(
           "__init__",
@@ -66,7 +65,7 @@ void BindStart(nb::module_& m) {
       .def_ro("object_kinds", &EpisodeStart::object_kinds)
       .def_ro("base_in_world", &EpisodeStart::base_in_world)
       .def_rw("redrawn", &EpisodeStart::redrawn,
-              "Reason -> count, of places that were tried and given up on the way.");
+              "Reason -> count, of places that were tried and rejected.");
 }
 
 // A namespace of constants in Python.
@@ -74,8 +73,8 @@ struct RefusalReasons {};
 
 void BindRefusal(nb::module_& m) {
   nb::class_<RefusalReasons> reasons(m, "RefusalReason",
-                                     "Why a start was refused: the reasons of the stages that all "
-                                     "tasks share. A task may have reasons of its own.");
+                                     "Reasons for refusing a start, of the stages that all tasks "
+                                     "share. A task may have reasons of its own.");
   reasons.attr("NO_FREE_PLACE") = Refusal::kNoFreePlace;
   reasons.attr("UNSETTLED") = Refusal::kUnsettled;
   reasons.attr("NO_REACHABLE_BASE_POSE") = Refusal::kNoReachableBasePose;
@@ -84,7 +83,7 @@ void BindRefusal(nb::module_& m) {
   reasons.attr("GRASPS_IN_COLLISION") = Refusal::kGraspsInCollision;
   reasons.attr("CAMERA_CONSTRAINT") = Refusal::kCameraConstraint;
   reasons.attr("INVALID_SCENE") = Refusal::kInvalidScene;
-  nb::class_<Refusal>(m, "Refusal", "A start that was refused, and why.")
+  nb::class_<Refusal>(m, "Refusal", "A refused start with its reason.")
       .def(
           "__init__",
           [](Refusal* self, const std::string& reason, const std::string& detail) {
@@ -93,14 +92,14 @@ void BindRefusal(nb::module_& m) {
           },
           "reason"_a, "detail"_a = "",
           "`reason`: a few words, one of RefusalReason or of your own, by which refusals are "
-          "counted; `detail`: for reading.")
+          "counted; `detail`: a text for people.")
       .def_ro("reason", &Refusal::reason)
       .def_ro("detail", &Refusal::detail, "For reading.")
       .def_ro("stage", &Refusal::stage,
-              "Who refused: objects, task, base, cameras or settling; '' for a sampler without "
-              "stages. Refusals are counted as 'stage: reason'.")
+              "Stage that refused: objects, task, base, cameras or settling; '' for a sampler "
+              "without stages. Refusals are counted as 'stage: reason'.")
       .def_rw("redrawn", &Refusal::redrawn,
-              "Reason -> count, of places that were tried and given up before.")
+              "Reason -> count, of places that were tried and rejected before.")
       .def("__repr__", [](const Refusal& r) {
         return "<Refusal: " + r.reason + (r.detail.empty() ? "" : ", " + r.detail) + ">";
       });
@@ -151,24 +150,24 @@ void BindSampler(nb::module_& m) {
   BindRefusal(m);
   BindStart(m);
   nb::class_<SampleRequest>(m, "SampleRequest",
-                            "Which start is asked for. Samplers may use the numbers to spread "
-                            "their choices evenly over a run.")
+                            "The requested start. Samplers may use its numbers to spread their "
+                            "choices evenly over a run.")
       .def(
           "__init__",
           [](SampleRequest* self, int scene, int episode, int attempt) {
             new (self) SampleRequest{scene, episode, attempt};
           },
           "scene"_a = 0, "episode"_a = 0, "attempt"_a = 0)
-      .def_ro("scene", &SampleRequest::scene, "Which scene of the source.")
-      .def_ro("episode", &SampleRequest::episode, "Which episode in that scene.")
-      .def_ro("attempt", &SampleRequest::attempt, "Which try at that episode.")
+      .def_ro("scene", &SampleRequest::scene, "Number of the scene in the source.")
+      .def_ro("episode", &SampleRequest::episode, "Number of the episode in that scene.")
+      .def_ro("attempt", &SampleRequest::attempt, "Number of the attempt at that episode.")
       .def_prop_ro(
           "stopped", [](const SampleRequest& request) { return ShouldStop(request.stop); },
-          "Somebody asks for an end: the sampler may refuse with any reason.");
+          "True if the run is to end: the sampler may then refuse with any reason.");
   nb::class_<TaskSampler, PySamplerOf<TaskSampler>>(
       m, "TaskSampler",
-      "Sets episodes up. Subclass it with sample(request, rng) -> EpisodeStart | Refusal: same "
-      "request and same numbers from rng, same start.")
+      "Sets episodes up. Subclasses define sample(request, rng) -> EpisodeStart | Refusal. The "
+      "same request and the same numbers from rng must give the same start.")
       .def(nb::init<>())
       .def(
           "sample",

@@ -48,7 +48,7 @@ void DefVector(nb::class_<C>& c, const char* name, T C::*field, const char* doc)
 }
 
 void BindSupportFace(nb::module_& m) {
-  nb::class_<SupportFace>(m, "SupportFace", "A level face that objects can be put on.")
+  nb::class_<SupportFace>(m, "SupportFace", "A level face for objects.")
       .def(
           "__init__",
           [](SupportFace* self, const Support& face, const std::string& body, double free_area,
@@ -58,12 +58,12 @@ void BindSupportFace(nb::module_& m) {
           "face"_a, "body"_a = "", "free_area"_a = 0.0, "room"_a = "")
       .def_ro("face", &SupportFace::face)
       .def_ro("body", &SupportFace::body)
-      .def_ro("free_area", &SupportFace::free_area, "With room above it, square metres.")
+      .def_ro("free_area", &SupportFace::free_area, "Area with free space above it, square metres.")
       .def_ro("room", &SupportFace::room);
 }
 
 void BindContainer(nb::module_& m) {
-  nb::class_<Container> c(m, "Container", "A hollow that objects can be put into.");
+  nb::class_<Container> c(m, "Container", "A hollow for objects.");
   c.def(
        "__init__",
        [](Container* self, const std::string& body, const Pose& frame, const Vec3& half_extents,
@@ -73,18 +73,19 @@ void BindContainer(nb::module_& m) {
        "body"_a, "frame_to_world"_a, "half_extents"_a, "opening"_a = Vec3{0, 0, 1},
        "moved_by"_a = "", "room"_a = "")
       .def_ro("body", &Container::body)
-      .def_ro("frame_to_world", &Container::frame_to_world, "The middle of the hollow.")
+      .def_ro("frame_to_world", &Container::frame_to_world, "Pose of the middle of the hollow.")
       .def_prop_ro(
           "half_extents", [](const Container& value) { return value.half_extents; },
-          "Of the hollow along its frame's axes, metres.",
+          "Size of the hollow along the axes of its frame, metres.",
           nb::sig("def half_extents(self) -> list[float]"))
-      .def_ro("moved_by", &Container::moved_by, "The joint of a drawer; '' if it stands.")
+      .def_ro("moved_by", &Container::moved_by, "The joint of a drawer; '' for a fixed hollow.")
       .def_ro("room", &Container::room);
-  DefVector(c, "opening", &Container::opening, "Out of it, in the world.");
+  DefVector(c, "opening", &Container::opening, "Direction out of the hollow, in the world.");
 }
 
 void BindArticulation(nb::module_& m) {
-  nb::enum_<ArticulationKind>(m, "ArticulationKind", "How a part of the surroundings moves.")
+  nb::enum_<ArticulationKind>(m, "ArticulationKind",
+                              "Kind of motion of a part of the surroundings.")
       .value("HINGE", ArticulationKind::kHinge)
       .value("SLIDE", ArticulationKind::kSlide);
   nb::class_<Articulation> c(m, "Articulation",
@@ -105,11 +106,10 @@ void BindArticulation(nb::module_& m) {
       .def_ro("kind", &Articulation::kind)
       .def_prop_ro(
           "range", [](const Articulation& value) { return value.range; },
-          "Of its value, rad or m; infinite without limits.",
+          "Limits of its value, rad or m; infinite without limits.",
           nb::sig("def range(self) -> list[float]"))
       .def_ro("start", &Articulation::start, "Its value in the scene as compiled.")
-      .def_ro("handle_geoms", &Articulation::handle_geoms,
-              "What it is opened by; empty if that is not known.");
+      .def_ro("handle_geoms", &Articulation::handle_geoms, "Geoms that open it; empty if unknown.");
   DefVector(c, "axis", &Articulation::axis, "In the world.");
   DefVector(c, "anchor", &Articulation::anchor, "A point of the axis, in the world.");
 }
@@ -125,9 +125,10 @@ void BindRooms(nb::module_& m) {
           "name"_a, "category"_a = "", "outline"_a = std::vector<Vec2>(), "floor_height"_a = 0.0)
       .def_ro("name", &Room::name)
       .def_ro("category", &Room::category, "'kitchen'")
-      .def_ro("outline", &Room::outline, "Corners on the floor, counter-clockwise, in the world.")
+      .def_ro("outline", &Room::outline,
+              "Corners of the room on the floor, counter-clockwise, in the world.")
       .def_ro("floor_height", &Room::floor_height, "Metres.");
-  nb::class_<FloorArea>(m, "FloorArea", "A level rectangle of the floor on which nothing stands.")
+  nb::class_<FloorArea>(m, "FloorArea", "A free level rectangle of the floor.")
       .def(
           "__init__",
           [](FloorArea* self, const Pose& frame, double half_x, double half_y,
@@ -135,14 +136,14 @@ void BindRooms(nb::module_& m) {
             new (self) FloorArea{frame, half_x, half_y, room};
           },
           "frame_to_world"_a, "half_x"_a, "half_y"_a, "room"_a = "")
-      .def_ro("frame_to_world", &FloorArea::frame_to_world, "Its middle, z up.")
+      .def_ro("frame_to_world", &FloorArea::frame_to_world, "Pose of its middle, z up.")
       .def_ro("half_x", &FloorArea::half_x, "Half extent along its x axis, metres.")
       .def_ro("half_y", &FloorArea::half_y, "Half extent along its y axis, metres.")
       .def_ro("room", &FloorArea::room);
 }
 
 void BindWords(nb::module_& m) {
-  nb::class_<ObjectWords>(m, "ObjectWords", "What an object of a scene is called.")
+  nb::class_<ObjectWords>(m, "ObjectWords", "Names of an object of a scene.")
       .def(
           "__init__",
           [](ObjectWords* self, const std::string& object, const std::string& category,
@@ -152,7 +153,7 @@ void BindWords(nb::module_& m) {
           "object"_a, "category"_a = "", "words"_a = std::vector<std::string>(), "room"_a = "")
       .def_ro("object", &ObjectWords::object, "Its name in the scene.")
       .def_ro("category", &ObjectWords::category, "'mug'")
-      .def_ro("words", &ObjectWords::words, "For instructions: 'the blue cup'.")
+      .def_ro("words", &ObjectWords::words, "Words for instructions: 'the blue cup'.")
       .def_ro("room", &ObjectWords::room);
   nb::class_<SceneLight> light(m, "SceneLight", "A light of a scene.");
   light
@@ -166,7 +167,7 @@ void BindWords(nb::module_& m) {
           "directional"_a = false)
       .def_ro("name", &SceneLight::name)
       .def_ro("directional", &SceneLight::directional);
-  DefVector(light, "position", &SceneLight::position, "In the world, metres.");
+  DefVector(light, "position", &SceneLight::position, "Position in the world, metres.");
   DefVector(light, "direction", &SceneLight::direction, "In the world.");
 }
 
@@ -178,7 +179,7 @@ void BindAnnotations(nb::module_& m) {
   BindWords(m);
   using A = SceneAnnotations;
   nb::class_<A>(m, "SceneAnnotations",
-                "What is known of a scene beside its geometry. Poses are in the world, names those "
+                "Annotations of a scene beside its geometry. Poses are in the world, names those "
                 "of the compiled scene.")
       .def(
           "__init__",
@@ -205,13 +206,13 @@ void BindAnnotations(nb::module_& m) {
       .def_ro("containers", &A::containers, "Hollows to put objects into.")
       .def_ro("articulations", &A::articulations, "Doors, drawers, lids, knobs.")
       .def_ro("rooms", &A::rooms)
-      .def_ro("free_floor", &A::free_floor, "Where one can stand.")
-      .def_ro("objects", &A::objects, "Categories and words.")
+      .def_ro("free_floor", &A::free_floor, "Free floor.")
+      .def_ro("objects", &A::objects, "Names of the objects.")
       .def_ro("lights", &A::lights);
   m.def("derive_annotations", &DeriveAnnotations, "spec"_a,
         nb::call_guard<nb::gil_scoped_release>(),
-        "What follows from the geometry of a SceneSpec, which is compiled: level faces, hollows, "
-        "joints with the geoms that are named handles or knobs, objects and lights.");
+        "Derives annotations from the geometry of a SceneSpec, which is compiled: level faces, "
+        "hollows, joints with the geoms that are named handles or knobs, objects and lights.");
 }
 
 }  // namespace
@@ -220,29 +221,29 @@ void BindSceneSources(nb::module_& m) {
   BindAnnotations(m);
   nb::class_<SceneSource, PySceneSource>(
       m, "SceneSource",
-      "Numbered scenes in which episodes take place. Subclass it with size() -> int | None and\n"
-      "make(index) -> SceneSpec, and with annotations(index) -> SceneAnnotations | None for what "
-      "it\nknows of them. The same index gives the same scene, whenever it is asked for.\n"
-      "`@register_scene_source('lab')` makes a subclass known by a name.")
+      "Numbered scenes for episodes. Subclasses define size() -> int | None and\nmake(index) -> "
+      "SceneSpec, and annotations(index) -> SceneAnnotations | None if the source\nknows more than "
+      "the geometry. The same index must always give the same "
+      "scene.\n`@register_scene_source('lab')` registers a subclass by name.")
       .def(nb::init<>())
       .def("size", &SceneSource::size,
-           "How many scenes there are, counted from 0; None for as many as are asked for.")
+           "Returns the number of scenes, counted from 0; None for an unlimited number.")
       .def("make", &SceneSource::Make, "index"_a,
-           "The SceneSpec, without a task's objects and the run's robot. The run sets its name, "
-           "timestep and options.")
+           "Returns the SceneSpec, without a task's objects and the run's robot. The run sets its "
+           "name, timestep and options.")
       .def(
           "annotations",
           [](SceneSource& source, int index) -> std::optional<SceneAnnotations> {
             return source.Derive(index);
           },
           "index"_a,
-          "What is known of a scene: all that follows from its geometry, unless a subclass knows "
+          "Returns the annotations of a scene: derived from its geometry, unless a subclass knows "
           "more.");
-  m.def("make_scene_source", &MakeSceneSource, "run"_a, "The SceneSource of a run.");
+  m.def("make_scene_source", &MakeSceneSource, "run"_a, "Returns the SceneSource of a run.");
   m.def(
       "base_scene", [](const RunConfig& run, int index) { return MakeBaseScene(run, index); },
       "run"_a, "index"_a = 0,
-      "A scene of a run's source, with the run's name, timestep and options.");
+      "Returns a scene of a run's source, with the run's name, timestep and options.");
 }
 
 }  // namespace robocell::python

@@ -38,29 +38,29 @@ void BindEnum(nb::module_& m, const char* doc, std::string (*style)(std::string_
 }
 
 void BindEnums(nb::module_& m) {
-  BindEnum<AttachKind>(m, "What a thing is attached to.", Camel);
+  BindEnum<AttachKind>(m, "Kinds of attachment targets.", Camel);
   BindEnum<ElementKind>(m, "Kinds of elements of a model.");
   BindEnum<Shape>(m, "Shapes of primitive objects.");
-  BindEnum<Condim>(m, "Which friction acts at contacts; the values are MuJoCo's condim.");
+  BindEnum<Condim>(m, "Kinds of friction at contacts; the values are MuJoCo's condim.");
   BindEnum<Integrator>(m, "MuJoCo's integrators.");
   BindEnum<FrictionCone>(m, "Shapes of friction cones.");
   BindEnum<Solver>(m, "MuJoCo's constraint solvers.");
-  BindEnum<JacobianKind>(m, "How the constraint Jacobian is stored and factorised.");
-  BindEnum<BaseKind>(m, "What a robot's base can do.");
+  BindEnum<JacobianKind>(m, "Storage and factorisation of the constraint Jacobian.");
+  BindEnum<BaseKind>(m, "Kinds of robot bases.");
   BindEnum<MoveGroupKind>(m, "Kinds of move groups.");
   BindEnum<ControlKind>(m, "Default controllers of move groups.");
-  BindEnum<CtrlMode>(m, "What an arm's joints are driven by.");
-  BindEnum<Keep>(m, "Which episodes a run keeps.");
-  BindEnum<ControlMode>(m, "What an environment's actions are.");
-  BindEnum<RelativeTo>(m, "What an environment's actions are added to.");
-  BindEnum<OnCollision>(m, "What an environment's step does when a robot runs into something.");
+  BindEnum<CtrlMode>(m, "Kinds of actuators that drive an arm's joints.");
+  BindEnum<Keep>(m, "Kinds of episodes that a run keeps.");
+  BindEnum<ControlMode>(m, "Meaning of an environment's actions.");
+  BindEnum<RelativeTo>(m, "Reference of an environment's actions.");
+  BindEnum<OnCollision>(m, "Effect of a collision on an environment's step.");
 }
 
 void BindAttachTarget(nb::module_& m) {
   nb::class_<AttachTarget>(
       m, "AttachTarget",
-      "What a thing is attached to, immutable: AttachTarget(AttachKind.Site, 'pinch_site').\n\n"
-      "World, Root and SharedBase are frames of their own and have no name.")
+      "The target of an attachment, immutable: AttachTarget(AttachKind.Site, "
+      "'pinch_site').\n\nWorld, Root and SharedBase are frames and have no name.")
       .def(
           "__init__",
           [](AttachTarget* self, nb::handle kind, const std::string& name) {
@@ -71,8 +71,8 @@ void BindAttachTarget(nb::module_& m) {
           nb::arg("kind") = AttachKind::kWorld, nb::arg("name") = "",
           nb::sig("def __init__(self, kind: AttachKind | str = ..., name: str = '') "
                   "-> None"))
-      .def_ro("kind", &AttachTarget::kind, "What kind of thing.")
-      .def_ro("name", &AttachTarget::name, "Its name; '' for the frames.")
+      .def_ro("kind", &AttachTarget::kind, "Kind of the target.")
+      .def_ro("name", &AttachTarget::name, "Name of the target; '' for the frames.")
       .def(nb::self == nb::self)
       .def("__hash__",
            [](const AttachTarget& t) {
@@ -115,9 +115,9 @@ ElementRef MakeElementRef(nb::handle name, nb::handle kind, nb::handle body, nb:
 void BindElementRef(nb::module_& m) {
   nb::class_<ElementRef>(
       m, "ElementRef",
-      "Points at an element of a model, immutable: by name, or the index-th of its kind in a "
-      "body.\n\n    ElementRef('link_tcp', kind=ElementKind.SITE)\n"
-      "    ElementRef(kind=ElementKind.GEOM, body='left_finger', index=3)")
+      "Refers to an element of a model, immutable: by name, or the index-th of its kind in a "
+      "body.\n\n    ElementRef('link_tcp', kind=ElementKind.SITE)\n    "
+      "ElementRef(kind=ElementKind.GEOM, body='left_finger', index=3)")
       .def(
           "__init__",
           [](ElementRef* self, nb::handle name, nb::handle kind, nb::handle body,
@@ -126,10 +126,12 @@ void BindElementRef(nb::module_& m) {
           nb::arg("index") = 0,
           nb::sig("def __init__(self, name: str = '', *, kind: ElementKind | str | None = None, "
                   "body: str = '', index: int = 0) -> None"))
-      .def_ro("kind", &ElementRef::kind, "Unset: any kind that the field allows.")
+      .def_ro("kind", &ElementRef::kind,
+              "Kind of the element. Unset: any kind that the field allows.")
       .def_ro("name", &ElementRef::name, "Name of the element; '' for an unnamed one.")
-      .def_ro("body", &ElementRef::body, "The body that an unnamed element sits in.")
-      .def_ro("index", &ElementRef::index, "Which of that body's elements of this kind, from 0.")
+      .def_ro("body", &ElementRef::body, "The body of an unnamed element.")
+      .def_ro("index", &ElementRef::index,
+              "Number of the element among those of this kind in that body, from 0.")
       .def(nb::self == nb::self)
       .def("__hash__", [](const ElementRef& ref) { return nb::hash(StateOf(ref)); })
       .def("__repr__",
@@ -165,15 +167,15 @@ void BindSpec(nb::module_& m) {
   BindRunSpecs(m);
   BindEnvSpecs(m);
   m.def("missing_spec_file", &MissingSpecFile, nb::arg("path"), nb::arg("type"),
-        "Why there is no such spec file and what is there instead; '' when it is a file.");
+        "Explains a missing spec file, with what is there instead; '' if it is a file.");
   m.def("scene_object_element_name", &SceneObjectElementName, nb::arg("object"), nb::arg("element"),
-        "Full name of an element of a model object, without a scene: ('table', 'table_top') -> "
-        "'table_table_top'.");
+        "Returns the full name of an element of a model object, without a scene: ('table', "
+        "'table_top') -> 'table_table_top'.");
   m.def(
       "expand_names",
       [](const std::string& text) { return ToTuple(NameList::Expand(text).names, Text); },
       nb::arg("text"), nb::sig("def expand_names(text: str) -> tuple[str, ...]"),
-      "'joint1..joint7' as names; a name without '..' stands for itself.");
+      "Expands 'joint1..joint7' to names; a name without '..' stays.");
 }
 
 }  // namespace robocell::python

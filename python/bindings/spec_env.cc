@@ -10,11 +10,11 @@ void BindEnvSpecs(nb::module_& m) {
       m,
       "A model or a primitive in one of an environment's frames; a model also written as a pair "
       "(file, Pose).");
-  BindSpecClass<ObjectVariation>(m, "How an object differs from episode to episode.");
+  BindSpecClass<ObjectVariation>(m, "Random variation of an object in each episode.");
   BindSpecClass<CameraAdderConfig>(
-      m, "Where a camera is added: in the root frame, or at a robot's attachment site.");
-  BindSpecClass<SimSettings>(m, "How an environment's simulation runs.");
-  BindSpecClass<WrapperConfig>(m, "What is around the robots' actions and observations.");
+      m, "A camera to add, in the root frame or at a robot's attachment site.");
+  BindSpecClass<SimSettings>(m, "Settings of an environment's simulation.");
+  BindSpecClass<WrapperConfig>(m, "Wrappers of the robots' actions and observations.");
   auto env = BindSpecClass<EnvConfig>(
       m, "A cell of one or several robots as an environment: robots, frames, objects, cameras.");
   DefYamlFile(env);

@@ -6,18 +6,15 @@ namespace robocell::python {
 
 void BindRunSpecs(nb::module_& m) {
   BindSpecClass<CameraConfig>(m, "One stream of images from a camera.");
-  BindSpecClass<RenderQuality>(m, "How images are drawn; everything costly is off by default.");
-  BindSpecClass<RendererConfig>(m, "Who draws images, and how.");
+  BindSpecClass<RenderQuality>(m, "Quality of images; everything costly is off by default.");
+  BindSpecClass<RendererConfig>(m, "The back end that renders images, and its quality.");
   auto cameras =
       BindSpecClass<CameraSystemConfig>(m, "The image streams of a run and the size they share.");
   DefYamlFile(cameras);
-  BindSpecClass<StartConfig>(
-      m,
-      "Where the base of a run's robot stands around what the task is about, "
-      "and what has to hold before an episode begins.");
-  BindSpecClass<Rates>(m,
-                       "How often the engine steps, controllers run and actions are taken, in ms "
-                       "or in Hz.")
+  BindSpecClass<StartConfig>(m,
+                             "Places of the robot's base around the task's object, and the "
+                             "conditions for beginning an episode.");
+  BindSpecClass<Rates>(m, "Rates of engine steps, controllers and actions, in ms or in Hz.")
       .def(
           "timestep", [](const Rates& r) { return r.timestep().value(); },
           "The engine's timestep, seconds.")
@@ -30,11 +27,12 @@ void BindRunSpecs(nb::module_& m) {
           },
           nb::sig("def policy_rate(self) -> tuple[int, int]"),
           "Actions and rows per second, exact: numerator and denominator.");
-  auto run = BindSpecClass<RunConfig>(m, "What to generate: robot, task, scenes, cameras, rates.");
+  auto run = BindSpecClass<RunConfig>(
+      m, "A run that generates episodes: robot, task, scenes, cameras, rates.");
   DefYamlFile(run);
   run.def_prop_ro(
       "source_dir", [](const RunConfig& r) { return r.source_dir; },
-      "Folder of the run file, which its relative paths start at; '' without one.");
+      "Folder of the run file, to which its paths are relative; '' without one.");
 }
 
 }  // namespace robocell::python

@@ -6,8 +6,8 @@
 namespace robocell::python {
 
 void BindSceneSpecs(nb::module_& m) {
-  BindSpecClass<SimOptions>(
-      m, "The engine's options for the whole scene; meanings as in MuJoCo's <option>.");
+  BindSpecClass<SimOptions>(m,
+                            "The engine's options for the whole scene, as in MuJoCo's <option>.");
   auto object = BindSpecClass<SceneObject>(
       m, "An object of a scene: a model file, or a primitive with size, rgba, mass and friction.");
   DefYamlFile(object);

@@ -54,10 +54,9 @@ SceneSourceSpec ScenesFromPython(nb::handle value, const FieldPath& path) {
 
 void BindSceneSourceSpecs(nb::module_& m) {
   BindSpecClass<FilesScenes>(m, "The fields of a scene source of kind `files`.");
-  nb::class_<SceneSourceSpec>(
-      m, "SceneSourceSpec",
-      "Where a run's scenes come from: `source`, the kind; `houses`, which of its scenes; and the "
-      "fields of that kind as attributes.")
+  nb::class_<SceneSourceSpec>(m, "SceneSourceSpec",
+                              "The source of a run's scenes: `source`, the kind; `houses`, the "
+                              "numbers of its scenes; and the fields of that kind as attributes.")
       .def(
           "__init__",
           [](SceneSourceSpec* self, const nb::kwargs& fields) {
@@ -68,7 +67,7 @@ void BindSceneSourceSpecs(nb::module_& m) {
       .def_prop_rw(
           "source", [](const SceneSourceSpec& spec) { return spec.kind(); },
           [](SceneSourceSpec& spec, const std::string& kind) { spec.SetKind(kind); },
-          "The kind of source; a new kind has its defaults.")
+          "The kind of source. A new kind starts with its defaults.")
       .def_prop_rw(
           kHouses,
           [](SceneSourceSpec& spec) { return Convert<IndexList>::Get(spec.houses, kHouses, {}); },

@@ -242,17 +242,17 @@ void BindTaskKinds(nb::module_& m) {
   m.def("_register_sampler", &RegisterPythonSampler, "kind"_a, "maker"_a, "code"_a);
   m.def(
       "scene_source_kinds", [] { return SceneSourceRegistry().kinds(); },
-      "Kinds that the `source` of a run's scenes may name.");
-  m.def("sampler_kinds", &SamplerKinds, "Kinds that the `sampler` of a run may name.");
+      "Returns the kinds for the `source` of a run's scenes.");
+  m.def("sampler_kinds", &SamplerKinds, "Returns the kinds for the `sampler` of a run.");
   m.def("imports_of_run_file", &ImportsOfRunFile, "path"_a,
-        "What `imports` of a run file names; nothing of a file that cannot be read.");
-  m.def("task_kinds", &TaskKinds, "Kinds that the `task` of a configuration may name.");
-  m.def("expert_kinds", &ExpertKinds, "Kinds of experts.");
+        "Returns the `imports` of a run file; none for a file that cannot be read.");
+  m.def("task_kinds", &TaskKinds, "Returns the kinds for the `task` of a configuration.");
+  m.def("expert_kinds", &ExpertKinds, "Returns the kinds of experts.");
   m.def(
       "make_task",
       [](const EnvConfig& config, const Scene& scene) { return MakeTask(config, scene); },
       "config"_a, "scene"_a,
-      "The task of an environment's configuration, bound to its scene; None without one.");
+      "Returns the task of an environment's configuration, bound to its scene; None without one.");
   BindEnvState(m);
 }
 

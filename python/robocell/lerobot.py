@@ -36,8 +36,8 @@ class LeRobotEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     the keys of its dictionaries; values beyond are clipped. Observations are float32 except
     ``pixels``:
 
-    - ``agent_pos``: the state of the robots;
-    - ``environment_state``: the task's objects and signals;
+    - ``agent_pos``: the state of the robots, and the chosen ``features`` that are not privileged;
+    - ``environment_state``: the task's objects and signals, and privileged features;
     - ``pixels``: the colour image of each image stream, (H, W, 3) uint8.
 
     ``task`` is the name of the environment, ``task_description`` the instruction. An episode is
@@ -65,12 +65,14 @@ class LeRobotEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self._steps = 0
         whole = self.env.observation_space
         assert isinstance(whole, spaces.Dict)
-        self._groups = {
-            "agent_pos": spaces.Dict({robot: whole[robot] for robot in config.robots}),
-        }
+        of_robots: dict[str, spaces.Space[Any]] = {robot: whole[robot] for robot in config.robots}
         of_task: dict[str, spaces.Space[Any]] = {
             key: whole[key] for key in ("objects", "task") if key in whole.spaces
         }
+        for role, group in (("observation", of_robots), ("privileged", of_task)):
+            if chosen := self._features_of(role, whole):
+                group["features"] = spaces.Dict(chosen)
+        self._groups = {"agent_pos": spaces.Dict(of_robots)}
         if of_task:
             self._groups["environment_state"] = spaces.Dict(of_task)
         self._pixels = [stream.name for stream in config.cameras.streams if stream.rgb]
@@ -79,6 +81,17 @@ class LeRobotEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         assert isinstance(box, spaces.Box)
         self._low, self._high = box.low, box.high
         self.action_space = spaces.Box(-1, 1, box.shape, np.float32)
+
+    def _features_of(self, role: str, whole: spaces.Dict) -> dict[str, spaces.Space[Any]]:
+        """Returns the spaces of the chosen features of a role."""
+        start = "observation/features/"
+        names = [
+            feature.name.removeprefix(start)
+            for feature in self.env.core.observed
+            if feature.role == role and feature.name.startswith(start)
+        ]
+        features: Any = whole.spaces.get("features")
+        return {name: features[name] for name in names}
 
     def _spaces(self, whole: spaces.Dict) -> dict[str, spaces.Space[Any]]:
         found: dict[str, spaces.Space[Any]] = {}

@@ -1,4 +1,4 @@
-"""Environments from datasets, and features of a user's own."""
+"""Environments from datasets: they act as recorded, and observe by the names of columns."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ from robocell.evaluate import evaluate
 from robocell.policy import Policy
 
 ROOT = Path(__file__).parents[2]
+
+
 ARM, GRIPPER = "robots/rc7/action/arm", "robots/rc7/action/gripper"
 
 
@@ -138,36 +140,6 @@ def test_actions_that_cannot_be_are_refused(dataset: rc.Dataset):
     flat.reset(seed=0)
     with pytest.raises(rc.ArgumentError, match="an action has 8 numbers"):
         flat.step(np.zeros(3))
-
-
-def test_features_of_a_users_own_are_recorded_and_seen(tmp_path: Path):
-    @rc.register_feature("tcp_height_of_test", unit="m", frame="world")
-    def height(scene: rc.Scene) -> float:
-        return scene.robot("rc7").tcp_in_world.translation[2]
-
-    made = make(tmp_path / "out", 1, features=["tcp_height_of_test"])
-    name = "features/tcp_height_of_test"
-    column = made[0].column(name)
-    assert (column.units, column.frame) == ("m", "world")
-    assert np.allclose(made[0][name], np.asarray(made[0]["robots/rc7/tcp_pose"])[:, 2])
-    row, _ = from_dataset(made, cameras=False).reset(seed=0)
-    assert row[name] == made[0][name][0]
-
-
-def test_features_that_are_not_right_are_refused(tmp_path: Path):
-    with pytest.raises(rc.SpecError, match="no registered feature 'nothing_of_test'"):
-        make(tmp_path / "out", 1, features=["nothing_of_test"])
-
-    @rc.register_feature("wide_of_test", shape=[2])
-    def wide(scene: rc.Scene) -> list[float]:
-        return [1, 2, 3]
-
-    with pytest.raises(rc.ArgumentError, match="feature 'wide_of_test'"):
-        make(tmp_path / "wide", 1, features=["wide_of_test"])
-    with pytest.raises(TypeError, match="expected a function"):
-        rc.register_feature("a_of_test")(3)
-    with pytest.raises(rc.ArgumentError, match="lower"):
-        rc.register_feature("b_of_test", lower=[0])(lambda scene: 0.0)
 
 
 def test_random_acts_whatever_the_groups_are_called(dataset: rc.Dataset, tmp_path: Path):

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import errno
 import fcntl
 import os
-import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -14,16 +11,14 @@ from pathlib import Path
 import pytest
 
 from command_line import write_run
-from robocell import IoError, RunConfig, _core
+from robocell import IoError
 from robocell.data import DatasetLock, remove_leftovers
 from robocell.generate import job as jobs
-from robocell.generate import make_plan, resume
 from robocell.generate import report as reports
 from robocell.generate.check import Found
-from robocell.generate.disk import disk_trouble, flush, require_writable
 from robocell.generate.job import Job
 from robocell.generate.observer import Observer
-from robocell.generate.resume import DamagedEpisodesError, made_items, result_of
+from robocell.generate.resume import DamagedEpisodesError
 
 
 def test_a_folder_is_generated_by_one_run_at_a_time(tmp_path: Path):
@@ -61,66 +56,6 @@ def test_the_lock_of_a_killed_process_is_free(tmp_path: Path):
         owner.wait()
     with DatasetLock(tmp_path):
         pass
-
-
-def test_a_folder_that_cannot_be_written_is_trouble_with_a_reason(tmp_path: Path):
-    assert disk_trouble(tmp_path) is None
-    assert list(tmp_path.iterdir()) == []
-    assert disk_trouble(tmp_path / "none") == (
-        f"cannot write into '{tmp_path}/none': No such file or directory"
-    )
-
-
-def test_what_is_written_to_try_the_disk_is_known_as_unfinished(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
-    """Whoever is killed there leaves what the next command removes."""
-    removed: list[str] = []
-    monkeypatch.setattr(os, "fsync", lambda file: removed.extend(remove_leftovers(tmp_path)))
-    assert disk_trouble(tmp_path) is None
-    (name,) = removed
-    assert re.fullmatch(rf"\.probe\.{os.getpid()}\.\d+\.partial", name)
-
-
-def test_what_a_process_of_the_same_number_tries_is_in_nobodys_way(tmp_path: Path):
-    """Containers that share a disk begin to count alike; one of them may have been killed."""
-    number = int(_core.temporary_path(tmp_path, "probe").name.split(".")[3])
-    taken = {f".probe.{os.getpid()}.{number + n}.partial" for n in range(1, 20)}
-    for name in sorted(taken)[::2]:
-        (tmp_path / name).touch()
-    for name in sorted(taken)[1::2]:
-        (tmp_path / name).mkdir()
-    assert disk_trouble(tmp_path) is None
-    require_writable(tmp_path)
-    assert {path.name for path in tmp_path.iterdir()} == taken
-
-
-@pytest.mark.parametrize("number", [errno.EINVAL, errno.ENOTSUP, errno.EIO])
-def test_a_file_system_that_does_not_flush_folders_is_no_trouble(
-    number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
-    def refuse(descriptor: int) -> None:
-        raise OSError(number, os.strerror(number))
-
-    monkeypatch.setattr(os, "fsync", refuse)
-    if number != errno.EIO:
-        flush(tmp_path)
-        return
-    with pytest.raises(OSError, match=f"cannot flush '{tmp_path}': Input/output error"):
-        flush(tmp_path)
-
-
-def test_attempts_follow_their_numbers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    run = RunConfig.load(write_run(tmp_path))
-    item = make_plan(run)[0]
-    monkeypatch.setattr(resume, "Episode", lambda folder: folder)
-    for number in ("99", "100", "07"):
-        folder = tmp_path / "out" / f"{item.id}_a{number}"
-        folder.mkdir(parents=True)
-        (folder / "episode.json").touch()
-    assert resume._success_of(run, item) == tmp_path / "out" / f"{item.id}_a100"
-    shutil.rmtree(tmp_path / "out")
-    assert resume._success_of(run, item) == tmp_path / "out" / item.id
 
 
 class Told(Observer):
@@ -166,20 +101,6 @@ def test_what_comes_in_the_way_while_a_run_goes_on_does_not_take_its_report(
         job.do(Told())
     commands = reports.load(tmp_path / "out" / "report.json").commands
     assert [command.end for command in commands] == ["incomplete"]
-
-
-def test_what_is_broken_is_named_and_never_taken_for_made(tmp_path: Path):
-    run = RunConfig.load(write_run(tmp_path))
-    out = tmp_path / "out"
-    first, second = make_plan(run)
-    (out / first.id).mkdir(parents=True)
-    assert made_items(run, [first, second]) == set(), "an empty folder is no episode"
-    (out / first.id / "steps.h5").write_bytes(b"half")
-    (out / f".{second.id}.7.1.partial").mkdir()
-    assert result_of(run, first) is None
-    with pytest.raises(DamagedEpisodesError, match=f"{first.id}' is half an episode"):
-        made_items(run, [first, second])
-    assert made_items(run, [second]) == set()
 
 
 def test_leftovers_of_the_dead_are_removed_and_never_those_of_the_living(tmp_path: Path):

@@ -12,6 +12,7 @@ import robocell as rc
 from robocell.data import EnvRecorder, replay_actions
 from robocell.envs import from_dataset
 from robocell.gym import FlatGymEnv, GymEnv, VectorGymEnv, pick_cube_config
+from robocell.lerobot import LeRobotEnv
 
 STAY = {"robot": {"tquat": [0, 0.01, -0.02, 0, 0, 0, 1], "gripper": 1}}
 
@@ -84,6 +85,20 @@ def test_in_gymnasium_and_in_vectors_they_are_the_same(config: rc.EnvConfig):
     single.close()
     flat.close()
     vector.close()
+
+
+def test_in_lerobot_their_role_says_where_they_are(config: rc.EnvConfig):
+    plain, chosen = LeRobotEnv(pick_cube_config()), LeRobotEnv(config)
+    config.features = [*config.features, "objects/cube/pose"]
+    privileged = LeRobotEnv(config)
+    sizes = []
+    for env in (plain, chosen, privileged):
+        observation, _ = env.reset(seed=1)
+        assert env.observation_space.contains(observation)
+        sizes.append([len(observation[key]) for key in ("agent_pos", "environment_state")])
+        env.close()
+    (agent, world), *others = sizes
+    assert others == [[agent + 10, world], [agent + 10, world + 7]]
 
 
 def test_without_them_observations_are_as_they_were():

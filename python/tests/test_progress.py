@@ -4,63 +4,13 @@ from __future__ import annotations
 
 import io
 import json
-from pathlib import Path
 
 from rich.console import Console
 
-from robocell.generate.items import ItemResult, counts_text
+from robocell.generate.items import ItemResult
 from robocell.generate.progress import Bar, JsonLines, PlainLines, beginning, status
-from robocell.generate.summary import Summary
-from robocell.generate.totals import Totals, Unmade, duration, percent
-
-RESULT = ItemResult(
-    "s0000_e0001",
-    success=True,
-    attempts=4,
-    accepted=2,
-    refusals={"too far": 2},
-    failures={"dropped": 1},
-    redrawn={"no base pose is free of collisions": 6},
-    rows=80,
-    seconds={"sampling": 1.0, "acting": 6.0, "rendering": 2.0, "writing": 1.0},
-)
-
-
-def totals_after_one() -> Totals:
-    totals = Totals(planned=20, already=5, workers=2)
-    totals.started, totals.ended = 100.0, 110.0
-    totals.add(RESULT)
-    return totals
-
-
-def test_what_an_interruption_ended_is_no_failure():
-    totals = totals_after_one()
-    before = (totals.attempts, totals.success_rate, totals.acceptance_rate)
-    totals.add(ItemResult("s0000_e0002", stopped=True, undecided=1))
-    assert (totals.attempts, totals.success_rate, totals.acceptance_rate) == before
-    assert totals.to_json()["undecided"] == 1
-    rows = Summary("demo", Path("out"), 6, totals).rows()
-    assert rows["dropped"] == (
-        "1 attempt under way when the run stopped; made again by the next command"
-    )
-    assert "dropped" not in Summary("demo", Path("out"), 6, totals_after_one()).rows()
-
-
-def test_counts_are_ordered_by_number_then_name():
-    assert counts_text({"b": 1, "a": 1, "c": 5}) == "c 5, a 1, b 1"
-    assert counts_text({"b": 1, "a": 1, "c": 5}, limit=1) == "c 5, and 2 more"
-    assert counts_text({}) == ""
-
-
-def test_durations_and_shares_read_like_words():
-    assert [duration(s) for s in (None, 0.4, 59, 61, 3900)] == [
-        "-",
-        "0 s",
-        "59 s",
-        "1 min 01 s",
-        "1 h 05 min",
-    ]
-    assert [percent(s) for s in (None, 0, 0.955)] == ["-", "0 %", "96 %"]
+from robocell.generate.totals import Unmade
+from test_totals import RESULT, totals_after_one
 
 
 def test_the_status_has_rate_time_left_success_and_reasons():
@@ -146,30 +96,3 @@ def test_json_lines_are_one_object_per_event():
         "reason": "dropped 20",
         "reproduce": "robocell generate",
     }
-
-
-def test_the_summary_counts_from_the_disk_and_leaves_out_what_did_not_happen():
-    totals = totals_after_one()
-    rows = Summary("demo", Path("out/demo"), on_disk=6, totals=totals).rows()
-    assert rows == {
-        "episodes": "6 of 20 (5 made before)",
-        "success": "50 % of 2 rollouts",
-        "starts accepted": "50 % of 4 sampled",
-        "places accepted": "20 % of 10 tried",
-        "placed again": "no base pose is free of collisions 6",
-        "rate": "360 episodes/h: 1 in 10 s on 2 workers",
-        "refusals": "too far 2",
-        "failures": "dropped 1",
-        "time": "sampling 1.0 s (10 %), acting 6.0 s (60 %), rendering 2.0 s (20 %), "
-        "writing 1.0 s (10 %)",
-        "dataset": str(Path("out/demo").resolve()),
-    }
-    nothing_to_do = Summary("demo", Path("out"), on_disk=6, totals=Totals(planned=6, already=6))
-    assert list(nothing_to_do.rows()) == ["episodes", "dataset"]
-    totals.unmade.append(Unmade("s0000_e0003", "dropped 20", ""))
-    table = Summary("demo", Path("out/demo"), on_disk=6, totals=totals).table()
-    console = Console(file=io.StringIO(), width=100)
-    console.print(table)
-    text = console.file.getvalue()
-    assert "given up" in text
-    assert "s0000_e0003" in text

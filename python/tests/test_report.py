@@ -26,9 +26,6 @@ from robocell.generate.totals import (
     Death,
     Totals,
     Unmade,
-    one_after_the_other,
-    side_by_side,
-    size,
 )
 
 IDS = ["s0000_e0000", "s0000_e0001"]
@@ -82,39 +79,6 @@ def test_a_report_is_read_as_it_was_written(tmp_path: Path):
     assert [path.name for path in tmp_path.iterdir()] == ["report.json"]
 
 
-def test_the_counts_of_commands_add_up():
-    totals = a_report(("b",), ("c", "a")).totals
-    assert (totals.planned, totals.made, totals.attempts, totals.rows) == (5, 3, 9, 210)
-    assert (totals.elapsed_s, totals.workers, totals.retries, len(totals.deaths)) == (20.0, 2, 2, 2)
-    assert totals.refusals == {"too far": 3}
-    assert totals.redrawn == {"no free place": 12}
-    assert [unmade.id for unmade in totals.unmade] == ["z"], "the last command knows"
-    both = side_by_side([totals, totals])
-    assert (both.planned, both.made, both.elapsed_s, both.workers) == (10, 6, 20.0, 4)
-
-
-def test_advice_survives_every_sum_and_is_told_while_something_is_missing():
-    totals = a_report(("b",)).totals
-    totals.advice = "stand nearer"
-    whole = one_after_the_other([side_by_side([a_report(("a",)).totals, totals])])
-    assert whole.advice == "stand nearer"
-    whole.failures.clear()
-    assert whole.unmade
-    assert Summary("r", Path(), 0, whole).rows()["hint"] == "stand nearer"
-    whole.unmade.clear()
-    assert "hint" not in Summary("r", Path(), 0, whole).rows()
-
-
-def test_totals_come_back_from_their_record_in_every_field():
-    totals = a_report(("b",), ("c", "a")).commands[1].totals
-    totals.already, totals.undecided, totals.advice = 1, 2, "stand nearer"
-    nothing = Totals(planned=0, workers=0, started=-1.0)
-    same = [name for name, value in vars(totals).items() if value == getattr(nothing, name)]
-    assert same == [], "a field that nobody filled would come back whatever happens to it"
-    totals.started = 0.0
-    assert Totals.from_record(json.loads(json.dumps(totals.record()))) == totals
-
-
 def test_a_command_that_tries_an_item_again_adds_no_item():
     whole_run = a_report(("a", "b", "c", "d"))
     again = RunReport("demo", "hash", (4, 5), {})
@@ -140,14 +104,6 @@ def test_more_episodes_than_the_last_command_asked_for_are_told_so():
     assert Summary("r", Path(), 7, totals).rows()["episodes"] == ("7, the last command asked for 5")
 
 
-def test_shards_add_up_side_by_side():
-    first, second = (RunReport("demo", "hash", (i, 2), {}) for i in (0, 1))
-    first.add(command("a", "c", planned=3, seconds=10.0), [made("a"), made("c")], ["a", "c", "e"])
-    second.add(command("b", planned=2, seconds=12.0), [made("b")], ["b", "d"])
-    totals = reports.whole([first, second])
-    assert (totals.planned, totals.made, totals.elapsed_s, totals.workers) == (5, 3, 12.0, 4)
-
-
 @pytest.mark.parametrize("text", ["", "{", "[]", "{}", '{"format": "robocell-report"}', "\0"])
 def test_what_is_no_report_is_named_with_its_path(tmp_path: Path, text: str):
     path = tmp_path / "report.json"
@@ -166,12 +122,6 @@ def test_every_cut_and_every_flipped_bit_of_a_report_is_found(tmp_path: Path):
             path.write_bytes(damaged)
             with pytest.raises(DamagedReportError, match=r"report\.json' is damaged: "):
                 reports.load(path)
-
-
-def test_sizes_read_like_words():
-    assert [size(n) for n in (0, 999, 1234, 5_600_000, 7e12)] == [
-        *("0 B", "999 B", "1.23 kB", "5.6 MB", "7 TB")
-    ]
 
 
 @pytest.fixture(scope="module")
@@ -339,32 +289,6 @@ def test_a_run_that_fails_says_so_in_its_report(tmp_path: Path):
     lines = robocell_command("report", tmp_path / "out", "--episodes").stdout.splitlines()
     words = next(line.split() for line in lines if line.split()[:1] == [IDS[0]])
     assert words[:5] == [IDS[0], "rc7", kind, "given", "up"]
-
-
-def test_when_time_runs_out_the_number_of_actions_is_named():
-    totals = Totals(planned=3)
-    totals.failures.update({"timeout": 2, "not lifted": 2})
-    assert "hint" not in Summary("r", Path(), 0, totals).rows()
-    totals.failures["timeout"] += 1
-    hint = "most failures are rollouts that ran out of actions: raise `rates.max_steps`"
-    assert Summary("r", Path(), 0, totals).rows()["hint"] == hint
-
-
-def test_success_is_told_by_object_when_there_are_several():
-    totals = Totals(planned=3)
-    totals.add(
-        ItemResult("a", success=True, object_kind="mug", kinds={"mug": 1}, rollouts={"mug": 1})
-    )
-    assert "success by object" not in Summary("r", Path(), 1, totals).rows()
-    totals.add(
-        ItemResult("b", success=True, object_kind="box", kinds={"box": 3}, rollouts={"box": 2})
-    )
-    totals.add(ItemResult("c", object_kind="can", kinds={"can": 4}))
-    totals.attempts, totals.accepted = 8, 3
-    read = Totals.from_record(totals.record())
-    for told in (totals, side_by_side([read])):
-        text = Summary("r", Path(), 2, told).rows()["success by object"]
-        assert text == "box 50 % of 2, can - of 0, mug 100 % of 1"
 
 
 def test_a_signal_after_the_last_worker_does_not_take_the_report(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,14 +12,12 @@ import pytest
 import robocell
 from command_line import (
     RC7,
-    REPOSITORY,
     refused,
     robocell_command,
     set_in,
     write_robot,
     write_run,
 )
-from menagerie import require_menagerie
 from robocell.cli import reach_map
 from robocell.cli.robot_scene import load_robot
 
@@ -271,13 +268,6 @@ def test_check_and_runs_say_the_same_of_a_group_that_nothing_commands(tmp_path: 
     )  # is recorded without
 
 
-def test_check_lists_keyframes(tmp_path: Path):
-    robot = write_suction(tmp_path)
-    key = '<keyframe><key name="home" qpos="0.5"/><key name="up" qpos="0"/></keyframe></mujoco>'
-    (tmp_path / "bob.xml").write_text(SUCTION.replace("</mujoco>", key))
-    assert "keyframes: home, up\n" in robocell_command("check", robot).stdout
-
-
 def test_a_distance_that_the_gripper_does_not_have_is_refused_by_check_and_by_runs(tmp_path: Path):
     distance = {"closed": 0.0, "open": 0.9}
     robot = write_robot(tmp_path, set_in("move_groups", "gripper", "distance", value=distance))
@@ -340,57 +330,6 @@ def test_an_arm_of_motors_is_refused_by_check_and_by_runs(tmp_path: Path, contro
         assert "none" in next(line for line in result.stdout.splitlines() if "drive" in line)
 
 
-def test_the_range_of_grippers_is_printed_in_this_form():
-    result = robocell_command("gripper-range", RC7)
-    assert result.returncode == 0, result.stderr
-    first, second = result.stdout.splitlines()
-    assert first == "Gripper finger ranges:"
-    config = robocell.RobotConfig.load(RC7)
-    assert second.startswith("    Gripper 'gripper': ")
-    closed, opened = map(float, second.rpartition(": ")[2].split(" - "))
-    if config.move_groups["gripper"].distance:
-        distance = config.move_groups["gripper"].distance
-        assert (closed, opened) == (distance.closed, distance.open)
-    assert 0 <= closed < opened < 0.2
-
-
-@pytest.mark.parametrize("measured", [False, True])
-def test_the_range_of_a_linkage_gripper_is_said_or_measured(tmp_path: Path, measured: bool):
-    require_menagerie("ufactory_xarm7")
-    text = (REPOSITORY / "examples" / "xarm7.yaml").read_text()
-    said = ", distance: {closed: 0.004, open: 0.089}"
-    assert text.count(said) == 1
-    path = tmp_path / "xarm7.yaml"
-    path.write_text(text.replace(said, "") if measured else text)
-    result = robocell_command("gripper-range", path)
-    assert result.returncode == 0, result.stderr
-    first, second = result.stdout.splitlines()
-    assert first == "Gripper finger ranges:"
-    assert re.fullmatch(r"    Gripper 'gripper': 0\.00[234] - 0\.089", second), second
-
-
-def test_check_shows_the_robot_and_finds_nothing_wrong_with_the_builtin_one(tmp_path: Path):
-    picture = tmp_path / "rc7.png"
-    result = robocell_command("check", RC7, "--picture", picture)
-    assert result.returncode == 0, result.stderr
-    for text in ("move groups: arm (arm), gripper (gripper)", "reach: ", "tcp", "wrist_camera"):
-        assert text in result.stdout
-    ctrl = robocell.RobotConfig.load(RC7).move_groups["gripper"].ctrl
-    assert ctrl is not None
-    assert (
-        f"    Gripper 'gripper': ctrl {ctrl.closed:g} closed, {ctrl.open:g} open\n" in result.stdout
-    )
-    assert "nothing found wrong" in result.stdout, result.stderr
-    assert picture.read_bytes().startswith(b"\x89PNG")
-
-
-def test_ik_test_solves_what_the_robot_can_reach():
-    for parallel in ((), ("--parallel",)):
-        result = robocell_command("ik-test", RC7, "--samples", 200, *parallel)
-        assert result.returncode == 0, result.stdout + result.stderr
-        assert "of 200 at 1e-05 m, rad" in result.stdout
-
-
 def test_reach_writes_numbers_a_picture_and_a_page(tmp_path: Path):
     name = tmp_path / "map"
     result = robocell_command(
@@ -431,6 +370,8 @@ SCARA = """<mujoco><worldbody><body name="base"><geom size=".05"/>
 <geom size=".01"/>
 <site name="tip"/></body></body></body></body></worldbody><actuator>
 <position joint="a"/><position joint="b"/><position joint="c"/></actuator></mujoco>"""
+
+
 SCARA_YAML = """name: scara
 model: scara.xml
 move_groups: {arm: {kind: arm, joints: [a, b, c], leaf: {site: tip}}}

@@ -16,16 +16,15 @@ EXAMPLE = ROOT / "examples" / "plugin"
 RC7 = ROOT / "models" / "robots" / "rc7" / "rc7.yaml"
 
 
-def build(source: Path, folder: Path) -> Path:
-    """The plugin of a folder of sources."""
-    run("cmake", "-G", "Ninja", "-S", source, "-B", folder, f"-Drobocell_DIR={rc.cmake_dir()}")
-    run("cmake", "--build", folder)
-    return folder / "libstack.so"
-
-
 @pytest.fixture(scope="module")
 def plugin(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return build(EXAMPLE, tmp_path_factory.mktemp("plugin"))
+    """The example, built against an installed robocell."""
+    folder = tmp_path_factory.mktemp("plugin")
+    run("cmake", "--install", rc.cmake_dir(), "--prefix", folder / "robocell")
+    package = folder / "robocell" / "lib" / "cmake" / "robocell"
+    run("cmake", "-G", "Ninja", "-S", EXAMPLE, "-B", folder / "build", f"-Drobocell_DIR={package}")
+    run("cmake", "--build", folder / "build")
+    return folder / "build" / "libstack.so"
 
 
 @pytest.fixture

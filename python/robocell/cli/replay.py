@@ -11,7 +11,7 @@ import robocell
 from robocell import _core, data
 from robocell._cells import load_cell
 from robocell.cli.common import ExitCode, fail, print_error, require_folder
-from robocell.generate.run_source import import_module
+from robocell.generate.run_source import import_named
 from robocell.generate.totals import counted
 
 
@@ -42,7 +42,11 @@ def replay(
     ] = None,
     imports: Annotated[
         list[str] | None,
-        typer.Option("--import", metavar="MODULE", help="Import it first: it registers tasks."),
+        typer.Option(
+            "--import",
+            metavar="MODULE",
+            help="Import it first: it registers tasks or features; also a library, libstack.so.",
+        ),
     ] = None,
 ) -> None:
     """Simulate episodes again from their start and their recorded controls, and compare.
@@ -54,7 +58,7 @@ def replay(
     """
     require_folder(dataset, "dataset")
     for module in imports or ():
-        import_module(module, Path.cwd())
+        import_named(module, Path.cwd())
     _core.require_dataset(dataset)
     episodes = robocell.Dataset(dataset)
     if episode is not None and episode not in episodes:

@@ -28,8 +28,8 @@ from robocell._core import (
     NotFoundError,
     RunEnv,
 )
-from robocell._recorded_env import RecordedEnv, is_recorded
 from robocell.dataset_run import run_of_dataset
+from robocell.envs.recorded_env import RecordedEnv, is_recorded
 from robocell.generate.run_source import import_named
 
 __all__ = ["DatasetEnv", "from_dataset"]

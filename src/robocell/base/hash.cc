@@ -1,6 +1,9 @@
 #include "robocell/base/hash.h"
 
 #include <openssl/evp.h>
+
+// Only the header is used, so that no library has to be linked.
+#define XXH_INLINE_ALL
 #include <xxhash.h>
 
 #include <fmt/format.h>
@@ -10,8 +13,6 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
-
-#define XXH_INLINE_ALL
 
 namespace robocell {
 namespace {

@@ -3,11 +3,11 @@
 //
 //   ChosenFeatures chosen(scene, robots, {"tcp_height", "sensors/*", "robots/left/arm/qvel"});
 //   chosen.keys();      // "tcp_height", "sensors/touch", "robots/left/arm/qvel"
-//   chosen.Read(out);   // their numbers; allocates nothing of ours
+//   chosen.Read(out);   // their numbers
 //
 // A registered feature (own_features.h) is chosen by its name; all others have the names that
-// datasets have them under, with "*" for any part of it. Sources of which nothing is chosen are
-// neither made nor read. Errors: NotFoundError with the nearest names, and those of the sources.
+// datasets have them under, with "*" for any part. What is not chosen is not read; reading
+// allocates for robots only. Errors: NotFoundError with the nearest names; those of the sources.
 #pragma once
 
 #include <memory>

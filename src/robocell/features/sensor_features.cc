@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "robocell/features/units.h"
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
@@ -12,14 +13,9 @@
 namespace robocell {
 namespace {
 
-// "rad", "m/s", "1": of a joint or of what an actuator or tendon moves.
-std::string JointUnit(const mjModel* m, int joint, const char* per) {
-  return (m->jnt_type[joint] == mjJNT_SLIDE ? "m" : "rad") + std::string(per);
-}
-
 // An actuator's length is that of its joint times the gear; elsewhere metres.
 std::string ActuatorUnit(const mjModel* m, int actuator, const char* per) {
-  if (ActsOnJoint(m, actuator)) return JointUnit(m, m->actuator_trnid[2 * actuator], per);
+  if (ActsOnJoint(m, actuator)) return JointUnit(m, m->actuator_trnid[2 * actuator]) + per;
   return "m" + std::string(per);
 }
 
@@ -65,13 +61,13 @@ std::string Unit(const mjModel* m, int sensor) {
       return "px";
     case mjSENS_JOINTPOS:
     case mjSENS_JOINTLIMITPOS:
-      return JointUnit(m, id, "");
+      return JointUnit(m, id);
     case mjSENS_JOINTVEL:
     case mjSENS_JOINTLIMITVEL:
-      return JointUnit(m, id, "/s");
+      return JointUnit(m, id) + "/s";
     case mjSENS_JOINTACTFRC:
     case mjSENS_JOINTLIMITFRC:
-      return ForceUnit(JointUnit(m, id, ""));
+      return ForceUnit(JointUnit(m, id));
     case mjSENS_ACTUATORPOS:
       return ActuatorUnit(m, id, "");
     case mjSENS_ACTUATORVEL:

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
+
 #include "robocell/mujoco/compile.h"
 
 namespace robocell::internal {

@@ -361,7 +361,7 @@ void PrepareFolder(const fs::path& dataset) {
   }
 }
 
-void CheckRecorderOptions(const EnvRecorderOptions& options) {
+void RequireRecorderOptions(const EnvRecorderOptions& options) {
   if (!IsEpisodeId(options.prefix))
     throw ArgumentError(fmt::format(
         "'{}' cannot begin the ids of episodes, which are visible folders", options.prefix));
@@ -374,7 +374,7 @@ void CheckRecorderOptions(const EnvRecorderOptions& options) {
 struct EnvRecorder::State : public EnvObserver {
   State(Env& its_env, fs::path its_dataset, EnvRecorderOptions its_options)
       : env(&its_env), dataset(std::move(its_dataset)), options(std::move(its_options)) {
-    CheckRecorderOptions(options);
+    RequireRecorderOptions(options);
     PrepareFolder(dataset);
     lock = DatasetLock::Numbering(dataset, options.prefix);
     next = NextNumber(dataset, options.prefix);

@@ -10,8 +10,8 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
+#include "robocell/features/units.h"
 #include "robocell/mujoco/names.h"
-#include "robocell/rollout/ctrl_units.h"
 
 namespace robocell {
 namespace {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "robocell/mujoco/names.h"
 #include "robocell/scene/testing/arm_with_hand.h"
 
 namespace robocell {
@@ -22,7 +23,8 @@ class RobotInspectionTest : public ArmWithHand {
 
 void WarnOfItsHip(const CompiledRobot& robot, CompileLog& log) {
   EXPECT_EQ(robot.model->key_qpos[robot.home_key * robot.model->nq], 0);
-  EXPECT_GT(robot.reference->xpos[5], 0) << "poses are those of the reference";
+  const int fore = FindId(robot.model, mjOBJ_BODY, "a/fore");
+  EXPECT_NEAR(robot.reference->xpos[3 * fore + 2], 0.4, 1e-9) << "poses are those of the reference";
   log.Warn(robot.place(), "looked at " + robot.robot.prefix);
 }
 

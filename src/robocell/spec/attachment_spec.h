@@ -29,14 +29,14 @@ struct AttachmentSpec {
     v("attach_to", &AttachmentSpec::attach_to,
       "Body, site or frame of the robot or of an earlier attachment, by its name without the "
       "robot's prefix.");
-    v("prefix", &AttachmentSpec::prefix, "Put in front of every name of the attached model.");
+    v("prefix", &AttachmentSpec::prefix, "Prefix of every name of the attached model.");
     v("pos", &AttachmentSpec::pos, "Offset in the parent, metres.");
     v("euler", &AttachmentSpec::euler, "Rotation in the parent, degrees, extrinsic xyz.");
     v("quat", &AttachmentSpec::quat, "Rotation in the parent, quaternion xyzw; instead of euler.");
     v("contact_exclusions", &AttachmentSpec::contact_exclusions,
       "Pairs of bodies that do not collide, names without the robot's prefix.");
     v("reset_root_pose", &AttachmentSpec::reset_root_pose,
-      "Drop the pose authored on the attached model's root instead of composing with it.");
+      "Drop the pose that the model file gives its root instead of composing with it.");
   }
   Pose pose() const { return PlacementPose(pos, euler, quat); }
   // It is called by its prefix, without one by its file, as scenes do.

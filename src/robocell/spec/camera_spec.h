@@ -31,7 +31,7 @@ struct CameraSpec {
     v("name", &CameraSpec::name, "Name of the camera in the scene.");
     v("mjcf_path", &CameraSpec::mjcf_path,
       "Model with one camera and its housing, instead of a camera alone: path, `menagerie:...` or "
-      "built-in name. The camera gets this one's name, all else `name_` in front.");
+      "built-in name. Its camera gets `name`, and everything else the prefix `name_`.");
     v("pos", &CameraSpec::pos, "Position in the parent, metres; required without a model.");
     v("fovy", &CameraSpec::fovy,
       "Vertical field of view, degrees; required without a model, else that of its camera.",
@@ -41,7 +41,7 @@ struct CameraSpec {
       "Orientation in the parent, quaternion xyzw (in YAML also quat_wxyz).");
     v("look_at", &CameraSpec::look_at,
       "Point in the parent to look at, metres, with the parent's z up; instead of a rotation.");
-    v("attach_to", &CameraSpec::attach_to, "What the camera is fixed to.");
+    v("attach_to", &CameraSpec::attach_to, "Parent of the camera.");
   }
   // Pose in the parent. Requires a valid spec.
   Pose pose() const;
@@ -66,14 +66,14 @@ struct CameraConfig {
   static void Fields(V&& v) {
     v("name", &CameraConfig::name, "Name of the stream in observations and records.");
     v("camera", &CameraConfig::camera,
-      "Name of the camera: of the robot (without its prefix) or of the scene. `Free` is the "
-      "viewer's first view of the whole model, unless a camera has that name.");
+      "Name of a camera of the robot (without its prefix) or of the scene. `Free` is the viewer's "
+      "first view of the whole model, unless a camera has that name.");
     v("follow", &CameraConfig::follow,
-      "Body of the scene that the view keeps in its middle, from 2 m away and 45 degrees above, "
-      "wherever it goes; in the place of `camera`.");
-    v("width", &CameraConfig::width, "Pixels; the camera system's resolution unless set.",
+      "Body of the scene that the view follows from 2 m away and 45 degrees above; instead of "
+      "`camera`.");
+    v("width", &CameraConfig::width, "Pixels. Unset: the camera system's resolution.",
       Bound::kPositive);
-    v("height", &CameraConfig::height, "Pixels; the camera system's resolution unless set.",
+    v("height", &CameraConfig::height, "Pixels. Unset: the camera system's resolution.",
       Bound::kPositive);
     v("rate", &CameraConfig::rate, "Frames per second; 0 takes one with every observation.",
       Bound::kNonNegative);
@@ -85,7 +85,7 @@ struct CameraConfig {
   void Validate(Problems& problems) const;
 };
 
-// How images are drawn; everything costly is off by default, and what was used is recorded.
+// The quality of images. Everything costly is off by default, and records hold what was used.
 struct RenderQuality {
   bool shadows = false;
   bool reflections = false;
@@ -95,8 +95,8 @@ struct RenderQuality {
   static constexpr const char* kTypeName = "RenderQuality";
   template <class V>
   static void Fields(V&& v) {
-    v("shadows", &RenderQuality::shadows, "Draw shadows.");
-    v("reflections", &RenderQuality::reflections, "Draw reflections.");
+    v("shadows", &RenderQuality::shadows, "Render shadows.");
+    v("reflections", &RenderQuality::reflections, "Render reflections.");
     v("multisamples", &RenderQuality::multisamples,
       "Samples per pixel against jagged edges; 0 is off.", Bound::kNonNegative);
     v("shadow_size", &RenderQuality::shadow_size, "Side of the shadow map, pixels.",
@@ -104,8 +104,8 @@ struct RenderQuality {
   }
 };
 
-// Who draws images, and how. In YAML a word stands for the back end, and for a quality one of the
-// names of render_quality.h: {backend: soft, quality: standard}.
+// The back end that renders images, and its quality. In YAML a word stands for the back end, and
+// for a quality one of the names of render_quality.h: {backend: soft, quality: standard}.
 struct RendererConfig {
   std::string backend = "auto";
   RenderQuality quality = {};
@@ -114,11 +114,11 @@ struct RendererConfig {
   template <class V>
   static void Fields(V&& v) {
     v("backend", &RendererConfig::backend,
-      "Who draws: `soft` (the processor; the same bytes on every machine), `gl` (OpenGL), or "
-      "`auto`: what ROBOCELL_RENDERER names, else gl where there is one. A dataset that was begun "
-      "with `auto` keeps what that was.");
+      "The back end: `soft` (the processor; the same bytes on every machine), `gl` (OpenGL) or "
+      "`auto`, which takes the one in ROBOCELL_RENDERER, else gl if the machine has it. A dataset "
+      "that was begun with `auto` keeps its back end.");
     v("quality", &RendererConfig::quality,
-      "How images are drawn: `fast`, `standard`, `high`, or single fields.");
+      "Quality of images: `fast`, `standard`, `high`, or single fields.");
   }
   void Validate(Problems& problems) const;
 };
@@ -135,7 +135,8 @@ struct CameraSystemConfig {
     v("resolution", &CameraSystemConfig::resolution, "Width and height in pixels.",
       Bound::kPositive);
     v("streams", &CameraSystemConfig::streams, "The image streams.");
-    v("renderer", &CameraSystemConfig::renderer, "Who draws the images, and how.");
+    v("renderer", &CameraSystemConfig::renderer,
+      "The back end that renders the images, and its quality.");
   }
   int width(const CameraConfig& stream) const { return stream.width.value_or(resolution[0]); }
   int height(const CameraConfig& stream) const { return stream.height.value_or(resolution[1]); }

@@ -58,13 +58,13 @@ struct Edit {
   static constexpr const char* kTypeName = "Edit";
   template <class V>
   static void Fields(V&& v) {
-    v("body", &Edit::body, "Body to change, or the parent of what is added.");
-    v("site", &Edit::site, "Site to change, or the site an added sensor measures at.");
+    v("body", &Edit::body, "Body to change, or parent of the added element.");
+    v("site", &Edit::site, "Site to change, or site of the added sensor.");
     v("joint", &Edit::joint, "Joint to change; unnamed ones as {body, index}.");
     v("geom", &Edit::geom, "Geom to change; unnamed ones as {body, index}.");
     v("camera", &Edit::camera, "Camera to change.");
     v("actuator", &Edit::actuator,
-      "Actuator to change; unnamed ones as {joint: name}, what they act on.");
+      "Actuator to change; unnamed ones as {joint: name}, the joint on which they act.");
     v("add_site", &Edit::add_site, "Name of a site to add to `body`.");
     v("add_camera", &Edit::add_camera, "Name of a camera to add to `body`.");
     v("add_sensor", &Edit::add_sensor,

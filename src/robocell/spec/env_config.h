@@ -68,70 +68,68 @@ struct EnvConfig {
   static constexpr const char* kTypeName = "EnvConfig";
   template <class V>
   static void Fields(V&& v) {
-    v("name", &EnvConfig::name, "Used in messages.");
-    v("robots", &EnvConfig::robots, "Names to robots: the file of each, or its fields.");
+    v("name", &EnvConfig::name, "Name in messages.");
+    v("robots", &EnvConfig::robots, "Robots by name: the file of each, or its fields.");
     v("grippers", &EnvConfig::grippers,
-      "Robot to gripper: a configuration with only a gripper group, mounted at the robot's "
+      "Grippers by robot: a configuration with only a gripper group, mounted at the robot's "
       "attachment site. Robots that have a gripper of their own keep it.");
     v("gripper_offsets", &EnvConfig::gripper_offsets,
-      "Robot to the pose of its gripper in the attachment site; the identity unless set.");
+      "Poses of the grippers in the attachment sites, by robot. Unset: the identity.");
     v("scene", &EnvConfig::scene, "Base scene: an MJCF file or a built-in name.");
     v("add_floor", &EnvConfig::add_floor,
-      "Add a floor plane at z = 0 of the world. Unset: yes with the scene empty_world, which has "
-      "none; no with others.");
+      "Add a floor plane at z = 0 of the world. Unset: yes in the scene empty_world, which has "
+      "none; no in others.");
     v("root_frame_to_world", &EnvConfig::root_frame_to_world,
-      "The rig: pose of the root frame in the world. Moves robots, root objects and cameras.");
+      "Pose of the root frame, that of the rig, in the world. It moves robots, root objects and "
+      "cameras.");
     v("shared_base_frame_to_root_frame", &EnvConfig::shared_base_frame_to_root_frame,
-      "The rig: pose of the shared base frame, the one of all actions, in the root frame.");
+      "Pose of the shared base frame, that of all actions, in the root frame.");
     v("robot_to_shared_base_frame", &EnvConfig::robot_to_shared_base_frame,
-      "Robot to the pose of its base in the shared base frame; the identity unless set.");
+      "Poses of the robots' bases in the shared base frame, by robot. Unset: the identity.");
     v("alternative_combined_robot_mjcf", &EnvConfig::alternative_combined_robot_mjcf,
-      "One model with all robots, in the place of theirs: under one root body, which stands in the "
-      "root frame; the names of robot `left` begin with `robotleft_`. Edits, attachments and "
-      "cameras of the robots' files are left out, and the robots stand where the model has them.");
+      "One model with all robots instead of one model each. Its one root body stands in the root "
+      "frame, and the names of robot `left` begin with `robotleft_`. The robots stand where the "
+      "model has them; edits, attachments and cameras of their files are not used.");
     v("world_frame_objects", &EnvConfig::world_frame_objects,
       "Objects that stay in the room, by their ids.");
     v("root_frame_objects", &EnvConfig::root_frame_objects,
       "Objects that move with the rig, by their ids.");
     v("robot_frame_objects", &EnvConfig::robot_frame_objects,
-      "Robot to objects at its attachment site, by their ids.");
+      "Objects at the robots' attachment sites, by robot and id.");
     v("variations", &EnvConfig::variations,
-      "How objects of the room and of the rig differ from episode to episode, by their ids.");
+      "Random variations of objects of the room and of the rig in each episode, by their ids.");
     v("saved_scene", &EnvConfig::saved_scene,
-      "A file that Scene.save_xml wrote of this environment's scene, perhaps changed since: "
-      "simulated in the place of what the configuration describes.");
+      "A file that Scene.save_xml wrote of this environment's scene, and that may have been edited "
+      "since. It is simulated instead of the scene that the configuration describes.");
     v("camera_adds", &EnvConfig::camera_adds,
-      "Cameras to add, by their names; `cameras` says what is taken from them.");
+      "Cameras to add, by their names; `cameras` has their image streams.");
     v("cameras", &EnvConfig::cameras,
-      "Image streams: of these cameras, of the robots' and of the base scene's.");
+      "Image streams of these cameras, the robots' and the base scene's.");
     v("add_gravcomp", &EnvConfig::add_gravcomp,
-      "Compensate gravity on robots and grippers, whatever their files say.");
+      "Compensate gravity on robots and grippers, even if their files do not.");
     v("headless", &EnvConfig::headless,
-      "Without a window. Else robocell.gym opens one, where there is a display.");
-    v("task", &EnvConfig::task,
-      "What the robots are to do: the kind of task and its fields; none unless set.");
+      "Open no window. false: robocell.gym opens one if there is a display.");
+    v("task", &EnvConfig::task, "The kind of task and its fields. Unset: no task.");
     v("features", &EnvConfig::features,
-      "What is observed beside robots, objects and task: registered features by their names, "
-      "sensors and all else of the cell by the names that datasets have; * stands for any part: "
-      "sensors/*.");
+      "Observations beside robots, objects and task: registered features by their names; sensors "
+      "and everything else of the cell by its name in datasets. * stands for any part: sensors/*.");
     v("control_mode", &EnvConfig::control_mode,
-      "What actions are: joints, or the TCP in the shared base frame as cartesian_trpy "
+      "Form of the actions: joints, or the TCP in the shared base frame as cartesian_trpy "
       "(translation, roll pitch yaw) or cartesian_tquat (translation, quaternion xyzw).");
     v("relative_to", &EnvConfig::relative_to,
-      "What actions are added to: last_step (where the robot was last sent), configured_origin "
-      "(where it was at the reset) or none.");
+      "Reference of the actions: last_step (the robot's last target), configured_origin (its "
+      "position at the reset) or none (absolute actions).");
     v("max_relative_movement", &EnvConfig::max_relative_movement,
-      "How far one action can send a robot from where it was last sent: [metres, radians], or one "
-      "number for joints. Unset: 0.5 m and 90 degrees, joints 5 degrees; absolute actions without "
-      "limit.",
+      "Largest distance from a robot's last target to the next: [metres, radians], or one number "
+      "for joints. Unset: 0.5 m and 90 degrees, joints 5 degrees; absolute actions without limit.",
       Bound::kPositive);
     v("max_target_lead", &EnvConfig::max_target_lead,
-      "How far the target that an action starts from may lead the arm: [metres, radians], or one "
-      "number for joints. When something blocks the arm, the excess is dropped with the next "
-      "action. Unset: 0.02 m and 0.1 rad.",
+      "Largest lead over the arm of the target that an action starts from: [metres, radians], or "
+      "one number for joints. If an obstacle blocks the arm, the next action drops the excess. "
+      "Unset: 0.02 m and 0.1 rad.",
       Bound::kPositive);
-    v("sim", &EnvConfig::sim, "How the simulation runs, and when a step ends.");
-    v("wrappers", &EnvConfig::wrappers, "Grippers, resets and depth.");
+    v("sim", &EnvConfig::sim, "Settings of the simulation, and the end of a step.");
+    v("wrappers", &EnvConfig::wrappers, "Settings of grippers, resets and depth.");
     v("options", &EnvConfig::options, "Solver options.");
   }
   void Validate(Problems& problems) const;

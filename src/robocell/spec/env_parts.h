@@ -36,20 +36,20 @@ struct EnvObject {
   static void Fields(V&& v) {
     v("mjcf_path", &EnvObject::mjcf_path, "Model file: path, `menagerie:...` or built-in name.");
     v("offset", &EnvObject::offset,
-      "Pose of the model's root body in that frame; what the file says of it is dropped.");
+      "Pose of the model's root body in that frame. The pose in the model file is dropped.");
     v("fixed", &EnvObject::fixed,
-      "true: it stays where it is. false: it moves freely, and falls. Unset: a model does what its "
-      "file says (a free joint at the root lets it fall), a primitive falls, and what stands in a "
-      "robot's frame is mounted there.");
-    v("shape", &EnvObject::shape, "Primitive, in the place of a model: box, sphere or cylinder.");
+      "true: the object stays in place. false: it moves freely and falls. Unset: a model falls if "
+      "its root has a free joint, a primitive falls, and an object in a robot's frame is mounted "
+      "there.");
+    v("shape", &EnvObject::shape, "Primitive, instead of a model: box, sphere or cylinder.");
     v("size", &EnvObject::size,
-      "Of a primitive, half sizes in metres: box x y z; sphere radius 0 0; cylinder radius, half "
+      "Half sizes of a primitive, metres: box x y z; sphere radius 0 0; cylinder radius, half "
       "height, 0.",
       Bound::kNonNegative);
-    v("mass", &EnvObject::mass, "Of a primitive, kg.", Bound::kPositive);
-    v("rgba", &EnvObject::rgba, "Colour of a primitive; light grey unless set.", Bound::kFraction);
+    v("mass", &EnvObject::mass, "Mass of a primitive, kg.", Bound::kPositive);
+    v("rgba", &EnvObject::rgba, "Colour of a primitive. Unset: light grey.", Bound::kFraction);
     v("friction", &EnvObject::friction,
-      "Of a primitive: sliding, torsional and rolling; the engine's own unless set.",
+      "Sliding, torsional and rolling friction of a primitive. Unset: the engine's own.",
       Bound::kNonNegative);
   }
   // As an object of a scene, without its name and place.
@@ -67,14 +67,13 @@ struct ObjectVariation {
   template <class V>
   static void Fields(V&& v) {
     v("mass", &ObjectVariation::mass,
-      "Least and largest factor of its mass and inertia; uniform between.", Bound::kPositive);
+      "Smallest and largest factor of mass and inertia; uniform between them.", Bound::kPositive);
     v("friction", &ObjectVariation::friction,
-      "Least and largest factor of its friction, all three kinds. Of two things that touch the "
-      "engine takes the larger friction.",
+      "Smallest and largest factor of all three kinds of friction. In a contact the engine uses "
+      "the larger friction of the two geoms.",
       Bound::kPositive);
     v("colour", &ObjectVariation::colour,
-      "How far red, green and blue are each from the object's own, at most; within 0 ... 1.",
-      Bound::kFraction);
+      "Largest change of red, green and blue each, within 0 ... 1.", Bound::kFraction);
   }
   void Validate(Problems& problems) const;
 };
@@ -93,18 +92,17 @@ struct CameraAdderConfig {
   template <class V>
   static void Fields(V&& v) {
     v("xml_path", &CameraAdderConfig::xml_path,
-      "Model with one camera and its housing; a camera alone unless set.");
+      "Model with one camera and its housing. Unset: a camera alone.");
     v("fovy", &CameraAdderConfig::fovy,
-      "Vertical field of view, degrees; 60 unless set, or that of the model's camera.",
+      "Vertical field of view, degrees. Unset: that of the model's camera, else 60.",
       Bound::kPositive);
     v("offset", &CameraAdderConfig::offset,
-      "Pose of the camera (MuJoCo's axes: it looks along -z) or of its model's root body: in the "
+      "Pose of the camera (MuJoCo's axes: it looks along -z) or of its model's root body, in the "
       "root frame, or with robot_name in that robot's attachment site.");
     v("robot_name", &CameraAdderConfig::robot_name,
-      "The robot that carries the camera; it belongs to the rig unless set.");
+      "The robot that carries the camera. Unset: the camera belongs to the rig.");
     v("attachment_site", &CameraAdderConfig::attachment_site,
-      "Another site of that robot, by its name without prefix, in the place of its attachment "
-      "site.");
+      "Another site of that robot, by its name without prefix, instead of its attachment site.");
   }
   void Validate(Problems& problems) const;
 };
@@ -121,21 +119,20 @@ struct SimSettings {
   static constexpr const char* kTypeName = "SimSettings";
   template <class V>
   static void Fields(V&& v) {
-    v("timestep", &SimSettings::timestep, "One step of the engine, seconds.", Bound::kPositive);
+    v("timestep", &SimSettings::timestep, "Timestep of the engine, seconds.", Bound::kPositive);
     v("async_control", &SimSettings::async_control,
-      "Steps end after 1/frequency, whatever the robots have done by then; else when they have "
-      "arrived.");
+      "Steps end after 1/frequency, even if the robots still move. false: steps end when the "
+      "robots have arrived.");
     v("frequency", &SimSettings::frequency, "Steps per second with async_control.",
       Bound::kPositive);
     v("max_convergence_time", &SimSettings::max_convergence_time,
-      "Without async_control a step ends after this time at the latest, simulated seconds.",
-      Bound::kPositive);
+      "Longest step without async_control, simulated seconds.", Bound::kPositive);
     v("realtime", &SimSettings::realtime,
-      "Simulated time passes no faster than the clock: a step waits for what is left of its "
-      "simulated time. Time that the caller spent since the last step counts.");
+      "Simulated time passes no faster than the clock: each step waits until its simulated time "
+      "has passed. Time that the caller spent since the last step counts.");
     v("on_collision", &SimSettings::on_collision,
-      "When a robot runs into something: stop (the step ends), report (it goes on) or guard (the "
-      "step is looked at ahead; an action that leads into something is not carried out).");
+      "Reaction to a collision of a robot: stop (the step ends), report (it goes on) or guard "
+      "(each step is simulated ahead, and an action that leads to a collision is not executed).");
   }
   void Validate(Problems& problems) const;
 };
@@ -150,12 +147,12 @@ struct WrapperConfig {
   template <class V>
   static void Fields(V&& v) {
     v("binary_gripper", &WrapperConfig::binary_gripper,
-      "A gripper's action is open (0.5 and more) or closed, and it is observed as it was told; "
-      "else both are its opening, 0 closed ... 1 open.");
+      "A gripper's action is open (0.5 and more) or closed, and its observation is its last "
+      "command. false: both are its opening, 0 closed ... 1 open.");
     v("home_on_reset", &WrapperConfig::home_on_reset,
-      "Resets put the arms at home; else they stay where they are.");
+      "Resets move the arms to home. false: the arms stay in place.");
     v("include_depth", &WrapperConfig::include_depth,
-      "Streams have depth images, whether they ask for them or not.");
+      "All streams have depth images, even those without `depth`.");
   }
 };
 

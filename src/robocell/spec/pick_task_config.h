@@ -20,21 +20,21 @@ inline constexpr double kLiftHeight = 0.05;
 template <class T, class V>
 void PickedObjectFields(V&& v) {
   v("object", &T::object,
-    "The object, by its id in root_frame_objects of an environment. Unset in a run, whose objects "
-    "are of the kinds in `objects`.");
+    "The object, by its id in an environment's root_frame_objects. Unset in a run, which takes "
+    "kinds of `objects`.");
   v("spread", &T::spread,
-    "How far `object` lies from its place, uniform between plus and minus these, along x and y of "
-    "the root frame, metres.",
+    "Random offset of `object` from its place, uniform between plus and minus these, along x and y "
+    "of the root frame, metres.",
     Bound::kNonNegative);
-  v("rotate", &T::rotate, "Turn `object` by any angle about the root frame's z too.");
+  v("rotate", &T::rotate, "Also turn `object` by a random angle about z of the root frame.");
   v("lift_height", &T::lift_height,
-    "Success: lifted this far above where the episode began, metres, and held only by robots.",
+    "Success: the object is this far above its first height, metres, and only robots hold it.",
     Bound::kPositive);
 }
 template <class T, class V>
 void PickRunFields(V&& v) {
   v("objects", &T::objects,
-    "Of runs: kinds of objects, by their names in the catalogue; all of them unless set.");
+    "In runs: kinds of objects, by their names in the catalogue. Unset: all of them.");
 }
 
 struct PickTaskConfig {
@@ -74,21 +74,23 @@ struct PickAndPlaceTaskConfig {
     using T = PickAndPlaceTaskConfig;
     PickedObjectFields<T>(v);
     v("goal", &T::goal,
-      "Where the object's root is to rest, metres, in the root frame, or with goal_object in the "
-      "frame of that object's root. Unset with goal_object: on top of it, in the middle.");
+      "Goal of the object's root, metres, in the root frame, or with goal_object in the frame of "
+      "that object's root. Unset with goal_object: on top of it, in the middle.");
     v("goal_object", &T::goal_object,
-      "The goal is on this object, by its id in root_frame_objects, wherever it is.");
+      "The object that carries the goal, by its id in root_frame_objects. The goal moves with it.");
     v("goal_spread", &T::goal_spread,
-      "How far the goal, or goal_object, lies from its place, as `spread`.", Bound::kNonNegative);
+      "Random offset of the goal, or of goal_object, from its place, as `spread`.",
+      Bound::kNonNegative);
     v("goal_tolerance", &T::goal_tolerance,
-      "Success: released and at rest so near to the goal, metres, after it was lifted.",
+      "Success: the object was lifted and then released, and rests within this distance of the "
+      "goal, metres.",
       Bound::kPositive);
     v("goal_distance", &T::goal_distance,
-      "Episodes begin with the object at least so far from the goal along the ground, metres.",
+      "Smallest horizontal distance between object and goal when an episode begins, metres.",
       Bound::kNonNegative);
     v("goals", &T::goals,
-      "Of runs: what objects are put on, kinds of the catalogue or built-in equipment with a free "
-      "joint; `tray` unless set.");
+      "In runs: kinds of objects that carry the goal, of the catalogue or built-in equipment with "
+      "a free joint. Unset: `tray`.");
     PickRunFields<T>(v);
   }
 };

@@ -27,26 +27,23 @@ struct Rates {
   template <class V>
   static void Fields(V&& v) {
     v("policy_ms", &Rates::policy_ms,
-      "One action and one recorded row per this time, ms; 66 unless this or policy_hz is set.",
-      Bound::kPositive);
+      "Time per action and recorded row, ms. Unset without policy_hz: 66.", Bound::kPositive);
     v("policy_hz", &Rates::policy_hz,
       "Actions and rows per second, instead of policy_ms: 30, or in YAML a fraction such as "
       "500/33.",
       Bound::kPositive);
     v("control_ms", &Rates::control_ms,
-      "Controllers run once per this time, ms; 2 unless this or control_hz is set, or the engine's "
-      "timestep where that is no divisor of 2 ms.",
+      "Time between two updates of the controllers, ms. Unset without control_hz: 2, or the "
+      "engine's timestep if that does not divide 2 ms.",
       Bound::kPositive);
     v("control_hz", &Rates::control_hz,
-      "How often controllers run per second, instead of "
-      "control_ms.",
-      Bound::kPositive);
-    v("sim_ms", &Rates::sim_ms, "The engine's timestep, ms; 2 unless this or sim_hz is set.",
+      "Updates of the controllers per second, instead of control_ms.", Bound::kPositive);
+    v("sim_ms", &Rates::sim_ms, "The engine's timestep, ms. Unset without sim_hz: 2.",
       Bound::kPositive);
     v("sim_hz", &Rates::sim_hz,
       "Steps of the engine per second, instead of sim_ms: 480 for a timestep of 1/480 s.",
       Bound::kPositive);
-    v("max_steps", &Rates::max_steps, "An episode ends after this many actions.", Bound::kPositive);
+    v("max_steps", &Rates::max_steps, "Largest number of actions in an episode.", Bound::kPositive);
   }
   // Whole numbers of control ticks per action and of engine steps per control tick; 0 where a time
   // is no multiple of the next shorter one.

@@ -87,9 +87,9 @@ struct BaseConfig {
     v("size", &BaseConfig::size, "Length, width and height of a box under the robot, metres.",
       Bound::kPositive);
     v("max_linear_speed", &BaseConfig::max_linear_speed,
-      "Driven: how fast the base moves at most, m/s; 0.5 unless set.", Bound::kPositive);
+      "Driven: largest speed of the base, m/s. Unset: 0.5.", Bound::kPositive);
     v("max_angular_speed", &BaseConfig::max_angular_speed,
-      "Driven: how fast the base turns at most, rad/s; 2 unless set.", Bound::kPositive);
+      "Driven: largest angular speed of the base, rad/s. Unset: 2.", Bound::kPositive);
   }
   void Validate(Problems& problems) const;
 };
@@ -115,8 +115,8 @@ struct GripperJointRange {
   static constexpr const char* kTypeName = "GripperJointRange";
   template <class V>
   static void Fields(V&& v) {
-    v("open", &GripperJointRange::open, "Its value when the gripper is open, m or rad.");
-    v("closed", &GripperJointRange::closed, "Its value when the gripper is closed, m or rad.");
+    v("open", &GripperJointRange::open, "Joint value of the open gripper, m or rad.");
+    v("closed", &GripperJointRange::closed, "Joint value of the closed gripper, m or rad.");
   }
 };
 
@@ -128,8 +128,9 @@ struct GripperDistance {
   static constexpr const char* kTypeName = "GripperDistance";
   template <class V>
   static void Fields(V&& v) {
-    v("closed", &GripperDistance::closed, "When closed on nothing, metres.", Bound::kNonNegative);
-    v("open", &GripperDistance::open, "When open, metres.", Bound::kPositive);
+    v("closed", &GripperDistance::closed,
+      "Distance of the fingers closed without an object, metres.", Bound::kNonNegative);
+    v("open", &GripperDistance::open, "Distance of the open fingers, metres.", Bound::kPositive);
   }
 };
 
@@ -153,17 +154,17 @@ struct MoveGroupConfig {
     v("actuators", &MoveGroupConfig::actuators,
       "Actuator names; for an arm one per joint in the same order.");
     v("root", &MoveGroupConfig::root,
-      "Frame the group's poses are relative to (body or site). Unless set, it is the robot's root "
-      "body; of a gripper it is the leaf.");
-    v("leaf", &MoveGroupConfig::leaf, "Frame the group moves (body or site): an arm's TCP.");
+      "Frame of the group's poses (body or site). Unset: the robot's root body, and of a gripper "
+      "the leaf.");
+    v("leaf", &MoveGroupConfig::leaf, "Frame that the group moves (body or site): an arm's TCP.");
     v("fingers", &MoveGroupConfig::fingers, "Gripper: the two finger geoms, bodies or sites.");
     v("ctrl", &MoveGroupConfig::ctrl,
-      "Gripper: raw control values when open and closed; the actuator's range unless set.");
+      "Gripper: raw control values when open and closed. Unset: the actuator's range.");
     v("distance", &MoveGroupConfig::distance,
-      "Gripper: finger distance when closed and open; measured unless set.");
+      "Gripper: finger distance when closed and open. Unset: measured.");
     v("joint_range", &MoveGroupConfig::joint_range,
-      "Gripper: values of its first joint when open and closed. The opening is then read from "
-      "this joint; unless set, from the distance between the fingers.");
+      "Gripper: values of its first joint when open and closed, to read the opening from this "
+      "joint. Unset: the opening is read from the distance between the fingers.");
   }
   void Validate(Problems& problems) const;
 };
@@ -209,37 +210,37 @@ struct RobotConfig {
     v("attachments", &RobotConfig::attachments, "Tools that belong to this robot.");
     v("root_body", &RobotConfig::root_body,
       "The arm's root body; its frame is the robot base frame. Default: the model's only root.");
-    v("base", &RobotConfig::base, "What the robot stands on.");
+    v("base", &RobotConfig::base, "Base that the robot stands on.");
     v("reset_root_pose", &RobotConfig::reset_root_pose,
-      "What becomes of the pose that the model's file gives its root. true: it is dropped; false: "
-      "it is kept. Unset: environments drop it; elsewhere it is kept, but on a pedestal only its "
-      "height and rotation, so that the robot stands in the middle.");
+      "Drop the pose that the model file gives its root (true) or keep it (false). Unset: "
+      "environments drop it; elsewhere robocell keeps it, but on a pedestal only its height and "
+      "rotation, so that the robot stands in the middle.");
     v("move_groups", &RobotConfig::move_groups, "Named groups of joints.");
-    v("attachment_site", &RobotConfig::attachment_site, "Site where tools go.");
+    v("attachment_site", &RobotConfig::attachment_site, "Site to which tools are attached.");
     v("tcp_offset", &RobotConfig::tcp_offset, "TCP relative to the attachment site.");
     v("home", &RobotConfig::home, "Joint positions per group at reset, rad or m.");
     v("home_noise", &RobotConfig::home_noise,
       "Uniform +- noise on home per group, one number or one per joint.", Bound::kNonNegative);
     v("control", &RobotConfig::control, "Default controller per group.");
     v("collision_geoms", &RobotConfig::collision_geoms,
-      "Geoms that stand for the robot where it is placed and planned for; all unless set. Of a "
-      "gripper in an environment: those whose contacts are collisions; none unless set.");
+      "Geoms that represent the robot in placement and planning. Unset: all. Of a gripper in an "
+      "environment: geoms whose contacts are collisions. Unset: none.");
     v("ignored_collision_geoms", &RobotConfig::ignored_collision_geoms,
       "Environments: geoms of the scene, by their full names, that this robot or gripper may "
       "touch without a collision.");
     v("arrival_tolerance", &RobotConfig::arrival_tolerance,
-      "A motion has arrived within this and at rest, rad; slides within a tenth of it in m (0.002: "
-      "0.2 mm).",
+      "Largest error of a motion that has arrived and is at rest, rad; of slides a tenth of it in "
+      "m (0.002: 0.2 mm).",
       Bound::kPositive);
     v("reach", &RobotConfig::reach,
-      "Farthest the TCP gets from the root body, metres; measured unless set.", Bound::kPositive);
+      "Largest distance of the TCP from the root body, metres. Unset: measured.", Bound::kPositive);
     v("gravcomp", &RobotConfig::gravcomp, "Compensate gravity on every body of the robot.");
     v("stiffness", &RobotConfig::stiffness, "Position gain of all arm servos.", Bound::kPositive);
     v("damping", &RobotConfig::damping, "Velocity gain of all arm servos.", Bound::kNonNegative);
     v("force_limit", &RobotConfig::force_limit, "Force limit of all arm servos, N or Nm.",
       Bound::kPositive);
     v("cameras", &RobotConfig::cameras, "Cameras that belong to the robot.");
-    v("ft_sensors", &RobotConfig::ft_sensors, "Its force-torque sensors.");
+    v("ft_sensors", &RobotConfig::ft_sensors, "Force-torque sensors of the robot.");
   }
   void Validate(Problems& problems) const;
 

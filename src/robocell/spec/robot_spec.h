@@ -29,29 +29,29 @@ struct RobotSpec {
   template <class V>
   static void Fields(V&& v) {
     v("name", &RobotSpec::name,
-      "Unset: the prefix without its trailing _ or /, else robot, robot_1, ...");
-    v("path", &RobotSpec::path, "Model file of a robot without a configuration; or give `config`.");
-    v("config", &RobotSpec::config, "What the robot is.");
-    v("prefix", &RobotSpec::prefix,
-      "Put in front of every name of the robot; unique in the scene.");
+      "Name in the scene. Unset: the prefix without its trailing _ or /, else robot, robot_1, ...");
+    v("path", &RobotSpec::path,
+      "Model file of a robot without a configuration; instead of `config`.");
+    v("config", &RobotSpec::config, "The robot's configuration.");
+    v("prefix", &RobotSpec::prefix, "Prefix of every name of the robot; unique in the scene.");
     v("model_prefix", &RobotSpec::model_prefix,
-      "What the robot's names begin with in its model file; its configuration says them without.");
+      "Prefix of the robot's names in its model file. Its configuration uses the names without "
+      "it.");
     v("part_of", &RobotSpec::part_of,
-      "An earlier robot, in whose model file this one is too: it comes and stands with that one, "
-      "what is said here of model, edits, attachments and place is not used.");
+      "An earlier robot whose model file contains this one too. This robot then stands where that "
+      "model has it; its own model, edits, attachments and place are not used.");
     v("base", &RobotSpec::base, "Overrides the configuration's base.");
     v("reset_root_pose", &RobotSpec::reset_root_pose,
-      "Whether the pose that the model's file gives its root is dropped. Unset: what the "
-      "configuration says.");
-    v("attach_to", &RobotSpec::attach_to, "What pos and euler or quat are relative to.");
+      "Drop the pose that the model file gives its root. Unset: the configuration decides.");
+    v("attach_to", &RobotSpec::attach_to, "Frame of pos and euler or quat.");
     v("pos", &RobotSpec::pos, "Position in the parent, metres.");
     v("euler", &RobotSpec::euler, "Orientation in the parent, degrees, extrinsic xyz.");
     v("quat", &RobotSpec::quat, "Orientation in the parent, quaternion xyzw; instead of euler.");
     v("attachments", &RobotSpec::attachments,
       "Tools mounted in this scene, after the configuration's own.");
     v("control_modes", &RobotSpec::control_modes,
-      "What its arms can be switched to beside the actuators of the model: position, velocity, "
-      "torque. Unset: position and torque.");
+      "Control modes of its arms beside the actuators of the model: position, velocity, torque. "
+      "Unset: position and torque.");
   }
   Pose pose() const { return PlacementPose(pos, euler, quat); }
   const BaseConfig& EffectiveBase() const;

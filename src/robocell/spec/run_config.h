@@ -72,43 +72,40 @@ struct RunConfig {
   template <class V>
   static void Fields(V&& v) {
     v("run", &RunConfig::run, "Name of the run.");
-    v("robot", &RunConfig::robot,
-      "Robot file (relative to this file), or the robot's fields in place.");
-    v("task", &RunConfig::task, "What the robot does: the kind of task and its fields.");
+    v("robot", &RunConfig::robot, "Robot file (relative to this file), or the robot's fields.");
+    v("task", &RunConfig::task, "The kind of task and its fields.");
     v("start", &RunConfig::start,
-      "Where the robot's base stands around what the task is about, for any task.");
+      "Places of the robot's base around the task's object, for any task.");
     v("sampler", &RunConfig::sampler,
-      "Who makes the starts: a registered kind of sampler; the task's own unless set.");
+      "Sampler of the starts: a registered kind. Unset: the task's own.");
     v("expert", &RunConfig::expert,
-      "Who acts: a registered kind of expert, or `module:Class` of a policy in Python; the task's "
-      "own expert unless set.");
+      "Source of the actions: a registered kind of expert, or `module:Class` of a policy in "
+      "Python. Unset: the task's own expert.");
     v("scenes", &RunConfig::scenes,
-      "Where the task takes place: the kind of source, `houses` and the fields of that kind.");
+      "Source of the scenes: its kind, `houses` and the fields of that kind.");
     v("episodes_per_scene", &RunConfig::episodes_per_scene, "Episodes made in each scene.",
       Bound::kPositive);
     v("cameras", &RunConfig::cameras, "Image size and streams.");
     v("features", &RunConfig::features,
-      "Registered features of your own that are observed and recorded beside what is built in.");
-    v("rates", &RunConfig::rates, "Times of engine, control and policy.");
+      "Registered features of your own that are observed and recorded beside the built-in ones.");
+    v("rates", &RunConfig::rates, "Rates of engine, controllers and actions.");
     v("options", &RunConfig::options, "Solver options.");
     v("keep", &RunConfig::keep,
-      "successes; first (of each episode the first rollout, whatever came of it: for evaluation); "
-      "or "
-      "all (failures are kept and labelled).");
-    v("max_attempts", &RunConfig::max_attempts, "An episode is given up after this many tries.",
+      "Rollouts to keep: successes; first (the first rollout of each episode with any result, for "
+      "evaluation); or all (failures too, labelled).");
+    v("max_attempts", &RunConfig::max_attempts, "Largest number of attempts for an episode.",
       Bound::kPositive);
     v("episodes", &RunConfig::episodes,
-      "How many in all; the scenes take turns. Default: episodes_per_scene for each.",
+      "Number of episodes in all; the scenes take turns. Unset: episodes_per_scene for each scene.",
       Bound::kPositive);
     v("workers", &RunConfig::workers, "Worker processes.", Bound::kPositive);
-    v("seed", &RunConfig::seed, "Seed of the run: all its random numbers follow from this one.",
+    v("seed", &RunConfig::seed, "Seed of the run. All its random numbers follow from it.",
       Bound::kNonNegative);
-    v("output", &RunConfig::output,
-      "Folder of the dataset; a relative one starts at the working folder.");
+    v("output", &RunConfig::output, "Folder of the dataset, relative to the working folder.");
     v("imports", &RunConfig::imports,
-      "Python modules, and shared libraries (.so), that register this run's kinds of tasks, "
-      "experts, scene sources, samplers or features, by name or file; file names are relative to "
-      "this file. They are imported when the run is started.");
+      "Python modules and shared libraries (.so) that register this run's kinds of tasks, experts, "
+      "scene sources, samplers or features, by name or by file relative to this one. The run "
+      "imports them when it starts.");
   }
   void Validate(Problems& problems) const;
 

@@ -50,31 +50,33 @@ struct SceneObject {
   template <class V>
   static void Fields(V&& v) {
     v("name", &SceneObject::name,
-      "Name; elements of a model get `name_` in front, a primitive makes body `name`, geom "
-      "`name_geom`, joint `name_joint`.");
+      "Name in the scene. Names of a model's elements get the prefix `name_`; a primitive becomes "
+      "body `name`, geom `name_geom` and joint `name_joint`.");
     v("mjcf_path", &SceneObject::mjcf_path, "Model file: path, `menagerie:...` or built-in name.");
     v("shape", &SceneObject::shape, "Primitive: box, sphere or cylinder.");
     v("size", &SceneObject::size,
-      "Half sizes in metres: box x y z; sphere radius 0 0; cylinder radius, half height, 0.",
+      "Half sizes of a primitive, metres: box x y z; sphere radius 0 0; cylinder radius, half "
+      "height, 0.",
       Bound::kNonNegative);
     v("rgba", &SceneObject::rgba, "Colour.", Bound::kFraction);
     v("mass", &SceneObject::mass, "Mass, kg.", Bound::kPositive);
     v("friction", &SceneObject::friction, "Sliding, torsional and rolling friction.",
       Bound::kNonNegative);
-    v("condim", &SceneObject::condim, "Which friction acts: tangential, torsional or rolling.");
+    v("condim", &SceneObject::condim,
+      "Kinds of friction that act: tangential, torsional or rolling.");
     v("attach_to", &SceneObject::attach_to,
-      "What the object's pose is relative to, and fixed to unless it is free.");
+      "Frame of the object's pose. An object that is not free is fixed to it.");
     v("pos", &SceneObject::pos, "Position in the parent, metres.");
     v("euler", &SceneObject::euler, "Orientation in the parent, degrees, extrinsic xyz.");
     v("quat", &SceneObject::quat, "Orientation in the parent, quaternion xyzw; instead of euler.");
     v("reset_root_pose", &SceneObject::reset_root_pose,
-      "Drop the pose authored on the model's root.");
+      "Drop the pose that the model file gives its root.");
     v("fixed", &SceneObject::fixed,
-      "true: it stays where it is. false: it moves freely, and falls. Unset: a model does what its "
-      "file says (a free joint at the root lets it fall), a primitive falls.");
+      "true: the object stays in place. false: it moves freely and falls. Unset: a model falls if "
+      "its root has a free joint, and a primitive falls.");
     v("parked", &SceneObject::parked,
-      "Set for objects of the pool, which are added and removed without compiling: true when a "
-      "reset leaves it outside of the scene, false when inside. They can move freely.");
+      "Set for objects of the pool, which are added and removed without compiling: true if a reset "
+      "leaves the object outside of the scene, false if inside. Such objects move freely.");
   }
   Pose pose() const { return PlacementPose(pos, euler, quat); }
   std::string Label() const { return LabelOf("object", name); }

@@ -43,7 +43,7 @@ struct FilesScenes {
   template <class V>
   static void Fields(V&& v) {
     v("files", &FilesScenes::files, "The MJCF files, one scene each.");
-    v("root", &FilesScenes::root, "Folder the files are in; that of the run file unless set.");
+    v("root", &FilesScenes::root, "Folder of the files. Unset: the folder of the run file.");
   }
   void Validate(Problems& problems) const;
 };
@@ -53,8 +53,8 @@ KindRegistry& SceneSourceRegistry();
 class SceneSourceSpec : public KindSpec {
  public:
   static constexpr const char* kHousesDoc =
-      "Which scenes of the source, by their numbers from 0: a list or 0..3. Unset: all of them, or "
-      "the first one of a source without end.";
+      "Scenes of the source, by their numbers from 0: a list or 0..3. Unset: all of them, or the "
+      "first one of a source without end.";
 
   // Tabletop.
   SceneSourceSpec() : SceneSourceSpec(std::string(TabletopScenes::kKind)) {}

@@ -42,21 +42,19 @@ struct SceneSpec {
   static constexpr const char* kTypeName = "SceneSpec";
   template <class V>
   static void Fields(V&& v) {
-    v("name", &SceneSpec::name, "Used in messages.");
+    v("name", &SceneSpec::name, "Name in messages.");
     v("base", &SceneSpec::base,
       "An MJCF file or built-in name to start from; an empty world unless set.");
-    v("timestep", &SceneSpec::timestep, "Seconds; required unless `base` sets it.",
-      Bound::kPositive);
-    v("gravity", &SceneSpec::gravity, "m/s^2.");
-    v("add_floor", &SceneSpec::add_floor,
-      "Add a floor plane at z = 0; required unless `base` is given.");
-    v("add_skybox", &SceneSpec::add_skybox,
-      "Add a sky and a light; required unless `base` is given.");
+    v("timestep", &SceneSpec::timestep,
+      "Timestep of the engine, seconds; required unless `base` sets it.", Bound::kPositive);
+    v("gravity", &SceneSpec::gravity, "Acceleration of gravity, m/s^2.");
+    v("add_floor", &SceneSpec::add_floor, "Add a floor plane at z = 0; required without `base`.");
+    v("add_skybox", &SceneSpec::add_skybox, "Add a sky and a light; required without `base`.");
     v("options", &SceneSpec::options, "Solver options of the whole scene.");
     v("root_frame_to_world", &SceneSpec::root_frame_to_world,
-      "The rig: pose of the root frame in the world.");
+      "Pose of the root frame, that of the rig, in the world.");
     v("shared_base_frame_to_root_frame", &SceneSpec::shared_base_frame_to_root_frame,
-      "The rig: pose of the shared base frame in the root frame.");
+      "Pose of the shared base frame, also of the rig, in the root frame.");
     v("robots", &SceneSpec::robots, "The robots.");
     v("objects", &SceneSpec::objects, "The objects.");
     v("cameras", &SceneSpec::cameras, "Cameras of the scene.");

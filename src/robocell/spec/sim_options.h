@@ -74,24 +74,25 @@ struct SimOptions {
     v("solver", &SimOptions::solver, "pgs, cg or newton.");
     v("jacobian", &SimOptions::jacobian,
       "The constraint Jacobian: dense, sparse or auto (sparse from 60 degrees of freedom on). "
-      "Unset: "
-      "auto or what the base says, but dense where the engine in use is known to be wrong with a "
-      "sparse one (`robocell doctor`).");
-    v("iterations", &SimOptions::iterations, "Most iterations of the solver.", Bound::kPositive);
-    v("tolerance", &SimOptions::tolerance, "Early end of the solver.", Bound::kNonNegative);
-    v("ls_iterations", &SimOptions::ls_iterations, "Most iterations of the line search.",
+      "Unset: the base's value or auto, but dense if this version of the engine computes wrong "
+      "results with a sparse one (`robocell doctor`).");
+    v("iterations", &SimOptions::iterations, "Largest number of solver iterations.",
+      Bound::kPositive);
+    v("tolerance", &SimOptions::tolerance, "Tolerance at which the solver ends early.",
+      Bound::kNonNegative);
+    v("ls_iterations", &SimOptions::ls_iterations, "Largest number of line search iterations.",
       Bound::kPositive);
     v("noslip_iterations", &SimOptions::noslip_iterations, "Iterations of the no-slip pass.",
       Bound::kNonNegative);
-    v("noslip_tolerance", &SimOptions::noslip_tolerance, "Early end of the no-slip pass.",
-      Bound::kNonNegative);
-    v("ccd_iterations", &SimOptions::ccd_iterations, "Most iterations of convex collision.",
-      Bound::kPositive);
+    v("noslip_tolerance", &SimOptions::noslip_tolerance,
+      "Tolerance at which the no-slip pass ends early.", Bound::kNonNegative);
+    v("ccd_iterations", &SimOptions::ccd_iterations,
+      "Largest number of iterations of convex collision.", Bound::kPositive);
     v("density", &SimOptions::density, "Density of the medium, kg/m^3.", Bound::kNonNegative);
     v("viscosity", &SimOptions::viscosity, "Viscosity of the medium.", Bound::kNonNegative);
     v("wind", &SimOptions::wind, "Velocity of the medium, m/s.");
     v("disable", &SimOptions::disable,
-      "Engine features to turn off, by their names in <flag>: contact, limit, ...");
+      "Engine features to turn off, by their names in MuJoCo's <flag>: contact, limit, ...");
     v("enable", &SimOptions::enable, "Engine features to turn on: energy, invdiscrete, sleep, ...");
   }
 };

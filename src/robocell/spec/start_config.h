@@ -29,24 +29,24 @@ struct StartConfig {
   static void Fields(V&& v) {
     v("base_distance", &StartConfig::base_distance,
       "Horizontal distance from the robot's base to the first object of the task, metres, smallest "
-      "and largest. Unset: the task's own range, which is [0.3, 0.6] unless the task says more.",
+      "and largest. Unset: the task's own range, else [0.3, 0.6].",
       Bound::kNonNegative);
     v("base_height_offset", &StartConfig::base_height_offset,
       "Height of the base's bottom above that object, metres. Unset: the task's own, else 0.");
     v("base_height_noise", &StartConfig::base_height_noise,
-      "Added to the height, uniform between these, metres. Unset: the task's own, else [0, 0].");
+      "Random offset of that height, uniform between these, metres. Unset: the task's own, else "
+      "[0, 0].");
     v("base_facing_noise", &StartConfig::base_facing_noise,
-      "How far the base may be turned away from the object, radians, uniform between minus and "
-      "plus this.",
+      "Random angle by which the base is turned away from the object, uniform between minus and "
+      "plus this, radians.",
       Bound::kNonNegative);
     v("base_clearance", &StartConfig::base_clearance,
-      "The robot stands at least so far from everything else, metres.", Bound::kNonNegative);
+      "Smallest distance between the robot and everything else, metres.", Bound::kNonNegative);
     v("visible_from", &StartConfig::visible_from,
-      "Cameras that have to see the object when an episode begins, named as in cameras.streams; "
-      "none unless set.");
+      "Cameras that must see the object when an episode begins, named as in cameras.streams. "
+      "Unset: none.");
     v("visible_share", &StartConfig::visible_share,
-      "The share of the object that each of visible_from has to see in its image, unhidden.",
-      Bound::kFraction);
+      "Share of the object that each camera of visible_from must see unhidden.", Bound::kFraction);
   }
   void Validate(Problems& problems) const;
 };

@@ -26,15 +26,15 @@ struct ForceTorqueSensorSpec {
   template <class V>
   static void Fields(V&& v) {
     v("name", &ForceTorqueSensorSpec::name,
-      "What the sensor is called; stands for the pair <name>_force and <name>_torque.");
+      "Name of the sensor, which stands for the pair <name>_force and <name>_torque.");
     v("force_sensor", &ForceTorqueSensorSpec::force_sensor,
-      "The model's force sensor, where it is not called <name>_force.");
+      "The model's force sensor. Unset: <name>_force.");
     v("torque_sensor", &ForceTorqueSensorSpec::torque_sensor,
-      "The model's torque sensor at the same site, where it is not called <name>_torque.");
+      "The model's torque sensor at the same site. Unset: <name>_torque.");
     v("frame_site", &ForceTorqueSensorSpec::frame_site,
-      "Site whose axes and origin the reading has; the site that the sensors are at unless set.");
+      "Site of the reading's axes and origin. Unset: the site of the sensors.");
     v("compensate_tool", &ForceTorqueSensorSpec::compensate_tool,
-      "Leave the weight of what the robot's model has beyond the sensor (gripper, tool) out of the "
+      "Subtract the weight of the robot's parts beyond the sensor (gripper, tool) from the "
       "reading.");
   }
   // The names of the two.
@@ -52,8 +52,9 @@ struct ToolFrameSpec {
   static constexpr const char* kTypeName = "ToolFrameSpec";
   template <class V>
   static void Fields(V&& v) {
-    v("tool_body", &ToolFrameSpec::tool_body, "Its subtree's inertia joins the chain.");
-    v("tcp_site", &ToolFrameSpec::tcp_site, "Becomes the TCP.");
+    v("tool_body", &ToolFrameSpec::tool_body,
+      "Body whose subtree's inertia is added to the chain.");
+    v("tcp_site", &ToolFrameSpec::tcp_site, "Site that becomes the TCP.");
     v("ft_sensors", &ToolFrameSpec::ft_sensors, "Force-torque sensors of the robot.");
   }
   void Validate(Problems& problems) const;

@@ -1,4 +1,4 @@
-#include "robocell/rollout/ctrl_units.h"
+#include "robocell/features/units.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

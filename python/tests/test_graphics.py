@@ -10,13 +10,8 @@ import numpy as np
 import pytest
 
 import robocell as rc
-from robocell.cli import probes
-from robocell.cli.doctor import advice
-from robocell.cli.probes import State
-from robocell.cli.robot_picture import SIZE_PX, robot_points, view_of
-from robocell.cli.robot_scene import load_robot
-from robocell.cli.robot_table import frames
 from robocell.generate.check import graphics_warnings
+from test_probes import machine_with_a_card
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -43,36 +38,6 @@ def test_an_error_says_what_was_tried_when_nothing_draws():
     assert result.returncode == 1
     assert "draws" not in result.stdout
     assert "Error: no OpenGL for off-screen rendering. Tried:\n  egl: " in result.stderr
-
-
-def test_the_doctor_does_not_take_an_error_for_a_description(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setenv("__EGL_VENDOR_LIBRARY_FILENAMES", "/no")
-    monkeypatch.setenv("PYTHONPATH", ":".join(sys.path))
-    egl = next(finding for finding in probes.graphics() if finding.what == "graphics: egl")
-    assert egl.state is not State.OK
-    assert egl.detail.startswith("egl: ")
-
-
-def machine_with_a_card(root: Path) -> str:
-    """A machine's files: a card, and a driver without its graphics libraries."""
-    (root / "dev").mkdir(parents=True)
-    (root / "dev" / "nvidia0").touch()
-    return str(root)
-
-
-def test_software_on_a_machine_with_a_card_is_not_ok(tmp_path: Path):
-    llvmpipe = probes.Finding("graphics: egl", State.OK, "egl: llvmpipe (LLVM 15.0.6), OpenGL 4.5")
-    card = probes.Finding("graphics: egl", State.OK, "egl: NVIDIA H100 PCIe/PCIe/SSE2, OpenGL 4.6")
-    assert probes.judged(llvmpipe, str(tmp_path)) == llvmpipe
-    root = machine_with_a_card(tmp_path)
-    assert probes.judged(card, root) == card
-    found = probes.judged(llvmpipe, root)
-    assert found.state is State.SLOW
-    assert found.detail == llvmpipe.detail
-    lines = advice([found])
-    assert lines[1].startswith("graphics: egl is slow: images are drawn on the processor (egl: llv")
-    assert "(/dev/nvidia0). The driver's EGL library libEGL_nvidia.so.0 is missing." in lines[1]
-    assert lines[-1] == "this machine can generate datasets"
 
 
 def test_a_run_with_cameras_says_once_that_a_card_is_idle(tmp_path: Path):
@@ -165,42 +130,6 @@ def test_a_png_is_not_written_under_the_name_of_another_kind(tmp_path: Path):
     with pytest.raises(rc.ArgumentError, match=r"end in \.png or \.PNG: give '.*/a\.png' instead"):
         rc.render.write_png(tmp_path / "a.jpg", image)
     assert list(tmp_path.iterdir()) == []
-
-
-MAST = """<mujoco><worldbody><body name="mast">
-<geom type="box" size="0.1 0.1 {half}" pos="0 0 {half}"/>
-<body name="link" pos="0 0 {top}"><joint name="hip" axis="0 1 0" range="-90 90"/>
-<geom type="capsule" size="0.05" fromto="0 0 0 {reach} 0 0" mass="1"/>
-<site name="tip" pos="{reach} 0 0"/>
-</body></body></worldbody><actuator><position name="drive" joint="hip" kp="900" kv="90"/></actuator>
-</mujoco>"""
-
-
-@pytest.mark.parametrize(("tall", "reach"), [(6, 0.5), (0.4, 3)])
-def test_a_picture_has_the_whole_robot_and_what_is_near_it(
-    tmp_path: Path, tall: float, reach: float
-):
-    (tmp_path / "mast.xml").write_text(MAST.format(half=tall / 2, top=tall, reach=reach))
-    robot_file = tmp_path / "mast.yaml"
-    robot_file.write_text(
-        "name: mast\nmodel: mast.xml\n"
-        "move_groups: {arm: {kind: arm, joints: [hip], leaf: {site: tip}}}\n"
-        "cameras:\n"
-        f"  - {{name: near, attach_to: {{body: mast}}, pos: [0, -1, {tall}], fovy: 60}}\n"
-        "  - {name: far, attach_to: {body: mast}, pos: [0, 500, 0], fovy: 60}\n"
-    )
-    loaded = load_robot(robot_file)
-    loaded.scene.reset()
-    width, height = SIZE_PX[0] // 8, SIZE_PX[1] // 8
-    view = rc.render.Renderer(loaded.scene).render(view_of(loaded), width=width, height=height)
-    points = np.vstack([robot_points(loaded), frames(loaded)["near"].translation])
-    seen = view["extrinsics"] @ np.vstack([points.T, np.ones(len(points))])
-    across, down, depth = view["intrinsics"] @ seen[:3]
-    assert np.all(depth > 0)
-    assert np.all((across / depth > 0) & (across / depth < width))
-    assert np.all((down / depth > 0) & (down / depth < height))
-    filled = max(np.ptp(across / depth) / width, np.ptp(down / depth) / height)
-    assert filled > 0.5, "and not as a dot"
 
 
 def test_a_camera_is_a_name_or_a_view():

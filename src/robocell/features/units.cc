@@ -1,4 +1,4 @@
-#include "robocell/rollout/ctrl_units.h"
+#include "robocell/features/units.h"
 
 #include <mujoco/mujoco.h>
 
@@ -19,8 +19,7 @@ std::string LengthUnit(const mjModel* m, int actuator) {
   if (std::abs(Gear(m, actuator)) != 1) return "";
   if (type == mjTRN_TENDON) return m->wrap_type[m->tendon_adr[id]] == mjWRAP_JOINT ? "" : "m";
   if (!IsOnJoint(type)) return "";
-  if (m->jnt_type[id] == mjJNT_SLIDE) return "m";
-  return m->jnt_type[id] == mjJNT_HINGE ? "rad" : "";
+  return m->jnt_type[id] == mjJNT_BALL || m->jnt_type[id] == mjJNT_FREE ? "" : JointUnit(m, id);
 }
 
 // Unit of an actuator that drives to its control, or to the integral of it.
@@ -41,6 +40,10 @@ std::string UnitOf(const mjModel* m, int actuator) {
 }
 
 }  // namespace
+
+std::string JointUnit(const mjModel* model, int joint) {
+  return model->jnt_type[joint] == mjJNT_SLIDE ? "m" : "rad";
+}
 
 std::vector<std::string> CtrlUnits(const mjModel* model) {
   std::vector<std::string> units;

@@ -1,0 +1,64 @@
+"""What the commands share: exit codes, messages, checks of arguments, wide tables."""
+
+from pathlib import Path
+
+import pytest
+import typer
+from rich.table import Table
+
+import robocell as rc
+from robocell.cli.common import (
+    ExitCode,
+    fail,
+    print_warning,
+    print_wide,
+    require_png,
+    require_spec_file,
+)
+
+
+def ended(capsys: pytest.CaptureFixture[str], call) -> tuple[int, str]:
+    with pytest.raises(typer.Exit) as exit_:
+        call()
+    return exit_.value.exit_code, capsys.readouterr().err
+
+
+def test_messages_go_to_standard_error_and_say_how_grave_they_are(capsys):
+    print_warning("it is slow")
+    assert capsys.readouterr().err == "warning: it is slow\n"
+    assert ended(capsys, lambda: fail("no robot")) == (ExitCode.USAGE, "error: no robot\n")
+    assert ended(capsys, lambda: fail("x" * 300, ExitCode.OUTPUT)) == (3, f"error: {'x' * 300}\n")
+
+
+def test_a_spec_file_that_is_not_there_is_told_with_what_is(tmp_path: Path, capsys):
+    (tmp_path / "arm.yaml").write_text("")
+    require_spec_file(tmp_path / "arm.yaml", rc.RobotConfig)
+    code, told = ended(capsys, lambda: require_spec_file(tmp_path / "amr.yaml", rc.RobotConfig))
+    assert code == ExitCode.USAGE
+    assert "no robot file" in told
+    assert f"Did you mean '{tmp_path / 'arm.yaml'}'?" in told
+
+
+def test_pictures_are_png_files_in_folders_that_are_there(tmp_path: Path, capsys):
+    require_png(tmp_path / "a.png")
+    require_png(tmp_path / "A.PNG")
+    assert ended(capsys, lambda: require_png(tmp_path)) == (
+        ExitCode.USAGE,
+        f"error: '{tmp_path}' is a folder; give the picture a name: '{tmp_path / 'picture.png'}'\n",
+    )
+    code, told = ended(capsys, lambda: require_png(tmp_path / "a.jpg"))
+    assert (code, "'a.png'" in told.replace(str(tmp_path) + "/", "")) == (ExitCode.USAGE, True)
+    code, told = ended(capsys, lambda: require_png(tmp_path / "none" / "a.png"))
+    assert code == ExitCode.OUTPUT
+    assert "there is no folder" in told
+
+
+def test_long_paths_stay_in_one_piece(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "40")
+    path = "/data/" + "folder/" * 30 + "episode"
+    table = Table(show_header=False)
+    table.add_row("dataset", path)
+    print_wide(table)
+    out = capsys.readouterr().out
+    assert path in out
+    assert all(line == line.rstrip() for line in out.splitlines())

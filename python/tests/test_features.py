@@ -1,0 +1,44 @@
+"""Features of a user's own: recorded, seen by policies, refused when they are not right."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import robocell as rc
+from robocell.envs import from_dataset
+from test_dataset_env import make
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_features_of_a_users_own_are_recorded_and_seen(tmp_path: Path):
+    @rc.register_feature("tcp_height_of_test", unit="m", frame="world")
+    def height(scene: rc.Scene) -> float:
+        return scene.robot("rc7").tcp_in_world.translation[2]
+
+    made = make(tmp_path / "out", 1, features=["tcp_height_of_test"])
+    name = "features/tcp_height_of_test"
+    column = made[0].column(name)
+    assert (column.units, column.frame) == ("m", "world")
+    assert np.allclose(made[0][name], np.asarray(made[0]["robots/rc7/tcp_pose"])[:, 2])
+    row, _ = from_dataset(made, cameras=False).reset(seed=0)
+    assert row[name] == made[0][name][0]
+
+
+def test_features_that_are_not_right_are_refused(tmp_path: Path):
+    with pytest.raises(rc.SpecError, match="no registered feature 'nothing_of_test'"):
+        make(tmp_path / "out", 1, features=["nothing_of_test"])
+
+    @rc.register_feature("wide_of_test", shape=[2])
+    def wide(scene: rc.Scene) -> list[float]:
+        return [1, 2, 3]
+
+    with pytest.raises(rc.ArgumentError, match="feature 'wide_of_test'"):
+        make(tmp_path / "wide", 1, features=["wide_of_test"])
+    with pytest.raises(TypeError, match="expected a function"):
+        rc.register_feature("a_of_test")(3)
+    with pytest.raises(rc.ArgumentError, match="lower"):
+        rc.register_feature("b_of_test", lower=[0])(lambda scene: 0.0)

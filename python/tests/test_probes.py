@@ -1,0 +1,42 @@
+"""What `robocell doctor` finds out: whether and with what this machine draws."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from robocell.cli import probes
+from robocell.cli.doctor import advice
+from robocell.cli.probes import State
+
+
+def test_the_doctor_does_not_take_an_error_for_a_description(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("__EGL_VENDOR_LIBRARY_FILENAMES", "/no")
+    monkeypatch.setenv("PYTHONPATH", ":".join(sys.path))
+    egl = next(finding for finding in probes.graphics() if finding.what == "graphics: egl")
+    assert egl.state is not State.OK
+    assert egl.detail.startswith("egl: ")
+
+
+def machine_with_a_card(root: Path) -> str:
+    """A machine's files: a card, and a driver without its graphics libraries."""
+    (root / "dev").mkdir(parents=True)
+    (root / "dev" / "nvidia0").touch()
+    return str(root)
+
+
+def test_software_on_a_machine_with_a_card_is_not_ok(tmp_path: Path):
+    llvmpipe = probes.Finding("graphics: egl", State.OK, "egl: llvmpipe (LLVM 15.0.6), OpenGL 4.5")
+    card = probes.Finding("graphics: egl", State.OK, "egl: NVIDIA H100 PCIe/PCIe/SSE2, OpenGL 4.6")
+    assert probes.judged(llvmpipe, str(tmp_path)) == llvmpipe
+    root = machine_with_a_card(tmp_path)
+    assert probes.judged(card, root) == card
+    found = probes.judged(llvmpipe, root)
+    assert found.state is State.SLOW
+    assert found.detail == llvmpipe.detail
+    lines = advice([found])
+    assert lines[1].startswith("graphics: egl is slow: images are drawn on the processor (egl: llv")
+    assert "(/dev/nvidia0). The driver's EGL library libEGL_nvidia.so.0 is missing." in lines[1]
+    assert lines[-1] == "this machine can generate datasets"

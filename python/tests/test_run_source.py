@@ -1,0 +1,95 @@
+"""Where a run comes from: files, configurations in Python, modules; what is wrong has a place."""
+
+import argparse
+import sys
+from pathlib import Path
+
+import pytest
+
+import robocell as rc
+from robocell.generate.run_source import RunSource, import_module, import_named, place_of
+
+MODULE = """
+import robocell as rc
+
+def run():
+    made = rc.RunConfig(run="made", robot=rc.RobotConfig.load(rc.models.robot_file("rc7")))
+    made.output = "out"
+    return made
+
+made_already = run()
+number = 3
+
+def broken():
+    raise ValueError("not today")
+"""
+
+
+@pytest.fixture
+def module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """The name of a module in the working folder."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    name = f"runs_{abs(hash(tmp_path))}"
+    (tmp_path / f"{name}.py").write_text(MODULE)
+    yield name
+    sys.modules.pop(name, None)
+
+
+def test_a_function_and_a_value_of_a_module_or_its_file_are_runs(module):
+    for source in (f"{module}:run", f"{module}.py:run", f"{module}:made_already"):
+        assert RunSource(source).in_python
+        run = RunSource(source).load(["seed=7", "episodes_per_scene=2"])
+        assert (run.run, run.seed, run.episodes_per_scene) == ("made", 7, 2)
+
+
+@pytest.mark.parametrize(
+    ("name", "error", "told"),
+    [
+        ("nope", rc.NotFoundError, "has no 'nope'. Its configurations: made_already."),
+        ("number", rc.SpecError, "expected a RunConfig or a function that returns one, got a int"),
+        ("broken", rc.SpecError, "cannot be made: ValueError: not today ("),
+    ],
+)
+def test_what_is_no_run_is_told(module, name, error, told):
+    with pytest.raises(error) as raised:
+        RunSource(f"{module}:{name}").load()
+    assert told in str(raised.value)
+
+
+def test_what_a_module_raises_is_told_with_file_and_line(tmp_path, monkeypatch):
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    (tmp_path / "half_a_task.py").write_text("value = 1\n\nraise KeyError('mug')\n")
+    with pytest.raises(rc.SpecError) as raised:
+        import_module("half_a_task.py", tmp_path)
+    assert f"KeyError: 'mug' ({tmp_path / 'half_a_task.py'}:3" in str(raised.value)
+    assert "half_a_task" not in sys.modules
+    (tmp_path / "no_python.py").write_text("def\n")
+    with pytest.raises(rc.SpecError, match=r"SyntaxError: .*no_python\.py:1\)"):
+        import_module("no_python.py", tmp_path)
+
+
+def test_modules_that_are_nowhere_are_told_with_the_next_step(tmp_path):
+    with pytest.raises(rc.SpecError, match=r"no such module in .* or install it"):
+        import_module("nowhere_to_be_found", tmp_path)
+    with pytest.raises(rc.SpecError, match="there is no such file"):
+        import_module("nowhere.py", tmp_path)
+    with pytest.raises(rc.SpecError, match=r"cannot import '.*nothing\.so'"):
+        import_named("nothing.so", tmp_path)
+
+
+def test_another_file_of_the_name_of_a_loaded_module_is_refused(tmp_path):
+    (tmp_path / "pytest.py").write_text("")
+    with pytest.raises(rc.SpecError, match="a module 'pytest' is loaded from"):
+        import_module("pytest.py", tmp_path)
+
+
+def test_another_process_gets_the_same_source():
+    source = RunSource("my.py:run", ("a", "b.py"), "random")
+    parser = argparse.ArgumentParser()
+    RunSource.add_options(parser)
+    assert RunSource.of(parser.parse_args([*source.options(), "--", source.run])) == source
+
+
+def test_an_error_without_code_of_a_user_has_no_place():
+    assert place_of(ValueError("text")) == "ValueError: text"
