@@ -304,6 +304,21 @@ TEST_P(Rendering, AllocatesNothingOnceWarm) {
   EXPECT_EQ(count.allocations(), 0);
 }
 
+TEST(SoftEffects, AllocateNothingOnceWarm) {
+  const ModelPtr model = Compile(ParseXmlString(kSpheres).get());
+  const DataPtr data = MakeData(model.get());
+  const RenderQuality effects{
+      .shadows = true, .reflections = true, .multisamples = 4, .shadow_size = 512};
+  const auto soft = MakeRenderer({.backend = "soft", .quality = effects});
+  soft->SetModel(model.get());
+  std::vector<uint8_t> rgb(3 * kW * kH);
+  const RenderRequest request{.camera = ModelCamera{0}, .width = kW, .height = kH};
+  soft->Render(data.get(), request, {.rgb = rgb});
+  const AllocationCount count;
+  soft->Render(data.get(), request, {.rgb = rgb});
+  EXPECT_EQ(count.allocations(), 0);
+}
+
 // Bytes of this process in memory.
 long Resident() {
   long pages = 0, resident = 0;

@@ -34,7 +34,7 @@ struct SoftMaterial {
   float least_shine = 0;  // square of the cosine below which no highlight is seen
   const SoftTexture* texture = nullptr;
   SoftMapping mapping = SoftMapping::kNone;
-  float scale[3] = {1, 1, 1};  // planar: of x and y; cube: of the position
+  float scale[3] = {1, 1, 1};  // planar: of x and y; cube: of the position; mesh: of u and v
   float offset[2] = {0, 0};    // planar
 };
 

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <memory>
 #include <string>
+#include <Eigen/Geometry>
 
 #include "robocell/base/error.h"
 #include "robocell/mujoco/clip_planes.h"
@@ -20,11 +21,13 @@ namespace robocell {
 namespace {
 
 // A cloth with and one without a texture, a soft ball, a skin on two bones that bend, and a mesh
-// with texture coordinates of its own. Cameras of both kinds.
+// with texture coordinates of its own. Cameras of both kinds. The skin has no highlights: OpenGL
+// computes them at its corners, which are far apart.
 constexpr char kKinds[] = R"(<mujoco>
   <asset>
     <texture name="grid" type="2d" builtin="checker" rgb1=".2 .3 .4" rgb2=".9 .8 .5" width="64" height="64"/>
-    <material name="grid" texture="grid" texrepeat="2 2"/>
+    <material name="grid" texture="grid" texrepeat="2 3"/>
+    <material name="dull" rgba=".3 .4 .9 1" specular="0"/>
     <mesh name="roof" vertex="-.3 -.3 0  .3 -.3 0  .3 .3 0  -.3 .3 0  0 0 .4"
       texcoord="0 0  1 0  1 1  0 1  .5 .5" face="0 1 4  1 2 4  2 3 4  3 0 4  0 2 1  0 3 2"/>
   </asset>
@@ -46,7 +49,7 @@ constexpr char kKinds[] = R"(<mujoco>
       <body name="upper" pos="0 0 .3"><joint name="bend" axis="0 1 0"/><geom size=".02" rgba="0 0 0 0"/></body></body>
   </worldbody>
   <deformable>
-    <skin name="sleeve" rgba=".3 .4 .9 1" vertex="-.1 -.1 .2  .1 -.1 .2  .1 .1 .2  -.1 .1 .2
+    <skin name="sleeve" material="dull" vertex="-.1 -.1 .2  .1 -.1 .2  .1 .1 .2  -.1 .1 .2
         -.1 -.1 .6  .1 -.1 .6  .1 .1 .6  -.1 .1 .6  -.1 -.1 .9  .1 -.1 .9  .1 .1 .9  -.1 .1 .9"
       face="0 1 5 0 5 4 1 2 6 1 6 5 2 3 7 2 7 6 3 0 4 3 4 7 4 5 9 4 9 8 5 6 10 5 10 9 6 7 11 6 11 10
         7 4 8 7 8 11 8 9 10 8 10 11 0 2 1 0 3 2">
@@ -111,7 +114,7 @@ INSTANTIATE_TEST_SUITE_P(Cameras, SoftDraws, testing::Values("near", "side", "fl
 
 // The oracle is the engine's ray to a plane. OpenGL's depth buffer has steps that grow with the
 // square of the distance; those of `soft` are a share of it.
-TEST(FarAway, SoftIsWithinAMillimetreOfTheRaysAndOpenGlIsNot) {
+TEST(FarAway, SoftIsWithinAMillimetreOfTheRays) {
   const Compiled floor(R"(<mujoco><worldbody>
     <camera name="far" pos="0 0 2" xyaxes="1 0 0 0 .1 1" fovy="45"/>
     <geom type="plane" size="0 0 .1"/></worldbody></mujoco>)");
@@ -128,13 +131,13 @@ TEST(FarAway, SoftIsWithinAMillimetreOfTheRaysAndOpenGlIsNot) {
     const SoftImages images =
         TakeOf(*renderer, floor.data.get(), NamedCamera(floor.model.get(), "far", "the model"));
     const Eigen::Vector3d eye = images.camera.camera_in_world.translation();
-    for (int y = 0; y < kDown; y += 3) {
+    for (int y = 0; y < kDown; ++y) {
       for (int x = 0; x < kAcross; x += 40) {
         const Eigen::Vector3d along = images.camera.Unproject({1.0 * x, 1.0 * y}, 1) - eye;
         int geom = -1;
         const double depth = mj_ray(floor.model.get(), floor.data.get(), eye.data(), along.data(),
                                     nullptr, 1, -1, &geom, nullptr);
-        if (depth < 0.02 || depth > 25) continue;
+        if (depth < 0.02 || depth > 29) continue;
         const double error = std::abs(depth - images.depth[y * kAcross + x]);
         double& most = depth < 4 ? worst_near[which] : worst[which];
         most = std::max(most, error);
@@ -143,13 +146,13 @@ TEST(FarAway, SoftIsWithinAMillimetreOfTheRaysAndOpenGlIsNot) {
   }
   if (std::getenv("ROBOCELL_TEST_VERBOSE")) {
     std::printf(
-        "largest depth errors, mm: below 4 m soft %.4f gl %.4f; up to 25 m soft %.4f gl %.4f\n",
+        "largest depth errors, mm: below 4 m soft %.4f gl %.4f; up to 29 m soft %.4f gl %.4f\n",
         1e3 * worst_near[0], 1e3 * worst_near[1], 1e3 * worst[0], 1e3 * worst[1]);
   }
   EXPECT_LT(worst_near[0], 1e-3);
   EXPECT_LT(worst_near[1], 1e-3);
   EXPECT_LT(worst[0], 1e-3);
-  EXPECT_GT(worst[1], worst[0]) << "the bound of SoftAgrees.WithOpenGl can be one millimetre";
+  EXPECT_GT(worst[1], worst[0]) << "OpenGL may judge everywhere in SoftAgrees.WithOpenGl";
 }
 
 }  // namespace

@@ -532,7 +532,7 @@ HWY_INLINE void DrawFacing(const SoftView& view, const SoftInstance& instance, i
           last_y = Num(static_cast<float>(view.height - 1));
   const SoftSide side = instance.side;
   int cut = 0;
-  Batch b;
+  Batch b = {};
   // The last register is filled up with the last triangle.
   for (int k = 0; k < kLanes; ++k)
     scratch->facing[count + k] = count ? scratch->facing[count - 1] : 0;

@@ -311,7 +311,9 @@ SoftMaterial SoftScene::MaterialOf(const mjvGeom& geom, bool behind) const {
   if (!m.texture) return m;
   const bool uniform = assets_.TextureIsUniform(geom);
   if (geom.texcoord) {
-    if (!m.texture->cube) m.mapping = SoftMapping::kMesh;
+    if (m.texture->cube) return m;
+    m.mapping = SoftMapping::kMesh;
+    assets_.TextureRepeat(geom, m.scale);
   } else if (m.texture->cube) {
     m.mapping = SoftMapping::kCube;
     for (int k = 0; k < 3; ++k) m.scale[k] = uniform ? geom.size[k] : 1;

@@ -189,11 +189,13 @@ HWY_INLINE Colour Texel(const SoftMaterial& material, const V3& at, const V3& ri
     ud = hn::Mul(su, down.x);
     vd = hn::Mul(sv, down.y);
   } else {
-    const V u1 = coordinate(2), v1 = coordinate(3), u2 = coordinate(4), v2 = coordinate(5);
+    const V su = Num(material.scale[0]), sv = Num(material.scale[1]);
+    const V u1 = hn::Mul(su, coordinate(2)), v1 = hn::Mul(sv, coordinate(3)),
+            u2 = hn::Mul(su, coordinate(4)), v2 = hn::Mul(sv, coordinate(5));
     const auto mix = [&](V a, V b, V first, V second)
                          HWY_ATTR { return hn::Add(hn::Mul(a, first), hn::Mul(b, second)); };
-    u = hn::Add(coordinate(0), mix(corners.w1, corners.w2, u1, u2));
-    v = hn::Add(coordinate(1), mix(corners.w1, corners.w2, v1, v2));
+    u = hn::Add(hn::Mul(su, coordinate(0)), mix(corners.w1, corners.w2, u1, u2));
+    v = hn::Add(hn::Mul(sv, coordinate(1)), mix(corners.w1, corners.w2, v1, v2));
     const V r1 = Dot(corners.to1, right), r2 = Dot(corners.to2, right), d1 = Dot(corners.to1, down),
             d2 = Dot(corners.to2, down);
     ur = mix(r1, r2, u1, u2);

@@ -5,9 +5,9 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 
 #include "robocell/base/error.h"
+#include "robocell/data/dataset.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
 
@@ -22,7 +22,7 @@ class RunRendererTest : public testing::Test {
     run.cameras.streams.push_back({.name = "front", .camera = "front"});
   }
   void Store(const std::string& backend) {
-    std::ofstream(folder.path() / "dataset.json") << R"({"renderer": ")" << backend << "\"}\n";
+    WriteManifest(folder.path(), R"({"renderer": ")" + backend + "\"}\n");
   }
 
   TempDir folder;
