@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <utility>
 
 #include "robocell/base/error.h"
 #include "robocell/base/log.h"
@@ -68,7 +69,8 @@ std::string Env::MakeStart(uint64_t seed, const std::optional<KeyframeChoice>& k
   std::map<std::string, int> reasons;
   for (int i = 0; i < kMostStarts; ++i) {
     // Asked before the reset, which puts bodies there and is one evaluation of the scene.
-    const BodyPoses starts = task_ ? task_->Starts(of_task) : BodyPoses();
+    BodyPoses starts = task_ ? task_->Starts(of_task) : BodyPoses();
+    if (start_inspector_) starts = start_inspector_->Lowered(std::move(starts));
     const uint64_t noise = i == 0 ? seed : Rng::Stream(seed, "env start", i).NextBits();
     scene_.Reset({.keyframe = keyframe, .seed = noise, .body_poses = starts});
     for (size_t k = 0; k < kept_joints.size(); ++k)
@@ -90,6 +92,9 @@ std::string Env::MakeStart(uint64_t seed, const std::optional<KeyframeChoice>& k
 }
 
 std::string Env::NoStart(const std::string& why) const {
+  // A size that is wrong by a factor of thousand is the reason of all others.
+  if (const auto huge = ObjectsInMillimetres(scene_); !huge.empty())
+    return fmt::format("{}: no episode can begin, because {}", place(), huge.front());
   const std::string found = fmt::format("{}: task '{}' found no start in {} tries: most often {}",
                                         place(), config_.task->kind(), kMostStarts, why);
   if (why.starts_with(kRefused))
@@ -146,6 +151,10 @@ void Env::RequireRest(const std::string& doubt) {
 }
 
 void Env::WarnOfStart() {
+  if (const std::vector<std::string> huge = ObjectsInMillimetres(scene_); !huge.empty()) {
+    for (const std::string& object : huge) LogWarn(fmt::format("{}: {}", place(), object));
+    return;  // whatever else is wrong comes of it
+  }
   std::vector<std::string> inside = RobotsInTheFloor(scene_);
   StartInspector inspector = start_inspector_ ? *start_inspector_ : StartInspector(scene_, {});
   for (const std::string& robot : inspector.RobotsInside()) inside.push_back(robot);
@@ -159,6 +168,10 @@ void Env::WarnOfStart() {
     LogWarn(fmt::format("{}: {}", place(), text));
   for (const std::string& text : ObjectsInTheFloor(scene_))
     LogWarn(fmt::format("{}: at the start {}. Move it up", place(), text));
+  for (const std::string& text : ObjectsInside(scene_)) {
+    LogWarn(fmt::format("{}: at the start {}, and is pushed out of it. Move one of them", place(),
+                        text));
+  }
   std::vector<std::string> falling = ObjectsOverNothing(scene_);
   if (start_inspector_) {
     for (const std::string& object : task_->resting_objects()) std::erase(falling, object);

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -151,6 +153,89 @@ TEST(EnvStart, AnObjectMayBeDropped) {
   Env env(config);
   env.Reset({.seed = 1});
   EXPECT_NEAR(env.scene().body_pose("cube_green_cube").translation().z(), 0.15, 1e-9);
+}
+
+TEST(EnvStart, AnObjectALittleAboveItsSupportStartsOnIt) {
+  EnvConfig config = CubeOnly();
+  for (const double above : {0.001, 0.005, 0.04}) {
+    config.root_frame_objects["cube"].offset = PlaceAt(0.45, 0, 0.02 + above);
+    Env env(config);
+    EnvBatch batch(config, 2, 1);
+    for (uint64_t seed = 1; seed < 4; ++seed) {
+      env.Reset({.seed = seed});
+      batch.Reset(std::vector<std::optional<uint64_t>>{seed, seed}, {});
+      const Pose start = env.scene().body_pose("cube_green_cube");
+      EXPECT_NEAR(start.translation().z(), 0.02, 1e-6) << above;
+      EXPECT_EQ(start, batch.env(1).scene().body_pose("cube_green_cube"));
+      EXPECT_TRUE(Scene(env.scene()).StepN(250).ok());
+      const Pose rest = env.scene().body_pose("cube_green_cube");
+      EXPECT_LT((rest.translation() - start.translation()).norm(), 1e-3);
+    }
+  }
+}
+
+// A bench of 0.2 m on the floor, and the cube on it, beside its edge or over it.
+EnvConfig CubeOnABench(double y) {
+  EnvConfig config = CubeOnly();
+  config.root_frame_objects["bench"] = {.offset = PlaceAt(0.45, 0.1, 0.05),
+                                        .fixed = true,
+                                        .shape = Shape::kBox,
+                                        .size = Vec3{0.1, 0.1, 0.05},
+                                        .mass = 1};
+  config.root_frame_objects["cube"].offset = PlaceAt(0.45, y, 0.12);
+  return config;
+}
+
+TEST(EnvStart, ObjectsDoNotStartOverAnEdge) {
+  EnvConfig config = CubeOnABench(0.05);
+  config.task->As<PickTaskConfig>().spread = {0, 0.08};
+  Env env(config);
+  double nearest = 1;
+  for (uint64_t seed = 0; seed < 60; ++seed) {
+    env.Reset({.seed = seed});
+    nearest = std::min(nearest, env.scene().body_pose("cube_green_cube").translation().y());
+  }
+  EXPECT_GT(nearest, 0.015) << "four fifths of the cube's width stand on the bench";
+  EXPECT_LT(nearest, 0.03) << "what is near the edge is not left out";
+}
+
+TEST(EnvStart, WhatIsPutOverAnEdgeMayReachOverIt) {
+  Env env(CubeOnABench(0.005));
+  env.Reset({.seed = 1});
+  EXPECT_NEAR(env.scene().body_pose("cube_green_cube").translation().z(), 0.12, 1e-9);
+}
+
+TEST(EnvStart, WarnsOfObjectsInsideEachOther) {
+  EnvConfig config = CubeOnABench(0.05);
+  config.task.reset();
+  config.root_frame_objects["cube"].offset = PlaceAt(0.45, 0.1, 0.11);
+  Warnings warnings;
+  const Env env(config);
+  EXPECT_THAT(warnings.texts,
+              ElementsAre(HasSubstr("at the start object 'cube' is 10 mm inside bench")));
+}
+
+TEST(EnvStart, AnObjectInMillimetresIsSaidOnce) {
+  EnvConfig config = CubeOnly();
+  config.root_frame_objects["box"] = {
+      .offset = PlaceAt(0.7, 0.3, 0.02), .shape = Shape::kBox, .size = Vec3{20, 20, 20}, .mass = 1};
+  constexpr const char* text =
+      "object 'box' is 40 m large, and lengths are in metres. Is it in millimetres? Then write its "
+      "size and its position a thousandth as large (in millimetres it would be 0.04 m)";
+  ExpectThrow<SpecError>([&] { Env env(config); }, text);
+  config.task.reset();
+  for (const bool fixed : {false, true}) {
+    config.root_frame_objects["box"].fixed = fixed;
+    Warnings warnings;
+    const Env env(config);
+    EXPECT_THAT(warnings.texts, ElementsAre(HasSubstr(text))) << fixed;
+  }
+  config.root_frame_objects["box"].size = Vec3{20, 20, 0.01};  // as a floor is
+  config.root_frame_objects["box"].offset = PlaceAt(0, 0, -0.02);
+  Warnings warnings;
+  const Env env(config);
+  for (const std::string& warning : warnings.texts)
+    EXPECT_THAT(warning, ::testing::Not(HasSubstr("millimetres")));
 }
 
 TEST(EnvStart, WarnsOfAnObjectInTheFloor) {

@@ -219,6 +219,45 @@ TEST_F(EnvTaskTest, GoalsAreSpreadAndFarFromWhereItStarts) {
                              "widen task.spread or task.goal_spread, or lower task.goal_distance");
 }
 
+TEST_F(EnvTaskTest, GoalsAreDrawnAgainWhereNothingOrSomethingElseIsUnderThem) {
+  EnvConfig config = Placing();
+  config.task->As<PickAndPlaceTaskConfig>().goal_spread = {0.02, 0.12};
+  // From y = 0.30 on, a block lies where the goal may be.
+  config.root_frame_objects["block"] = {.offset = Pose(Eigen::Vector3d(0.4, 0.4, 0.05)),
+                                        .fixed = true,
+                                        .shape = Shape::kBox,
+                                        .size = Vec3{0.1, 0.1, 0.05},
+                                        .mass = 1};
+  Env env(config);
+  double most = 0, least = 1;
+  for (int i = 0; i < 60; ++i) {
+    env.Reset();
+    most = std::max(most, Goal(env).y());
+    least = std::min(least, Goal(env).y());
+  }
+  EXPECT_LE(most, 0.3);
+  EXPECT_GT(most, 0.28);
+  EXPECT_LT(least, 0.2);
+}
+
+TEST_F(EnvTaskTest, AGoalObjectIsDrawnAgainWhereItWouldBeInsideOfSomething) {
+  EnvConfig config = Placing({}, true);
+  config.task->As<PickAndPlaceTaskConfig>().goal_spread = {0.02, 0.12};
+  config.root_frame_objects["block"] = {.offset = Pose(Eigen::Vector3d(0.4, 0.45, 0.05)),
+                                        .fixed = true,
+                                        .shape = Shape::kBox,
+                                        .size = Vec3{0.1, 0.1, 0.05},
+                                        .mass = 1};
+  Env env(config);
+  double most = 0;
+  for (int i = 0; i < 60; ++i) {
+    env.Reset();
+    most = std::max(most, Object(env, 1).translation().y());
+  }
+  EXPECT_LT(most, 0.35 - 0.06 + 0.003);
+  EXPECT_GT(most, 0.26);
+}
+
 TEST_F(EnvTaskTest, AGoalThatIsSpreadLiesOnSomethingThatCanMove) {
   EnvConfig config = Placing({}, true);
   config.root_frame_objects["mat"].fixed = true;

@@ -11,8 +11,12 @@
 namespace robocell {
 namespace {
 
-// For an angle that only makes sense in degrees, or limits that only make sense in radians.
-std::string RadiansHint(int joint_type, double value, const mjtNum* range) {
+// For an angle that only makes sense in degrees, a length that only makes sense in millimetres, or
+// limits that only make sense in radians.
+std::string UnitHint(int joint_type, double value, const mjtNum* range) {
+  const double metres = value / 1000;
+  if (joint_type == mjJNT_SLIDE && metres >= range[0] && metres <= range[1])
+    return fmt::format("; metres, and {:g} millimetres are {:g}", value, metres);
   if (joint_type != mjJNT_HINGE) return "";
   if (std::abs(value) > 2 * kPi)
     return fmt::format("; radians, and {:g} degrees are {:.4f}", value, value * kPi / 180);
@@ -47,7 +51,7 @@ std::optional<std::string> OutsideLimits(const mjModel* model, int joint, double
   const mjtNum* range = model->jnt_range + 2 * joint;
   if (value >= range[0] - kLimitSlack && value <= range[1] + kLimitSlack) return {};
   return fmt::format("{} is outside the limits {:.6g} to {:.6g} of joint '{}'{}", value, range[0],
-                     range[1], shown, RadiansHint(type, value, range));
+                     range[1], shown, UnitHint(type, value, range));
 }
 
 void ValidateKeyframes(const mjModel* model, const PartKeys& parts,

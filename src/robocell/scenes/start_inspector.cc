@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <Eigen/Geometry>
 
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/guard.h"
@@ -21,6 +22,10 @@ using Eigen::Vector3d;
 constexpr int kMostLayers = 16;       // of things that do not collide, which a ray goes through
 constexpr double kNearEnough = 0.02;  // metres between what hangs and what may hold it
 constexpr double kInTheFloor = 0.01;  // metres
+constexpr double kAbove = 0.5e-3;     // metres above what an object is put on, from where it drops
+constexpr double kStep = 0.01;        // metres by which what is under an object may be uneven
+constexpr double kInset = 0.1;        // of an object's width, for most have rounded edges
+constexpr double kLargest = 10;       // metres; of objects, which have to fit into a room
 
 std::string BodyText(const mjModel* m, int body) {
   return body == 0 ? "the world" : ElementName(m, mjOBJ_BODY, body);
@@ -233,6 +238,33 @@ StartInspector::Gap StartInspector::GapUnder(const Object& object) const {
   return {down.dot(middle) + below - lowest, geom};
 }
 
+// Whether nothing is under the object's edge, at one of four places around it.
+bool StartInspector::ReachesOver(const Object& object) const {
+  const mjModel* m = scene_.model();
+  const mjData* d = scene_.data();
+  const Vector3d down = Down(m);
+  if (down.isZero() || object.geoms.empty()) return false;
+  const Vector3d middle(d->subtree_com + 3 * object.body);
+  int geom = -1;
+  const double below = RayDown(m, d, middle, down, object.body, &geom);
+  const Vector3d along = down.unitOrthogonal(), across = down.cross(along);
+  for (const Vector3d& axis : {along, across}) {
+    double lower = std::numeric_limits<double>::infinity(), upper = -lower;
+    for (const int g : object.geoms) {
+      const Interval extent = GeomExtent(m, d, g, axis);
+      lower = std::min(lower, extent.lower);
+      upper = std::max(upper, extent.upper);
+    }
+    const double inset = kInset * (upper - lower);
+    for (const double to : {lower + inset, upper - inset}) {
+      const Vector3d from = middle + (to - axis.dot(middle)) * axis;
+      const double there = RayDown(m, d, from, down, object.body, &geom);
+      if (there < 0 || there > below + kStep) return true;
+    }
+  }
+  return false;
+}
+
 std::string StartInspector::FallOf(const Object& object) const {
   const auto [height, geom] = GapUnder(object);
   if (std::isinf(height)) return fmt::format("nothing is under '{}'", object.name);
@@ -240,16 +272,33 @@ std::string StartInspector::FallOf(const Object& object) const {
     return fmt::format("'{}' is {:.2f} m above {}", object.name, height,
                        OtherText(scene_.model(), geom));
   const int body = geom < 0 ? 0 : scene_.model()->geom_bodyid[geom];
-  if (robot_of_[body] < 0) return "";
-  return fmt::format("'{}' is above {}", object.name, RobotText(body));
+  if (robot_of_[body] >= 0) return fmt::format("'{}' is above {}", object.name, RobotText(body));
+  if (object.may_reach_over || !ReachesOver(object)) return "";
+  return fmt::format("'{}' reaches over the edge of {}", object.name,
+                     OtherText(scene_.model(), geom));
 }
 
 void StartInspector::Accept() {
   accepted_ = RobotPairs();
+  lowering_.clear();
   for (Object& object : objects_) {
     const double height = GapUnder(object).height;
-    if (std::isfinite(height)) object.most_gap = kMostSettling + std::max(0.0, height);
+    if (!std::isfinite(height)) continue;
+    object.most_gap = kMostSettling + std::max(0.0, height);
+    object.may_reach_over = ReachesOver(object);
+    if (height < kAbove || height > kMostSettling) continue;
+    lowering_.emplace_back(ElementName(scene_.model(), mjOBJ_BODY, object.body),
+                           height * Down(scene_.model()));
   }
+}
+
+BodyPoses StartInspector::Lowered(BodyPoses starts) const {
+  for (auto& [body, pose] : starts) {
+    for (const auto& [lowered, by] : lowering_) {
+      if (lowered == body) pose = Pose(pose.translation() + by, pose.quaternion());
+    }
+  }
+  return starts;
 }
 
 std::string StartInspector::WhyNot() {
@@ -353,6 +402,78 @@ std::vector<std::string> ObjectsInTheFloor(const Scene& scene) {
     if (floor < 0) continue;
     out.push_back(fmt::format("object '{}' is {} inside {}", name, Millimetres(depth),
                               OtherText(scene.model(), floor)));
+  }
+  return out;
+}
+
+std::vector<std::string> ObjectsInside(const Scene& scene) {
+  scene.SyncPoses();
+  const mjModel* m = scene.model();
+  const mjData* d = scene.data();
+  std::vector<int> object_of(m->nbody, -1), robot(m->nbody, 0), deepest;
+  std::vector<double> depths;
+  const std::vector<std::string> names = scene.object_names();
+  for (size_t i = 0; i < names.size(); ++i) {
+    const int root = RootBody(scene, names[i]);
+    int floor = -1;
+    const bool counts =
+        scene.compiled()->object(names[i]).free_joint && DepthInFloor(scene, names[i], &floor) == 0;
+    for (int b = 0; b < m->nbody && counts; ++b) {
+      if (IsInSubtree(m, b, root)) object_of[b] = static_cast<int>(i);
+    }
+  }
+  for (const RobotRecord& record : scene.compiled()->robots()) {
+    const int base = FindId(m, mjOBJ_BODY, record.base_body);
+    for (int b = 0; b < m->nbody && base >= 0; ++b) robot[b] += IsInSubtree(m, b, base) ? 1 : 0;
+  }
+  deepest.assign(names.size(), -1);
+  depths.assign(names.size(), StartInspector::kInside);
+  for (int c = 0; c < d->ncon; ++c) {
+    const mjContact& contact = d->contact[c];
+    if (contact.exclude != 0 || contact.geom[0] < 0 || contact.geom[1] < 0) continue;
+    int own = m->geom_bodyid[contact.geom[0]], other = m->geom_bodyid[contact.geom[1]];
+    if (object_of[own] < 0) std::swap(own, other);
+    const int object = object_of[own];
+    if (object < 0 || object == object_of[other] || robot[other] > 0) continue;
+    if (-contact.dist <= depths[object]) continue;
+    depths[object] = -contact.dist;
+    deepest[object] = contact.geom[own == m->geom_bodyid[contact.geom[0]] ? 1 : 0];
+  }
+  std::vector<std::string> out;
+  for (size_t i = 0; i < names.size(); ++i) {
+    if (deepest[i] < 0) continue;
+    out.push_back(fmt::format("object '{}' is {} inside {}", names[i], Millimetres(depths[i]),
+                              OtherText(m, deepest[i])));
+  }
+  return out;
+}
+
+std::vector<std::string> ObjectsInMillimetres(const Scene& scene) {
+  const mjModel* m = scene.model();
+  std::vector<std::string> out;
+  for (const std::string& name : scene.object_names()) {
+    const int root = RootBody(scene, name);
+    const bool free = scene.compiled()->object(name).free_joint.has_value();
+    int largest = -1;
+    for (int g = 0; g < m->ngeom; ++g) {
+      if (!IsInSubtree(m, m->geom_bodyid[g], root) || m->geom_type[g] == mjGEOM_PLANE) continue;
+      const mjtNum* half = m->geom_aabb + 6 * g + 3;  // of a box around it
+      const double thickest = std::max({half[0], half[1], half[2]});
+      const double thinnest = std::min({half[0], half[1], half[2]});
+      if (2 * (free ? thickest : thinnest) <= kLargest) continue;
+      if (largest < 0 || m->geom_rbound[g] > m->geom_rbound[largest]) largest = g;
+    }
+    if (largest < 0) continue;
+    const mjtNum* half = m->geom_aabb + 6 * largest + 3;
+    const double size = 2 * std::max({half[0], half[1], half[2]});
+    out.push_back(fmt::format(
+        "object '{}' is {:.3g} m large, and lengths are in metres. Is it in millimetres? Then {} "
+        "(in millimetres it would be {:.3g} m)",
+        name, size,
+        m->geom_type[largest] == mjGEOM_MESH
+            ? "give its <mesh> scale=\"0.001 0.001 0.001\""
+            : "write its size and its position a thousandth as large",
+        size / 1000));
   }
   return out;
 }

@@ -5,9 +5,9 @@
 //   scene.Reset(options);
 //   if (const std::string why = inspector.WhyNot(); !why.empty()) ...   // "'cube' touches ..."
 //
-// It reads the contacts and poses of the evaluation that ended the reset and casts one ray for each
-// object, so that it costs a fraction of that evaluation. Settle (settle.h) simulates instead, and
-// is for starts that are tried once. Errors: NotFoundError for unknown objects. Threads: those of
+// It reads the contacts and poses of the evaluation that ended the reset and casts five rays for
+// each object, so that it costs a fraction of that evaluation. Settle (settle.h) simulates instead,
+// and is for starts that are tried once. Errors: NotFoundError for unknown objects. Threads: those of
 // the scene.
 #pragma once
 
@@ -31,8 +31,12 @@ class StartInspector {
   // Robots that are deeper than kInside in something that is not theirs, with how deep.
   std::vector<std::string> RobotsInside();
   // From now on what the robots are inside of now is no reason, for models and cells have such
-  // places; and objects may start as high above what is under them as they are now.
+  // places; objects may start as high above what is under them as they are now; and those that
+  // reach over its edge now may do so.
   void Accept();
+  // The same starts, each object lowered onto what is under it when Accept found it a little above
+  // that: by some millimetres, and no more than kMostSettling. Higher ones are meant to drop.
+  BodyPoses Lowered(BodyPoses starts) const;
   // From now on objects need nothing under them: for those that rest on what a ray misses.
   void AcceptGaps() { needs_support_ = false; }
 
@@ -45,6 +49,7 @@ class StartInspector {
     int body = -1;
     std::vector<int> geoms;  // that collide
     double most_gap = 0;     // under it, metres
+    bool may_reach_over = false;
   };
   struct Gap {
     double height;  // infinite with nothing under it
@@ -58,6 +63,7 @@ class StartInspector {
   std::optional<Pair> RobotPair(int contact) const;
   std::string FallOf(const Object& object) const;
   Gap GapUnder(const Object& object) const;
+  bool ReachesOver(const Object& object) const;
   std::string RobotText(int body) const;
 
   Scene scene_;
@@ -68,6 +74,7 @@ class StartInspector {
   std::vector<int> robot_of_;        // per body, index into robots_ or -1
   std::vector<int> object_of_;       // per body, index into objects_ or -1
   std::vector<Pair> accepted_;
+  std::vector<std::pair<std::string, Eigen::Vector3d>> lowering_;  // per body, in the world
   bool needs_support_ = true;
 };
 
@@ -82,6 +89,14 @@ std::vector<std::string> RobotsInTheFloor(const Scene& scene);
 
 // Free objects whose middle is below a floor (a plane), as sentences: they are shot out of it.
 std::vector<std::string> ObjectsInTheFloor(const Scene& scene);
+
+// Free objects that are deep inside something other than a robot, as sentences: they are pushed
+// apart. Those of ObjectsInTheFloor are not among them.
+std::vector<std::string> ObjectsInside(const Scene& scene);
+
+// Objects that are larger than a room, as sentences: their sizes may be in millimetres. Fixed ones
+// only where they are that thick, for floors and walls are large.
+std::vector<std::string> ObjectsInMillimetres(const Scene& scene);
 
 // Free objects with nothing at all under them, as they stand now. Those in the floor are not among
 // them.

@@ -1,6 +1,7 @@
 #include "robocell/spec/robot_config.h"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <set>
@@ -118,11 +119,20 @@ void ValidateLengths(const Map<std::vector<double>>& map, std::string_view field
     const MoveGroupConfig* group = robot.move_groups.find(key);
     if (!group || group->joints.empty() || box->size() == group->joints.size()) continue;
     if (one_for_all && box->size() == 1) continue;
-    problems.AddAt(
-        key, fmt::format("has {} values for the {} joints {}; give one for each, or "
-                         "leave those out of move_groups.{}.joints that the model does "
-                         "not have",
-                         box->size(), group->joints.size(), ListNames(group->joints.names), key));
+    const size_t joints = group->joints.size();
+    std::string off;
+    if (box->size() < joints) {
+      const auto rest = std::next(group->joints.names.begin(), static_cast<long>(box->size()));
+      off = ListNames({rest, group->joints.names.end()}) +
+            (box->size() + 1 == joints ? " has none" : " have none");
+    } else {
+      const size_t more = box->size() - joints;
+      off = more == 1 ? fmt::format("the last, {:g}, is of no joint", box->back())
+                      : fmt::format("the last {} are of no joint", more);
+    }
+    problems.AddAt(key, fmt::format("has {} values for the {} joints {}: {}. Give one for each, in "
+                                    "this order, radians for hinges and metres for slides",
+                                    box->size(), joints, ListNames(group->joints.names), off));
   }
 }
 

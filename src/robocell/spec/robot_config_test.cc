@@ -48,7 +48,15 @@ TEST(RobotConfig, NanInHomeIsNamedByGroupAndPlace) {
 TEST(RobotConfig, HomeHasOneValuePerJoint) {
   RobotConfig robot = ArmFile();
   robot.home["arm"] = {0, 0, 0};
-  EXPECT_THAT(ValidationError(robot), HasSubstr("home.arm: has 3 values for the 2 joints a, b"));
+  EXPECT_THAT(ValidationError(robot), HasSubstr("home.arm: has 3 values for the 2 joints a, b: the "
+                                                "last, 0, is of no joint. Give one for each, in "
+                                                "this order, radians for hinges and metres for "
+                                                "slides"));
+  robot.home["arm"] = {0.5};
+  EXPECT_THAT(ValidationError(robot),
+              HasSubstr("home.arm: has 1 values for the 2 joints a, b: b has none. Give one"));
+  robot.home["arm"] = {};
+  EXPECT_THAT(ValidationError(robot), HasSubstr("joints a, b: a, b have none. Give one"));
 }
 
 TEST(RobotConfig, NoiseHasOneValueOrOnePerJoint) {

@@ -11,6 +11,8 @@
 
 #include "robocell/base/units.h"
 #include "robocell/math/pose.h"
+#include "robocell/motion/geom_extent.h"
+#include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/owners.h"
 #include "robocell/mujoco/step.h"
@@ -222,6 +224,34 @@ std::string WhyOutOfReach(const std::vector<Robot>& robots, const Vector3d& plac
                       robot.reach());
   }
   return why;
+}
+
+double HeightOverSupport(const Scene& scene, const Vector3d& place, int without) {
+  constexpr int kMostLayers = 32;                 // that do not count
+  constexpr double kFromAbove = 0.1, kOn = 1e-4;  // m
+  const mjModel* m = scene.model();
+  std::vector<int> bases;
+  for (const RobotRecord& robot : scene.compiled()->robots())
+    bases.push_back(FindId(m, mjOBJ_BODY, robot.base_body));
+  const auto counts = [&](int geom) {
+    const int body = m->geom_bodyid[geom];
+    if (!IsCollisionGeom(m, geom) || IsInSubtree(m, body, without)) return false;
+    return std::ranges::none_of(bases,
+                                [&](int base) { return base > 0 && IsInSubtree(m, body, base); });
+  };
+  Vector3d from = place + kFromAbove * Vector3d::UnitZ();
+  const Vector3d down = -Vector3d::UnitZ();
+  for (int layer = 0; layer < kMostLayers; ++layer) {
+    int geom = -1;
+    const double hit = Guarded("looking for what is under a goal", [&] {
+      return mj_ray(m, scene.data(), from.data(), down.data(), nullptr, 1, -1, &geom, nullptr);
+    });
+    if (hit < 0) break;
+    from += hit * down;
+    if (counts(geom)) return place.z() - from.z();
+    from += kOn * down;
+  }
+  return std::numeric_limits<double>::infinity();
 }
 
 double RadiusOf(const mjModel* m, int body) {

@@ -34,6 +34,10 @@ std::string WhyNoRest(const Scene& scene, int object, std::span<const RestPlace>
 std::string WhyOutOfReach(const std::vector<Robot>& robots, const Eigen::Vector3d& place,
                           double lowest, double slack);
 
+// How high a place in the world is above what is under it and collides, metres: negative inside of
+// something, infinite above nothing. Robots and the subtree of the body `without` do not count.
+double HeightOverSupport(const Scene& scene, const Eigen::Vector3d& place, int without);
+
 // The farthest point of a body's geoms from the body's origin, metres; no less than the truth.
 double RadiusOf(const mjModel* model, int body);
 

@@ -88,7 +88,28 @@ std::optional<Refusal> PickAndPlaceTask::Arrange(Scene& scene, Rng& rng) {
   if (auto refusal = ObjectTask::Arrange(scene, rng)) return refusal;
   if (!is_possible_) RequirePossible(scene);
   is_possible_ = true;
-  return std::nullopt;
+  return CheckDrawnGoal(scene);
+}
+
+std::vector<std::string> PickAndPlaceTask::resting_objects() const {
+  std::vector<std::string> resting = ObjectTask::resting_objects();
+  if (has_goal_object() && task_.goal_spread != Vec2{0, 0}) resting.push_back(task_.goal_object);
+  return resting;
+}
+
+// A place of its own is as high above what is under it wherever it is drawn, unless that ends
+// there, or something lies on it.
+std::optional<Refusal> PickAndPlaceTask::CheckDrawnGoal(const Scene& scene) const {
+  if (has_goal_object() || task_.goal_spread == Vec2{0, 0}) return std::nullopt;
+  const int own = object().id();
+  const double meant = HeightOverSupport(scene, root() * goal_offset_.translation(), own);
+  const double drawn = HeightOverSupport(scene, GoalInWorld(), own);
+  if (!std::isfinite(meant) || std::abs(drawn - meant) <= task_.goal_tolerance) return std::nullopt;
+  return Refusal{.reason = "the goal that was drawn is not on what is under task.goal",
+                 .detail = std::isfinite(drawn)
+                               ? fmt::format("it is {:.2f} m too {}", std::abs(drawn - meant),
+                                             drawn > meant ? "high" : "low")
+                               : "nothing is under it"};
 }
 
 // Those of this start and of others, in the frame that goal_ is in.

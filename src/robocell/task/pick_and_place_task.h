@@ -32,8 +32,11 @@ class PickAndPlaceTask final : public ObjectTask {
   void Bind(const Scene& scene, const TaskSetting& setting) override;
   // ArgumentError when no start is as far from the goal as goal_distance asks for.
   BodyPoses Starts(Rng& rng) override;
+  // The goal object, too, where it is put anew.
+  std::vector<std::string> resting_objects() const override;
   // ArgumentError when the object can come to rest at no goal of this task, or no robot can bring it
-  // there: looked at once, with the first start.
+  // there: looked at once, with the first start. Refuses a goal that was drawn beside its place
+  // where something else is under it, for another to be drawn.
   std::optional<Refusal> Arrange(Scene& scene, Rng& rng) override;
   void Begin(const Scene& scene) override;
   std::string instruction() const override;
@@ -52,6 +55,7 @@ class PickAndPlaceTask final : public ObjectTask {
   bool has_goal_object() const { return !task_.goal_object.empty(); }
   Eigen::Vector3d TopOfGoalObject(const Scene& scene) const;
   void RequirePossible(const Scene& scene);
+  std::optional<Refusal> CheckDrawnGoal(const Scene& scene) const;
   std::vector<Eigen::Vector3d> PossibleGoals() const;
   bool IsPutDown(const Scene& scene) const;
   bool IsAtRest(const Scene& scene) const;
