@@ -24,8 +24,8 @@ constexpr int kLumaR = 8414, kLumaG = 16520, kLumaB = 3208;
 constexpr int kCbR = -4857, kCbG = -9535, kCbB = 14392;
 constexpr int kCrR = 14392, kCrG = -12052, kCrB = -2340;
 constexpr int kLumaOffset = (16 << kScaleBits) + (1 << (kScaleBits - 1));
-// A chroma sample is made of eight times its pixel.
-constexpr int kChromaBits = kScaleBits + 3;
+// A chroma sample is made of the sum of four pixels.
+constexpr int kChromaBits = kScaleBits + 2;
 constexpr int kChromaOffset = (128 << kChromaBits) + (1 << (kChromaBits - 1));
 
 // As many pixels at a time as a register has 32-bit numbers; conversions keep their order.
@@ -94,19 +94,18 @@ void ConvertRows(const uint8_t* upper, const uint8_t* lower, size_t width, uint8
   }
 }
 
-// `sums` has one number before the first and room for a block behind the last.
+// `sums` has room for a block behind the last.
 void ConvertChroma(const int16_t* sums, size_t stride, size_t width, uint8_t* cb, uint8_t* cr) {
   const size_t block = hn::Lanes(kInts);
-  const auto filtered = [](const int16_t* at) {
-    hn::Vec<Shorts> before, even, again, odd;
-    hn::LoadInterleaved2(kShorts, at - 1, before, even);
-    hn::LoadInterleaved2(kShorts, at, again, odd);
-    return hn::PromoteTo(kInts, hn::Add(hn::Add(even, even), hn::Add(before, odd)));
+  const auto four = [](const int16_t* at) {
+    hn::Vec<Shorts> even, odd;
+    hn::LoadInterleaved2(kShorts, at, even, odd);
+    return hn::PromoteTo(kInts, hn::Add(even, odd));
   };
   const size_t samples = width / 2;
   for (size_t i = 0; i < samples; i += block) {
     const int16_t* at = sums + 2 * i;
-    const Channels in = {filtered(at), filtered(at + stride), filtered(at + 2 * stride)};
+    const Channels in = {four(at), four(at + stride), four(at + 2 * stride)};
     const size_t count = std::min(block, samples - i);
     uint8_t bytes[kMostLanes];
     hn::StoreU(Weigh<kChromaBits>(in, kCbR, kCbG, kCbB, kChromaOffset), kBytes, bytes);
@@ -119,15 +118,12 @@ void ConvertChroma(const int16_t* sums, size_t stride, size_t width, uint8_t* cb
 void ConvertImage(int width, int height, const uint8_t* rgb, int16_t* sums, uint8_t* yuv) {
   const size_t w = static_cast<size_t>(width), h = static_cast<size_t>(height);
   const size_t stride = w + 2 * kMostLanes;
-  int16_t* first = sums + 1;
   uint8_t* cb = yuv + w * h;
   uint8_t* cr = cb + w * h / 4;
   for (size_t y = 0; y < h; y += 2) {
     const uint8_t* row = rgb + 3 * w * y;
-    ConvertRows(row, row + 3 * w, w, yuv + w * y, yuv + w * (y + 1), stride, first);
-    for (size_t channel = 0; channel < 3; ++channel)
-      first[channel * stride - 1] = first[channel * stride];
-    ConvertChroma(first, stride, w, cb + y / 2 * (w / 2), cr + y / 2 * (w / 2));
+    ConvertRows(row, row + 3 * w, w, yuv + w * y, yuv + w * (y + 1), stride, sums);
+    ConvertChroma(sums, stride, w, cb + y / 2 * (w / 2), cr + y / 2 * (w / 2));
   }
 }
 
@@ -146,8 +142,8 @@ Yuv420Converter::Yuv420Converter(int width, int height) : width_(width), height_
   }
   const size_t pixels = static_cast<size_t>(width) * static_cast<size_t>(height);
   yuv_.resize(pixels + pixels / 2);
-  // Each channel: the number before the first, the row, and what a block reads behind it.
-  sums_.resize(3 * (static_cast<size_t>(width) + 32) + 32);
+  // Each channel: the row, and what a block reads behind it.
+  sums_.resize(3 * (static_cast<size_t>(width) + 32));
 }
 
 std::span<const uint8_t> Yuv420Converter::operator()(std::span<const uint8_t> rgb) {

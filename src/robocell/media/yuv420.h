@@ -5,8 +5,8 @@
 //   std::span<const uint8_t> yuv = convert(rgb);  // 640 * 480 * 3 / 2 bytes, until the next call
 //
 // Luma and chroma follow ITU-R BT.601 in its limited range (Y 16 to 235, Cb and Cr 16 to 240). A chroma sample
-// lies on every second column and between two rows, where H.264 has it unless a stream says otherwise: it is
-// the mean of two rows, each filtered with 1 2 1. The arithmetic is in whole numbers, so that the same pixels
+// is the mean of the 2 x 2 pixels around it, where ffmpeg and what is built on it expect it when a stream does
+// not say otherwise. The arithmetic is in whole numbers, so that the same pixels
 // give the same bytes on every processor.
 //
 // Not thread-safe: a converter owns its buffers.

@@ -25,7 +25,6 @@ struct RgbTestImage {
   int width, height;
   std::vector<uint8_t> pixels;
   double At(int x, int y, int channel) const {
-    x = std::clamp(x, 0, width - 1);
     return pixels[3 * (static_cast<size_t>(y) * width + x) + channel];
   }
 };
@@ -41,14 +40,13 @@ using Vector3 = std::array<double, 3>;
 
 double Luma(const Vector3& rgb) { return 0.299 * rgb[0] + 0.587 * rgb[1] + 0.114 * rgb[2]; }
 
-// The colour of the chroma sample (column, row): two rows, each filtered with 1 2 1.
+// The colour of the chroma sample (column, row): the mean of 2 x 2 pixels.
 Vector3 ChromaColour(const RgbTestImage& image, int column, int row) {
   Vector3 mean{};
   for (int channel = 0; channel < 3; ++channel) {
     for (int dy = 0; dy < 2; ++dy) {
-      for (int dx = -1; dx <= 1; ++dx) {
-        mean[channel] += (dx == 0 ? 2 : 1) * image.At(2 * column + dx, 2 * row + dy, channel) / 8;
-      }
+      for (int dx = 0; dx < 2; ++dx)
+        mean[channel] += image.At(2 * column + dx, 2 * row + dy, channel) / 4;
     }
   }
   return mean;

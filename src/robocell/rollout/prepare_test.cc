@@ -124,7 +124,7 @@ TEST(PrepareDataset, RefusesAnotherConfigurationAndShowsWhatDiffers) {
   run.start.base_distance = {0.2, 0.5};
   const std::string text =
       ExpectThrow<SpecError>([&] { PrepareDataset(run); }, "was begun differently");
-  EXPECT_THAT(text, HasSubstr("/demo.yaml:16:9: run 'demo': the dataset '"));
+  EXPECT_THAT(text, HasSubstr("/demo.yaml:15:9: run 'demo': the dataset '"));
   EXPECT_THAT(text, HasSubstr("/demo.yaml:5:24: start.base_distance: [0.3, 0.55] then, [0.2, 0.5] "
                               "now\nChange these back"));
   EXPECT_THAT(text, HasSubstr(run.output));
@@ -151,7 +151,7 @@ TEST(PrepareDataset, LeavesOtherFoldersAlone) {
   AtomicWrite(folder / "thesis.txt", "years of work");
   EXPECT_THAT(ExpectThrow<SpecError>([&] { PrepareDataset(Demo(folder.path())); },
                                      "holds 'thesis.txt' and is no dataset"),
-              HasSubstr("/demo.yaml:16:9: run 'demo': output: the folder"));
+              HasSubstr("/demo.yaml:15:9: run 'demo': output: the folder"));
   EXPECT_FALSE(ReadManifest(folder.path()));
 }
 
@@ -174,7 +174,7 @@ TEST(PrepareDataset, SaysWhichFolderCannotBeWritten) {
 TEST(PrepareDataset, AsksForAnOutput) {
   EXPECT_THAT(ExpectThrow<SpecError>([] { PrepareDataset(Demo("")); },
                                      "output: where should the dataset go?"),
-              HasSubstr("/demo.yaml:16:9: run 'demo': "));
+              HasSubstr("/demo.yaml:15:9: run 'demo': "));
 }
 
 TEST(PrepareDataset, NamesADamagedManifest) {

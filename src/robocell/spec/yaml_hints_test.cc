@@ -35,7 +35,7 @@ TEST(Hints, AnAttachTargetWithoutItsKind) {
 TEST(Hints, AValueInThePlaceOfTheFieldsItBelongsTo) {
   EXPECT_THAT(HintFor("base: mocap"),
               HasSubstr("base: expected the fields of a BaseConfig, found 'mocap'; write {kind: "
-                        "mocap}. What the robot stands on."));
+                        "mocap}. Base that the robot stands on."));
   EXPECT_THAT(HintFor("base: [0.2, 0.2, 0.3]"),
               HasSubstr("found a list; write {size: [0.2, 0.2, 0.3]}"));
   EXPECT_THAT(HintFor("attachment_site: s\ntcp_offset: [0, 0, 0.1]"),

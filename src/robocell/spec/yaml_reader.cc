@@ -247,7 +247,7 @@ void Reader::ReadKind(const YAML::Node& node, KindSpec& out, const std::string& 
   if (!more.name.empty()) known.push_back(more.name);
   const auto read = [&](const YAML::Node& at, const std::string& name, const YAML::Node& value) {
     if (name == key) return;
-    if (name == more.name) return more.read(value);
+    if (more.read && name == more.name) return more.read(value);
     const auto field = std::ranges::find(refs, name, &KindFieldRef::name);
     if (field == refs.end()) {
       const std::string other = registry.KindWith(name);
