@@ -25,10 +25,11 @@ def embree_peer() -> Path | None:
     engine = Path(sysconfig.get_path("purelib")) / "mujoco"
     library = f"libmujoco.so.{importlib.metadata.version('mujoco')}"
     PROGRAM.parent.mkdir(parents=True, exist_ok=True)
-    words = ["c++", "-std=c++20", "-O3", "-march=native", "-DNDEBUG", SOURCE, "-o", PROGRAM]
+    words = ["c++", "-std=c++20", "-O3", "-march=native", "-DNDEBUG", str(SOURCE)]
+    words += ["-o", str(PROGRAM)]
     engines = [
         "-isystem",
-        engine / "include",
+        str(engine / "include"),
         f"-L{engine}",
         f"-l:{library}",
         f"-Wl,-rpath,{engine}",
@@ -51,5 +52,5 @@ def milliseconds(model: Any, states: list[np.ndarray], view: dict[str, Any], fol
     planes = (model.vis.map.znear, model.vis.map.zfar)
     orbit = (view["distance"], view["azimuth"], view["elevation"], *view["lookat"])
     numbers = [*(plane * model.stat.extent for plane in planes), *orbit]
-    words = [PROGRAM, file, listed, *(str(number) for number in numbers)]
+    words = [str(PROGRAM), str(file), str(listed), *(str(number) for number in numbers)]
     return subprocess.run(words, capture_output=True, text=True, check=True).stdout

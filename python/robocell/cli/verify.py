@@ -27,13 +27,13 @@ def verify(
     """
     require_folder(dataset, "dataset")
     if repair:
-        result = robocell.data.repair(dataset, decode_videos=decode_videos)
-        print(str(result.found).rstrip())
-        for moved in result.moved:
+        repaired = robocell.data.repair(dataset, decode_videos=decode_videos)
+        print(str(repaired.found).rstrip())
+        for moved in repaired.moved:
             print(f"moved aside: {dataset / '.quarantine' / moved}")
-        for problem in result.remaining:
+        for problem in repaired.remaining:
             print(f"not mended: {problem}")
-        if result.remaining:
+        if repaired.remaining:
             raise typer.Exit(ExitCode.INCOMPLETE)
         return
     result = robocell.data.verify(dataset, decode_videos=decode_videos)
