@@ -264,7 +264,7 @@ def test_the_pick_task(fr3):
     env = SimEnvCreator()(minimal(fr3, task_cfg=PickTaskConfig(), root_frame_to_world=root))
     _, info = env.reset(seed=0)
     body = env.core.scene.body_pose("PickTask_green_cube")
-    assert np.allclose((root.inverse() * body).translation, [0.5, 0, 0.05], atol=1e-9)
+    assert np.allclose((root.inverse() * body).translation, [0.5, 0, 0.02], atol=1e-6)
     assert info["instruction"] == "pick up the PickTask"
     still = {"robot": {"tquat": [0, 0, 0, 0, 0, 0, 1]}}
     heights = [env.step(still)[0]["objects"]["PickTask"]["tquat"][2] for _ in range(20)]
@@ -328,7 +328,7 @@ def test_the_pick_and_place_task(fr3):
     assert np.linalg.norm(lying - goal) < 0.03
     env.close()
     with pytest.raises(
-        rc.ArgumentError, match="told where the object goes; PickPlaceTaskConfig has goal"
+        rc.ArgumentError, match="needs the place of the object; PickPlaceTaskConfig has goal"
     ):
         minimal(fr3, task_cfg=PickTaskConfig(task_id="pick_place")).to_env_config()
     config = minimal(

@@ -173,13 +173,13 @@ def test_robocells_errors_in_a_users_code_name_its_line(run_file: Path, tmp_path
 def test_an_exception_ends_an_attempt_and_the_next_one_is_tried(run_file: Path, tmp_path: Path):
     module = run_file.with_name("stack_cubes.py")
     text = module.read_text().replace(
-        "def act(self, scene",
+        "def act(\n",
         "def begin(self, scene, rng):\n"
         "        Stacker.begun = getattr(Stacker, 'begun', 0) + 1\n"
         "        if Stacker.begun < 3:\n"
         "            raise RuntimeError('not today')\n"
         "        super().begin(scene, rng)\n\n"
-        "    def act(self, scene",
+        "    def act(\n",
         1,
     )
     module.write_text(text)

@@ -116,7 +116,11 @@ void WriteManifest(const fs::path& dataset, const std::string& json) {
 
 std::optional<std::string> ReadManifest(const fs::path& dataset) {
   const fs::path path = dataset / kManifestFile;
-  if (!fs::exists(fs::symlink_status(path))) return std::nullopt;
+  std::error_code error;
+  const fs::file_type type = fs::symlink_status(path, error).type();
+  if (type == fs::file_type::not_found) return std::nullopt;
+  if (type == fs::file_type::none)
+    ThrowIoError("look at the dataset's folder", dataset, error.value());
   std::string text = ReadRealFile(path);
   if (const auto damage = JsonDamage(text))
     throw IoError(
