@@ -25,6 +25,14 @@ TOPICS = (
     "menagerie",
 )
 
+# Classes of modules that are imported by name, since they need packages of an extra.
+OF_EXTRAS = {
+    "GymEnv": "robocell.gym",
+    "LeRobotEnv": "robocell.lerobot",
+    "Policy": "robocell.policy",
+    "VecEnv": "robocell.sb3",
+}
+
 
 def not_at_the_top(name: str) -> str:
     """What `robocell.<name>` says when there is no such name: where it lives, or what is near."""
@@ -32,9 +40,12 @@ def not_at_the_top(name: str) -> str:
     homes = _homes()
     if name in homes:
         return f"{start}. It is in a topic: {homes[name]}"
+    if name in OF_EXTRAS:
+        return f"{start}. It is in a module to import: {OF_EXTRAS[name]}.{name}"
     if not name.startswith("_") and importlib.util.find_spec(f"robocell.{name}"):
         return f"{start}. It is a module to import: import robocell.{name}"
-    near = difflib.get_close_matches(name.lower(), [each.lower() for each in homes], n=1)
+    names = [each.lower() for each in homes]
+    near = difflib.get_close_matches(name.lower(), names, n=1, cutoff=0.75)
     if near:
         found = next(full for each, full in homes.items() if each.lower() == near[0])
         return f"{start}. Did you mean {found}?"

@@ -212,5 +212,5 @@ def test_robots_have_names_and_built_in_ones_a_file(tmp_path, monkeypatch):
     with pytest.raises(rc.SpecError, match="robots: is required: a name for each robot, found ''"):
         rc.Env(rc.EnvConfig(robots={"": rc.models.robot_file("rc7")}))
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(rc.IoError, match=r"built-in robot is rc.models.robot_file\('rc7'\)"):
+    with pytest.raises(rc.IoError, match=r"rc.models.robot_file\('rc7'\) .* is its file"):
         rc.EnvConfig(robots={"arm": "rc7"})

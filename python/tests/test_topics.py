@@ -113,3 +113,12 @@ def test_what_a_topic_shows_of_itself_runs(topic):
     finally:
         rc.log.set_log_level(level)
         rc.log.set_log_sink(sink)
+
+
+@pytest.mark.parametrize("name", _elsewhere.OF_EXTRAS)
+def test_a_class_of_an_extra_is_where_the_message_says(name):
+    module = _elsewhere.OF_EXTRAS[name]
+    with pytest.raises(AttributeError, match=rf"import: {module}\.{name}"):
+        getattr(rc, name)
+    pytest.importorskip({"robocell.sb3": "stable_baselines3"}.get(module, "gymnasium"))
+    assert hasattr(importlib.import_module(module), name)

@@ -204,7 +204,7 @@ std::string VerifyResult::Text() const {
     text += fmt::format("{}: unfinished, left behind by a crash\n", name);
   for (const std::string& name : being_written)
     text += fmt::format("{}: unfinished, a running process is writing it\n", name);
-  if (!has_manifest && !good.empty())
+  if (lost_manifest)
     text +=
         "dataset.json: there is none; `robocell generate` with the run's file writes it again\n";
   text += fmt::format("{} good, {} bad", CountOfEpisodes(good.size()), bad.size());
@@ -221,6 +221,17 @@ bool VerifyResult::only_unreadable() const {
     return problem.kind == ProblemKind::kUnreadable;
   });
 }
+
+namespace {
+
+// Returns whether the episode says which run made it; recordings of environments and of other programs
+// do not.
+bool IsOfARun(const fs::path& episode) {
+  const auto metadata = nlohmann::json::parse(Episode(episode).metadata_json(), nullptr, false);
+  return metadata.is_object() && metadata.contains("identity");
+}
+
+}  // namespace
 
 VerifyResult Verify(const fs::path& dataset, const VerifyOptions& options) {
   RequireDataset(dataset);
@@ -240,7 +251,6 @@ VerifyResult Verify(const fs::path& dataset, const VerifyOptions& options) {
   }
   for (const std::string& name : UnfinishedIn(dataset))
     (IsBeingWritten(dataset / name) ? result.being_written : result.leftovers).push_back(name);
-  result.has_manifest = fs::exists(dataset / kManifestFile);
   const std::map<std::string, std::string> changed = ChangedModels(dataset);
   EpisodeVerifier verifier(options.decode_videos);
   for (size_t i = 0; i < episodes.size(); ++i) {
@@ -250,6 +260,9 @@ VerifyResult Verify(const fs::path& dataset, const VerifyOptions& options) {
     AddEpisode(episodes[i], problems, result);
     if (options.progress) options.progress(i + 1, episodes.size());
   }
+  result.lost_manifest =
+      !fs::exists(dataset / kManifestFile) &&
+      std::ranges::any_of(result.good, [&](const auto& id) { return IsOfARun(dataset / id); });
   VerifyManifest(dataset, result);
   for (const std::string& name : FolderNames(dataset)) {
     if (IsReportFile(name)) VerifyReportFile(dataset, name, result);

@@ -53,7 +53,8 @@ struct VerifyResult {
   // Files and folders that are no part of a dataset: logs, notes. No problem either.
   std::vector<std::string> others;
 
-  bool has_manifest = true;  // recordings of other programs may do without: no problem
+  // The episodes are of a run, and dataset.json is gone. Recordings may do without: no problem.
+  bool lost_manifest = false;
 
   bool ok() const { return problems.empty(); }
   // Whether there are problems, and all of them are this machine's or version's.

@@ -154,7 +154,8 @@ class SceneValidator {
   void ValidateForTask(const Scene& scene, Robot& robot) {
     task_->ValidateScene(run_, scene, robot, problems_, warnings_);
     if (!demands_.scripted_expert) return;
-    Try("task", [&] { ExpertKindOf(run_)->Validate(run_, scene, robot, problems_, warnings_); });
+    Try(run_.expert.empty() ? "task" : "expert",
+        [&] { ExpertKindOf(run_)->Validate(run_, scene, robot, problems_, warnings_); });
   }
 
   bool ValidateRobotItself(const Robot& robot) {

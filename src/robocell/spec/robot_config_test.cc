@@ -54,7 +54,7 @@ TEST(RobotConfig, HomeHasOneValuePerJoint) {
                                                 "slides"));
   robot.home["arm"] = {0.5};
   EXPECT_THAT(ValidationError(robot),
-              HasSubstr("home.arm: has 1 values for the 2 joints a, b: b has none. Give one"));
+              HasSubstr("home.arm: has 1 value for the 2 joints a, b: b has none. Give one"));
   robot.home["arm"] = {};
   EXPECT_THAT(ValidationError(robot), HasSubstr("joints a, b: a, b have none. Give one"));
 }

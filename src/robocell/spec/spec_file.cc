@@ -99,8 +99,10 @@ std::string MissingSpecFile(const std::string& path, const std::string& type) {
   const fs::path folder = fs::path(path).parent_path();
   const fs::path looked = folder.empty() ? fs::path(".") : folder;
   if (!fs::is_directory(looked, error)) {
-    return fmt::format("no {} '{}': there is no folder '{}' in {}.{}", kind.what, path,
-                       looked.string(), fs::current_path(error).string(), tail);
+    const std::string within =
+        looked.is_relative() ? " in " + fs::current_path(error).string() : std::string();
+    return fmt::format("no {} '{}': there is no folder '{}'{}.{}", kind.what, path, looked.string(),
+                       within, tail);
   }
   const std::vector<std::string> names = SpecFilesIn(looked, type);
   const std::vector<std::string> near = NearestNames(fs::path(path).filename().string(), names, 1);
@@ -108,7 +110,8 @@ std::string MissingSpecFile(const std::string& path, const std::string& type) {
       near.empty() ? "" : fmt::format(" Did you mean '{}'?", (folder / near[0]).string());
   if (type == "RobotConfig" && folder.empty() && !fs::path(path).has_extension()) {
     hint += fmt::format(
-        " The file of a built-in robot is rc.models.robot_file('{}') (C++: BuiltinRobotFile).",
+        " If '{0}' is a built-in robot, rc.models.robot_file('{0}') (C++: BuiltinRobotFile) is its "
+        "file.",
         path);
   }
   return fmt::format("no {} '{}'.{}{}{}", kind.what, path, Listing(looked, kind.what, names), hint,

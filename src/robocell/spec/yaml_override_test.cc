@@ -119,7 +119,7 @@ TEST_F(OverrideTest, GoesThroughTheSameChecks) {
   EXPECT_THAT(Error({"tsk.lift_height=0.1"}), HasSubstr("Did you mean 'task'?"));
   EXPECT_THAT(Error({"robot.hme.arm=[1, 2]"}), HasSubstr("Did you mean 'home'?"));
   EXPECT_THAT(Error({"robot.home.arm=[1]"}),
-              HasSubstr("--set robot.home.arm=[1]: robot.home.arm: has 1 values for the 2 joints"));
+              HasSubstr("--set robot.home.arm=[1]: robot.home.arm: has 1 value for the 2 joints"));
   EXPECT_THAT(Error({"seed=99999999999999999999"}),
               HasSubstr("--set seed=99999999999999999999: seed: expected a whole number of at most "
                         "9223372036854775807"));

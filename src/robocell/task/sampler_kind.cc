@@ -1,5 +1,7 @@
 #include "robocell/task/sampler_kind.h"
 
+#include <fmt/format.h>
+
 #include <map>
 #include <mutex>
 #include <utility>
@@ -50,9 +52,12 @@ std::shared_ptr<const SamplerKind> FindSamplerKind(const std::string& kind) {
     if (found != registry.kinds.end()) return found->second;
   }
   const std::vector<std::string> known = SamplerKinds();
-  if (known.empty())
-    throw NotFoundError("no sampler '" + kind + "': none is registered; import its module");
-  throw NotFoundError(NoSuchName("", "sampler", kind, known));
+  const std::string which = known.empty()
+                                ? fmt::format("no sampler '{}': none is registered.", kind)
+                                : NoSuchName("", "sampler", kind, known);
+  throw NotFoundError(which +
+                      " A sampler of your own is registered before: import its module, or name it "
+                      "with --import. Without `sampler` the task's own is used");
 }
 
 std::shared_ptr<TaskSampler> MakeSampler(const RunConfig& run) {
