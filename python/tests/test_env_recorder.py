@@ -57,6 +57,7 @@ def test_an_episode_holds_what_was_seen_and_done(tmp_path: Path):
     assert features["observation/robot/tquat"].frame == "shared base frame"
     assert features["action/robot/tquat"].role == "action"
     assert rc.data.verify(tmp_path).ok
+    assert "dataset.json" not in str(rc.data.verify(tmp_path)), "a recording has none"
     for each in dataset:
         assert rc.data.verify_replay(each, 0).ok
         assert replay_actions(env, each).ok

@@ -65,6 +65,12 @@ TEST(ValidateRun, AnUnknownCameraIsToldWithNamesAsTheyAreWritten) {
   EXPECT_THAT(text, Not(HasSubstr("robot_0/")));
 }
 
+TEST(ValidateRun, NamesAnUnknownExpertAtItsOwnField) {
+  RunConfig run = Demo();
+  run.expert = "pikc";
+  ExpectThrow<SpecError>([&] { ValidateRun(run); }, "expert: no expert 'pikc'");
+}
+
 TEST(ValidateRun, TheFilesLinesAreNamed) {
   TempDir folder;
   AtomicWrite(folder / "run.yaml",
