@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 
 #include "robocell/base/error.h"
 #include "robocell/base/function_name.h"
@@ -74,6 +75,19 @@ EnvConfig Checked(EnvConfig config) {
 // The number of engine steps after which `seconds` have passed.
 int64_t TicksUntil(double seconds, double timestep) {
   return static_cast<int64_t>(std::ceil(seconds / timestep - 1e-9));
+}
+
+// All of them hear of a step that has ended, whatever the first one throws.
+void TellOfStep(const std::vector<EnvObserver*>& observers, const EnvStep& step) {
+  std::exception_ptr first;
+  for (EnvObserver* observer : observers) {
+    try {
+      observer->OnStep(step);
+    } catch (...) {
+      if (!first) first = std::current_exception();
+    }
+  }
+  if (first) std::rethrow_exception(first);
 }
 
 }  // namespace
@@ -312,7 +326,7 @@ EnvStep Env::Step(std::span<const double> action, const Poll& poll) {
   out.time = TimeSinceReset();
   if (out.reason == EndReason::kDiverged) {
     phase_ = Phase::kDiverged;
-    for (EnvObserver* observer : *observers_) observer->OnStep(out);
+    TellOfStep(*observers_, out);
     return out;
   }
   for (size_t i = 0; i < arms_.size(); ++i) motions_[i] = arms_[i].motion();
@@ -320,7 +334,7 @@ EnvStep Env::Step(std::span<const double> action, const Poll& poll) {
   Observe();
   if (config_.sim.realtime) pacer_.Wait(out.time, poll);
   phase_ = Phase::kReady;
-  for (EnvObserver* observer : *observers_) observer->OnStep(out);
+  TellOfStep(*observers_, out);
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -78,6 +79,21 @@ TEST(EnvObservers, HearOfStepsThatAGuardTakesBack) {
   ASSERT_EQ(listener.heard.size(), 4u);
   EXPECT_TRUE(listener.heard[2].starts_with("taken back after "));
   EXPECT_GT(listener.ticks, 0) << "of the arms that are held";
+}
+
+TEST(EnvObservers, AllHearOfAStepWhateverTheFirstThrows) {
+  struct Failing : EnvObserver {
+    void OnStep(const EnvStep&) override { throw std::runtime_error("the disk is full"); }
+  };
+  Env env(EveryTenthOfASecond());
+  Failing failing;
+  Listener listener;
+  env.AddObserver(&failing);
+  env.AddObserver(&listener);
+  env.Reset({.seed = 1});
+  const std::vector<double> still(static_cast<size_t>(env.layout().action.size()), 0);
+  EXPECT_THROW(env.Step(still), std::runtime_error);
+  EXPECT_THAT(listener.heard, ElementsAre("start", "action of 8", "timeout"));
 }
 
 TEST(EnvObservers, ChangeNothing) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <set>
 #include <utility>
 #include <nlohmann/json.hpp>
 
@@ -13,9 +14,12 @@
 #include "robocell/assets/resolve.h"
 #include "robocell/assets/scene_models.h"
 #include "robocell/base/error.h"
+#include "robocell/base/hash.h"
 #include "robocell/base/units.h"
 #include "robocell/data/model_store.h"
 #include "robocell/rollout/recorded_scene.h"
+#include "robocell/rollout/run_inputs.h"
+#include "robocell/rollout/user_code.h"
 #include "robocell/spec/yaml.h"
 
 namespace robocell {
@@ -72,6 +76,7 @@ std::string PortableOrOwnName(const std::string& name, const std::string& direct
     if (const auto portable = assets::PortableName(path)) return *portable;
     return StoredModelPath(ModelFileSet(path));
   } catch (const Error&) {
+    if (IsStoredModelPath(name)) return name;  // of an environment that EnvOfEpisode made
     return std::filesystem::path(name).filename().string();
   }
 }
@@ -107,12 +112,30 @@ std::vector<double> RowsOf(const Episode& episode, const FeatureSchema& features
   return all;
 }
 
+// Files of the code here that the episode was not recorded with.
+std::vector<std::string> CodeDifferences(const EnvConfig& config, const Episode& episode) {
+  std::set<std::string> hashes;
+  for (const Json& file : EnvironmentOf(episode).value("code", Json::array()))
+    hashes.insert(file.at("sha256").get<std::string>());
+  return CodeOf(config).Unknown(hashes);
+}
+
+void RequireSameCode(const EnvConfig& config, const Episode& episode) {
+  const std::vector<std::string> files = CodeDifferences(config, episode);
+  if (files.empty()) return;
+  throw SpecError(
+      fmt::format("environment '{}': {} was recorded with other code than {}; restore the files of "
+                  "then, or record anew",
+                  config.name, PlaceOfEpisode(episode), fmt::join(files, ", ")));
+}
+
 class ActionReplay {
  public:
   ActionReplay(Env& env, const Episode& episode, const EnvReplayOptions& options)
       : env_(env), episode_(episode), options_(options) {
     EnvironmentOf(episode);
     RequireSameSchema();
+    RequireSameCode(env.config(), episode);
     seen_ = RowsOf(episode, env.layout().observed);
     actions_ = RowsOf(episode, env.layout().commanded);
     rewards_ = episode.Read<double>("reward");
@@ -240,13 +263,38 @@ std::string PortableConfig(const EnvConfig& config) {
   return ToYaml(portable);
 }
 
+Json CodeRecord(const EnvConfig& config) {
+  Json record = Json::array();
+  const UserCode code = CodeOf(config);
+  for (const std::filesystem::path& file : code.files())
+    record.push_back({{"file", file.filename().string()}, {"sha256", Sha256File(file)}});
+  return record;
+}
+
+std::vector<std::string> DifferencesFromEpisode(const EnvConfig& config, const Episode& episode) {
+  const auto identity = [](const std::string& portable) {
+    auto same = FromYamlUnchecked<EnvConfig>(portable);
+    same.sim.realtime = same.headless = false;
+    return RunInputs{.identity = ToYaml(same), .versions = {}, .files = {}};
+  };
+  std::vector<std::string> lines =
+      Differences(identity(EnvironmentOf(episode).at("config").get<std::string>()),
+                  identity(PortableConfig(config)));
+  for (const std::string& file : CodeDifferences(config, episode))
+    lines.push_back(fmt::format("code file {}: not the recorded one", file));
+  return lines;
+}
+
 std::unique_ptr<Env> EnvOfEpisode(const Episode& episode, bool images, const DataFactory& factory) {
   auto config =
       FromYamlUnchecked<EnvConfig>(EnvironmentOf(episode).at("config").get<std::string>());
   config.sim.realtime = false;
   config.headless = true;
   if (!images) config.cameras.streams = {};
-  return std::make_unique<Env>(std::move(config), Scene::Build(RecordedScene(episode), factory));
+  auto env =
+      std::make_unique<Env>(std::move(config), Scene::Build(RecordedScene(episode), factory));
+  RequireSameCode(env->config(), episode);
+  return env;
 }
 
 ReplayResult ReplayActions(Env& env, const Episode& episode, const EnvReplayOptions& options) {

@@ -14,6 +14,8 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
+#include <nlohmann/json_fwd.hpp>
 
 #include "robocell/data/episode_reader.h"
 #include "robocell/env/env.h"
@@ -35,9 +37,17 @@ bool IsOfEnv(const Episode& episode);
 // dataset keeps them.
 std::string PortableConfig(const EnvConfig& config);
 
+// The files of a user's code that a configuration uses, with their hashes, as episodes keep them in
+// their environment: JSON.
+nlohmann::json CodeRecord(const EnvConfig& config);
+// Returns the differences of a configuration and its code from those of an episode, one line each,
+// but for what no row depends on: a window and real time.
+std::vector<std::string> DifferencesFromEpisode(const EnvConfig& config, const Episode& episode);
+
 // The environment that recorded an episode, in the scene that the dataset keeps, never in real time
 // or with a window; without `images` it has no streams. ArgumentError for other episodes and for
-// those of a saved scene, NotFoundError for a task that is not registered, errors of RecordedScene.
+// those of a saved scene, NotFoundError for a task that is not registered, SpecError when the
+// code of its task or features is not the recorded one, errors of RecordedScene.
 std::unique_ptr<Env> EnvOfEpisode(const Episode& episode, bool images = false,
                                   const DataFactory& factory = {});
 
@@ -51,7 +61,7 @@ struct EnvReplayOptions {
 // Goes back to the start of an episode and gives its actions again, until a number is farther from
 // what was recorded than the tolerance; row rows() is what the last action led to. With
 // StateFrame::kRoot, for a rig that stands elsewhere, it needs one. ArgumentError for an episode of
-// another configuration, before anything changes.
+// another configuration and SpecError for one of other code, before anything changes.
 ReplayResult ReplayActions(Env& env, const Episode& episode, const EnvReplayOptions& options = {});
 
 }  // namespace robocell

@@ -1,6 +1,7 @@
 #include "robocell/rollout/env_recorder.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
@@ -42,6 +43,14 @@ constexpr std::array kEndReasons = {EndReason::kDiverged, EndReason::kCollision,
 // of the configuration.
 Ratio RateOfRows(const EnvConfig& config) { return RatioOf(config.sim.frequency); }
 
+// What a stream shows.
+struct ShownFrame {
+  std::vector<uint8_t> rgb;
+  std::vector<uint16_t> depth, bodies;
+  std::array<double, 16> extrinsics = {};
+  double time = 0;
+};
+
 // The streams of an environment as cameras of an episode: frames as they were shown.
 class FrameColumns {
  public:
@@ -51,29 +60,32 @@ class FrameColumns {
                             [](const EnvFrame& f) { return !f.segmentation.empty(); }))
       schema.SetSegmentLabels(SegmentLabelsOf(env.scene()));
   }
-  // Keeps what is shown now.
-  void Take(const Env& env) {
+  // Reads what is shown now.
+  void Take(const Env& env, std::vector<ShownFrame>& out) const {
+    out.resize(streams_.size());
     for (size_t i = 0; i < streams_.size(); ++i) {
-      Stream& stream = streams_[i];
+      ShownFrame& shown = out[i];
       const EnvFrame& frame = env.frames()[i];
-      stream.rgb = frame.rgb;
-      stream.depth = frame.depth_mm;
-      stream.bodies.resize(frame.segmentation.size());
-      std::ranges::transform(frame.segmentation, stream.bodies.begin(), [](int32_t body) {
+      shown.rgb = frame.rgb;
+      shown.depth = frame.depth_mm;
+      shown.bodies.resize(frame.segmentation.size());
+      std::ranges::transform(frame.segmentation, shown.bodies.begin(), [](int32_t body) {
         return body < 0 ? kNoSegment : static_cast<uint16_t>(body);
       });
       const Eigen::Matrix<double, 4, 4, Eigen::RowMajor> pose = frame.camera.extrinsics();
-      std::copy_n(pose.data(), 16, stream.extrinsics.begin());
-      stream.time = frame.time;
+      std::copy_n(pose.data(), 16, shown.extrinsics.begin());
+      shown.time = frame.time;
     }
   }
-  void Put(EpisodeWriter& writer) const {
-    for (const Stream& stream : streams_) {
-      writer.Put(stream.extrinsics_column, std::span<const double>(stream.extrinsics));
-      writer.Put(stream.time_column, stream.time);
-      writer.WriteFrame(stream.video, stream.rgb);
-      if (!stream.depth.empty()) writer.WriteDepth(stream.video, stream.depth);
-      if (!stream.bodies.empty()) writer.WriteSegmentation(stream.video, stream.bodies);
+  void Put(EpisodeWriter& writer, const std::vector<ShownFrame>& frames) const {
+    for (size_t i = 0; i < streams_.size(); ++i) {
+      const Stream& stream = streams_[i];
+      const ShownFrame& shown = frames[i];
+      writer.Put(stream.extrinsics_column, std::span<const double>(shown.extrinsics));
+      writer.Put(stream.time_column, shown.time);
+      writer.WriteFrame(stream.video, shown.rgb);
+      if (!shown.depth.empty()) writer.WriteDepth(stream.video, shown.depth);
+      if (!shown.bodies.empty()) writer.WriteSegmentation(stream.video, shown.bodies);
     }
   }
 
@@ -81,19 +93,9 @@ class FrameColumns {
   struct Stream {
     CameraId video;
     ColumnId extrinsics_column, time_column;
-    std::vector<uint8_t> rgb;
-    std::vector<uint16_t> depth, bodies;
-    std::array<double, 16> extrinsics = {};
-    double time = 0;
   };
 
   void Add(EpisodeSchema& schema, const Env& env, const EnvFrame& frame) {
-    if (frame.rgb.empty()) {
-      throw ArgumentError(fmt::format(
-          "environment '{}': stream '{}' has no colour images, so it cannot be recorded; set its "
-          "`rgb: true`, or record without images",
-          env.config().name, frame.stream));
-    }
     const Ratio rate = RateOfRows(env.config());
     const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> k = frame.camera.intrinsics();
     std::array<double, 9> intrinsics = {};
@@ -138,8 +140,7 @@ class EnvEpisode {
       : env_(env),
         nu_(static_cast<size_t>(env.scene().model()->nu)),
         generation_(env.scene().generation()),
-        features_(FeaturesOfCell(env.scene(), RobotsOf(env.scene()), env.task(),
-                                 OwnAmong(env.config().features.names))),
+        features_(RecordedFeatures(env)),
         state_columns_(schema_, features_.observed()),
         command_columns_(schema_, features_.commanded()),
         seen_columns_(schema_, env.layout().observed),
@@ -174,49 +175,53 @@ class EnvEpisode {
           "rows have numbers for those it began with; save it, and reset, before the scene changes",
           env_.config().name));
     }
-    Flush();
-    features_.ReadState();
-    seen_.assign(env_.observation().begin(), env_.observation().end());
-    action_.assign(action.begin(), action.end());
-    if (frames_) frames_->Take(env_);
+    const std::span<const double> state = features_.ReadState();
+    begun_.state.assign(state.begin(), state.end());
+    begun_.seen.assign(env_.observation().begin(), env_.observation().end());
+    begun_.action.assign(action.begin(), action.end());
+    if (frames_) frames_->Take(env_, begun_.frames);
     ForgetTicks();
   }
-  void ForgetTicks() { times_.clear(), ctrl_.clear(); }
+  void ForgetTicks() { begun_.times.clear(), begun_.ctrl.clear(); }
   void Tick(const mjData* data) {
-    times_.push_back(data->time);
-    ctrl_.insert(ctrl_.end(), data->ctrl, data->ctrl + nu_);
+    begun_.times.push_back(data->time);
+    begun_.ctrl.insert(begun_.ctrl.end(), data->ctrl, data->ctrl + nu_);
   }
-  // It ends.
+  // It ends; so the row before it was not the last one.
   void End(const EnvStep& step) {
-    commands_ = features_.ReadActions();
+    const std::span<const double> commands = features_.ReadActions();
+    begun_.commands.assign(commands.begin(), commands.end());
     after_.assign(env_.observation().begin(), env_.observation().end());
     warnings_ = outcome_.warnings();
-    last_ = {.reward = step.reward,
-             .progress = step.progress,
-             .subtask = step.subtask,
-             .success = step.success,
-             .terminated = step.success || step.reason == EndReason::kDiverged,
-             .ik_failed = !step.ik_failed.empty(),
-             .warnings = warnings_.total()};
-    reason_ = step.reason;
+    begun_.outcome = {.reward = step.reward,
+                      .progress = step.progress,
+                      .subtask = step.subtask,
+                      .success = step.success,
+                      .terminated = step.success || step.reason == EndReason::kDiverged,
+                      .ik_failed = !step.ik_failed.empty(),
+                      .warnings = warnings_.total()};
+    begun_.reason = step.reason;
     divergence_ = step.message;
+    if (rows_ > 0) Write(ended_);
+    std::swap(begun_, ended_);
     ++rows_;
-    is_pending_ = true;
   }
   int rows() const { return rows_; }
 
+  // Of an episode with rows; the last one is written with what the episode ended with.
   void Commit(const EnvEpisodeEnd& end) {
-    const bool diverged = reason_ == EndReason::kDiverged;
-    if (end.success) last_.success = *end.success;
-    last_.terminated = last_.success || diverged;
-    last_.truncated = !last_.terminated;
-    Flush();
-    EpisodeSummary summary{.success = last_.success,
-                           .terminated = last_.terminated,
-                           .truncated = last_.truncated,
+    const bool diverged = ended_.reason == EndReason::kDiverged;
+    RowOutcome& last = ended_.outcome;
+    if (end.success) last.success = *end.success;
+    last.terminated = last.success || diverged;
+    last.truncated = !last.terminated;
+    Write(ended_);
+    EpisodeSummary summary{.success = last.success,
+                           .terminated = last.terminated,
+                           .truncated = last.truncated,
                            .end_reason = end.reason};
     if (end.reason.empty())
-      summary.end_reason = last_.success ? "success" : diverged ? "diverged" : "stopped";
+      summary.end_reason = last.success ? "success" : diverged ? "diverged" : "stopped";
     if (diverged) summary.warnings.push_back(divergence_);
     if (warnings_.total() > 0) summary.warnings.push_back(warnings_.Text());
     if (!diverged) summary.results_json = FinalObservation();
@@ -224,6 +229,13 @@ class EnvEpisode {
   }
 
  private:
+  struct Row {
+    std::vector<double> state, commands, seen, action, times, ctrl;
+    std::vector<ShownFrame> frames;
+    RowOutcome outcome;
+    EndReason reason = EndReason::kTimeout;
+  };
+
   // What the last action led to, which has no row of its own.
   std::string FinalObservation() const {
     Json final = Json::object();
@@ -270,6 +282,7 @@ class EnvEpisode {
       varied.variations = config.variations;
       environment["variations"] = ToYaml(varied);
     }
+    environment["code"] = CodeRecord(config);
     if (!config.saved_scene.empty()) environment["saved_scene"] = true;
     const double step_ms = env_.scene().timestep() * 1000;
     Json meta = {{"environment", environment},
@@ -288,24 +301,22 @@ class EnvEpisode {
     return meta.dump();
   }
 
-  // Writes the row that ended last; what it ended with is known by now.
-  void Flush() {
-    if (!std::exchange(is_pending_, false)) return;
+  void Write(const Row& row) {
     EpisodeWriter& writer = *writer_;
-    state_columns_.Put(writer, features_.state());
-    command_columns_.Put(writer, commands_);
-    seen_columns_.Put(writer, seen_);
-    asked_columns_.Put(writer, action_);
+    state_columns_.Put(writer, row.state);
+    command_columns_.Put(writer, row.commands);
+    seen_columns_.Put(writer, row.seen);
+    asked_columns_.Put(writer, row.action);
     outcome_.PutPhase(writer, 0);
-    outcome_.PutOutcome(writer, last_);
-    writer.Put(reason_column_,
-               static_cast<int32_t>(std::ranges::find(kEndReasons, reason_) - kEndReasons.begin()));
+    outcome_.PutOutcome(writer, row.outcome);
+    writer.Put(reason_column_, static_cast<int32_t>(std::ranges::find(kEndReasons, row.reason) -
+                                                    kEndReasons.begin()));
     writer.Put(tick_column_, ticks_);
-    if (frames_) frames_->Put(writer);
+    if (frames_) frames_->Put(writer, row.frames);
     writer.EndRow();
-    for (size_t i = 0; i < times_.size(); ++i)
-      outcome_.PutControl(writer, times_[i], std::span(ctrl_).subspan(i * nu_, nu_));
-    ticks_ += static_cast<int64_t>(times_.size());
+    for (size_t i = 0; i < row.times.size(); ++i)
+      outcome_.PutControl(writer, row.times[i], std::span(row.ctrl).subspan(i * nu_, nu_));
+    ticks_ += static_cast<int64_t>(row.times.size());
   }
 
   const Env& env_;
@@ -320,14 +331,12 @@ class EnvEpisode {
   std::optional<FrameColumns> frames_;
   std::optional<EpisodeWriter> writer_;
 
-  // The row that has begun; with is_pending_ it has ended and is not written yet.
-  std::vector<double> seen_, action_, after_, times_, ctrl_;
-  std::span<const double> commands_;
-  RowOutcome last_;
-  EndReason reason_ = EndReason::kTimeout;
+  // The row that has begun, and the last one that ended. It is not written before the next one has
+  // ended too: steps that an error ends are no rows.
+  Row begun_, ended_;
+  std::vector<double> after_;
   std::string divergence_;
   EngineWarnings warnings_;
-  bool is_pending_ = false;
   int rows_ = 0;
   int64_t ticks_ = 0;
 };
@@ -345,7 +354,18 @@ int64_t NextNumber(const fs::path& dataset, const std::string& prefix) {
   return next;
 }
 
-void PrepareFolder(const fs::path& dataset) {
+// Episodes of a dataset are of one environment.
+void RequireSameEnv(const fs::path& dataset, const Env& env) {
+  const Dataset all(dataset);
+  if (all.size() == 0 || !IsOfEnv(all.At(0))) return;
+  const std::vector<std::string> differences = DifferencesFromEpisode(env.config(), all.At(0));
+  if (differences.empty()) return;
+  throw ArgumentError(fmt::format(
+      "environment '{}' differs from the one whose episodes are in '{}': {}; choose another folder",
+      env.config().name, dataset.string(), fmt::join(differences, "; ")));
+}
+
+void PrepareFolder(const fs::path& dataset, const Env& env) {
   std::error_code error;
   fs::create_directories(dataset, error);
   if (error) ThrowIoError("create the dataset's folder", dataset, error.value());
@@ -359,6 +379,7 @@ void PrepareFolder(const fs::path& dataset) {
         "of its own",
         dataset.string()));
   }
+  if (!is_new) RequireSameEnv(dataset, env);
 }
 
 void RequireRecorderOptions(const EnvRecorderOptions& options) {
@@ -369,13 +390,29 @@ void RequireRecorderOptions(const EnvRecorderOptions& options) {
   if (!json.is_object()) throw ArgumentError("metadata_json must be an object in JSON");
 }
 
+void RequireColour(const EnvConfig& config) {
+  for (const CameraConfig& stream : config.cameras.streams) {
+    if (stream.rgb) continue;
+    throw ArgumentError(fmt::format(
+        "environment '{}': stream '{}' has no colour images, so it cannot be recorded; set its "
+        "`rgb: true`, or record without images",
+        config.name, stream.name));
+  }
+}
+
 }  // namespace
+
+CellFeatures RecordedFeatures(const Env& env) {
+  return FeaturesOfCell(env.scene(), RobotsOf(env.scene()), env.task(),
+                        OwnAmong(env.config().features.names));
+}
 
 struct EnvRecorder::State : public EnvObserver {
   State(Env& its_env, fs::path its_dataset, EnvRecorderOptions its_options)
       : env(&its_env), dataset(std::move(its_dataset)), options(std::move(its_options)) {
     RequireRecorderOptions(options);
-    PrepareFolder(dataset);
+    if (options.images) RequireColour(env->config());
+    PrepareFolder(dataset, *env);
     lock = DatasetLock::Numbering(dataset, options.prefix);
     next = NextNumber(dataset, options.prefix);
     env->AddObserver(this);

@@ -18,8 +18,8 @@
 // came of it. With `images` the frames of its streams, as they were shown. Rows have as many control
 // ticks as the steps took: `control_tick` is the first one of each.
 //
-// Errors: ArgumentError for a folder that is no dataset or a run's, and for streams without colour
-// images; IoError when the disk fails, out of Step or Reset too: then the episode is gone, and
+// Errors: ArgumentError for a folder that is no dataset, is a run's, or has episodes of another
+// configuration or of other code of the task and features, and for streams without colour images; IoError when the disk fails, out of Step or Reset too: then the episode is gone, and
 // recording goes on with the next reset. Threads: those of the environment, which must outlive it.
 #pragma once
 
@@ -30,6 +30,7 @@
 #include <vector>
 
 #include "robocell/env/env.h"
+#include "robocell/features/cell_features.h"
 
 namespace robocell {
 
@@ -44,6 +45,9 @@ struct EnvEpisodeEnd {
   std::optional<bool> success = {};  // unset: what the task said of the last step
   std::string reason = {};           // "": "success", "diverged" or "stopped"
 };
+
+// The features of an environment's cell that its episodes record.
+CellFeatures RecordedFeatures(const Env& env);
 
 class EnvRecorder {
  public:

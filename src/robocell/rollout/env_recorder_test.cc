@@ -15,6 +15,7 @@
 #include "robocell/env/arm_target.h"
 #include "robocell/env/env_batch.h"
 #include "robocell/env/testing/envs.h"
+#include "robocell/features/own_features.h"
 #include "robocell/rollout/env_of_episode.h"
 #include "robocell/rollout/replay.h"
 #include "robocell/testing/expect_throw.h"
@@ -175,7 +176,24 @@ TEST(EnvRecorders, StepsThatAnErrorEndedAreNoRows) {
   env.Reset();
   EXPECT_THAT(recorder.episodes(), ElementsAre("episode-000000"));
   ExpectSound(folder.path(), 1);
-  EXPECT_EQ(Dataset(folder.path()).At(0).rows(), 3);
+  const Episode episode = Dataset(folder.path()).At(0);
+  EXPECT_EQ(episode.rows(), 3);
+  EXPECT_EQ(episode.Read<uint8_t>("truncated"), (std::vector<uint8_t>{0, 0, 1}));
+}
+
+TEST(EnvRecorders, TheLastRowKnowsOfSuccessAfterAStepThatAnErrorEnded) {
+  struct Enough {};
+  const TempDir folder;
+  Env env(Rc7WithCube());
+  EnvRecorder recorder(env, folder.path());
+  env.Reset({.seed = 5});
+  ActOut(env);
+  EXPECT_THROW(env.Step(GoingTo({0.4, 0.2, 0.3}), [] { throw Enough(); }), Enough);
+  recorder.Save({.success = true});
+  const Episode episode = Dataset(folder.path()).At(0);
+  EXPECT_EQ(episode.Read<uint8_t>("success"), (std::vector<uint8_t>{0, 0, 1}));
+  EXPECT_EQ(episode.Read<uint8_t>("terminated"), (std::vector<uint8_t>{0, 0, 1}));
+  ExpectSound(folder.path(), 1);
 }
 
 TEST(EnvRecorders, StepsThatAGuardTakesBackAreReplayed) {
@@ -275,13 +293,8 @@ TEST(EnvRecorders, RecordTheFramesThatWereShown) {
 
   config.cameras.streams[0].rgb = false;
   Env colourless(config);
-  colourless.Reset();
-  EnvRecorder refused(colourless, folder / "colourless");
-  ExpectThrow<ArgumentError>(
-      [&] {
-        colourless.Step(GoingTo({0.45, 0, 0.3}));
-      },
-      "stream 'top' has no colour images, so it cannot be recorded; set");
+  ExpectThrow<ArgumentError>([&] { EnvRecorder(colourless, folder / "colourless"); },
+                             "stream 'top' has no colour images, so it cannot be recorded; set");
 }
 
 TEST(EnvRecorders, EachCopyOfABatchHasOneOfItsOwn) {
@@ -326,6 +339,47 @@ TEST(EnvRecorders, CountOnAndKeepToTheirOwn) {
     env.Step(GoingTo({0.45, 0, 0.3}));
     EXPECT_EQ(next.Save(), "episode-000001");
   }
+}
+
+TEST(EnvRecorders, RefuseFoldersOfAnotherConfiguration) {
+  const TempDir folder;
+  EnvConfig config = Rc7WithCube();
+  {
+    Env env(config);
+    EnvRecorder recorder(env, folder.path());
+    env.Reset();
+    env.Step(GoingTo({0.45, 0, 0.3}));
+    recorder.Close();
+    EnvRecorder again(env, folder.path());
+  }
+  config.sim.max_convergence_time = 1.25;
+  Env other(config);
+  ExpectThrow<ArgumentError>([&] { EnvRecorder(other, folder.path()); },
+                             "1.25 now; choose another folder");
+}
+
+TEST(EnvRecorders, EpisodesAreRepeatedWithTheirOwnCodeOnly) {
+  const TempDir folder;
+  const std::string code = (folder / "mine.cc").string();
+  AtomicWrite(code, "return 1;");
+  RegisterFeature(
+      "recorded_feature", {.column = {.units = "m"}},
+      [](const Scene&, std::span<double> out) { out[0] = 1; }, true,
+      [code] { return std::vector<std::string>{code}; });
+  EnvConfig config = Rc7WithCube();
+  config.features.names = {"recorded_feature"};
+  Env env(config);
+  EnvRecorder recorder(env, folder / "out");
+  env.Reset();
+  env.Step(GoingTo({0.45, 0, 0.3}));
+  recorder.Close();
+  const Episode episode = Dataset(folder / "out").At(0);
+  EXPECT_TRUE(ReplayActions(*EnvOfEpisode(episode), episode).ok());
+  AtomicWrite(code, "return 5;");
+  ExpectThrow<SpecError>([&] { EnvOfEpisode(episode); }, "was recorded with other code than");
+  ExpectThrow<SpecError>([&] { ReplayActions(env, episode); }, "mine.cc");
+  ExpectThrow<ArgumentError>([&] { EnvRecorder(env, folder / "out"); },
+                             "mine.cc: not the recorded one; choose another folder");
 }
 
 TEST(EnvRecorders, TellWhichFoldersTheyDoNotTake) {

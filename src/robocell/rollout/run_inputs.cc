@@ -4,7 +4,6 @@
 #include <mujoco/mujoco.h>
 #include <yaml-cpp/yaml.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <set>
 #include <utility>
@@ -14,11 +13,11 @@
 #include "robocell/assets/scene_models.h"
 #include "robocell/base/file_set.h"
 #include "robocell/base/hash.h"
-#include "robocell/base/plugin.h"
 #include "robocell/base/version.h"
 #include "robocell/expert/expert_kind.h"
 #include "robocell/features/own_features.h"
 #include "robocell/rollout/plan.h"
+#include "robocell/rollout/user_code.h"
 #include "robocell/scenes/scene_source.h"
 #include "robocell/task/sampler_kind.h"
 #include "robocell/task/task_kind.h"
@@ -31,26 +30,16 @@ using Texts = std::map<std::string, std::string>;
 namespace fs = std::filesystem;
 
 // What defines the run's task, expert, scenes, sampler and features, when a user wrote them.
-std::vector<fs::path> CodeOf(const RunConfig& run, bool with_expert) {
-  std::vector<fs::path> files;
-  const auto add = [&](const std::vector<std::string>& more) {
-    for (const std::string& file : more) {
-      if (std::ranges::find(files, fs::path(file)) == files.end()) files.emplace_back(file);
-    }
-  };
-  const auto add_kind = [&](const auto& kind) {
-    add(kind->CodeFiles());
-    const std::string plugin = PluginOf(*kind);
-    if (!plugin.empty()) add({plugin});
-  };
+UserCode CodeOf(const RunConfig& run, bool with_expert) {
+  UserCode code;
   const std::shared_ptr<const TaskKind> task = FindTaskKind(run.task.kind());
-  add_kind(task);
+  code.AddKind(*task);
   const std::string expert = run.expert.empty() ? task->expert() : run.expert;
-  if (with_expert && !expert.empty()) add_kind(FindExpertKind(expert));
-  add(CodeOfFeatures(run.features.names));
-  add_kind(FindSceneSourceKind(run.scenes.kind()));
-  if (!run.sampler.empty()) add_kind(FindSamplerKind(run.sampler));
-  return files;
+  if (with_expert && !expert.empty()) code.AddKind(*FindExpertKind(expert));
+  code.Add(CodeOfFeatures(run.features.names));
+  code.AddKind(*FindSceneSourceKind(run.scenes.kind()));
+  if (!run.sampler.empty()) code.AddKind(*FindSamplerKind(run.sampler));
+  return code;
 }
 
 // Names begin with the folder of the model, so they are the same on every machine. Files that would
@@ -69,7 +58,8 @@ std::map<std::string, fs::path> FilesOf(const RunConfig& run) {
       add(inside.lexically_normal().generic_string(), file);
     }
   }
-  for (const fs::path& file : CodeOf(run, true)) add("code/" + file.filename().string(), file);
+  const UserCode code = CodeOf(run, true);
+  for (const fs::path& file : code.files()) add("code/" + file.filename().string(), file);
   return named;
 }
 
@@ -170,11 +160,7 @@ std::vector<std::string> CodeChanges(const RunInputs& then, const RunConfig& run
   for (const auto& [name, hash] : then.files) {
     if (name.starts_with("code/")) known.insert(hash);
   }
-  std::vector<std::string> changes;
-  for (const fs::path& file : CodeOf(run, false)) {
-    if (!known.contains(Sha256File(file))) changes.push_back(file.string());
-  }
-  return changes;
+  return CodeOf(run, false).Unknown(known);
 }
 
 std::vector<std::string> Differences(const RunInputs& then, const RunInputs& now) {

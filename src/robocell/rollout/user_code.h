@@ -1,0 +1,37 @@
+// UserCode: the files that define tasks, features and other kinds that a user wrote, sources and
+// plugins. Datasets remember their hashes, and nothing is repeated with other code.
+#pragma once
+
+#include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "robocell/base/plugin.h"
+#include "robocell/spec/env_config.h"
+
+namespace robocell {
+
+class UserCode {
+ public:
+  void Add(const std::vector<std::string>& files);
+  // A kind's files, and the plugin that registered it.
+  template <class Kind>
+  void AddKind(const Kind& kind) {
+    Add(kind.CodeFiles());
+    const std::string plugin = PluginOf(kind);
+    if (!plugin.empty()) Add({plugin});
+  }
+  // Each once, in the order in which they were added.
+  const std::vector<std::filesystem::path>& files() const { return files_; }
+  // Those whose content has none of these SHA-256.
+  std::vector<std::string> Unknown(const std::set<std::string>& hashes) const;
+
+ private:
+  std::vector<std::filesystem::path> files_;
+};
+
+// The code of an environment's task and of the features that it observes.
+UserCode CodeOf(const EnvConfig& config);
+
+}  // namespace robocell
