@@ -234,10 +234,13 @@ void BindSceneSources(nb::module_& m) {
       .def(
           "annotations",
           [](SceneSource& source, int index) -> std::optional<SceneAnnotations> {
-            return source.Derive(index);
+            // For a Python subclass this is the base's method: asking what it knows would call the
+            // method of the subclass, which may be calling this one.
+            if (dynamic_cast<PySceneSource*>(&source) != nullptr) return source.Derive(index);
+            return source.Annotations(index);
           },
-          "index"_a,
-          "Returns the annotations of a scene: derived from its geometry, unless a subclass knows "
+          "index"_a, nb::call_guard<nb::gil_scoped_release>(),
+          "Returns the annotations of a scene: derived from its geometry, unless the source knows "
           "more.");
   m.def("make_scene_source", &MakeSceneSource, "run"_a, "Returns the SceneSource of a run.");
   m.def(

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -16,15 +19,104 @@ EXAMPLE = ROOT / "examples" / "plugin"
 RC7 = ROOT / "models" / "robots" / "rc7" / "rc7.yaml"
 
 
+# A source that knows a room, in a plugin whose function throws afterwards when it is told to.
+LAB = """
+#include <robocell/robocell.h>
+#include <cstdlib>
+#include <stdexcept>
+struct LabConfig {
+  double height = 0.5;
+  static constexpr const char* kKind = "lab_of_plugin";
+  static constexpr const char* kTypeName = "LabConfig";
+  template <class V>
+  static void Fields(V&& v) { v("height", &LabConfig::height, "Metres."); }
+};
+class Lab : public robocell::SceneSource {
+ public:
+  explicit Lab(const LabConfig&) {}
+  std::optional<int> size() const override { return 1; }
+  robocell::SceneSpec Make(int) override { return {.base = "tabletop", .add_floor = true}; }
+  std::optional<robocell::SceneAnnotations> KnownAnnotations(int) override {
+    robocell::SceneAnnotations known;
+    known.rooms.push_back({.name = "kitchen"});
+    return known;
+  }
+};
+void RegisterLab() {
+  using Kind = robocell::SceneSourceKindOf<LabConfig, Lab>;
+  robocell::RegisterSceneSource<LabConfig>(std::make_shared<Kind>());
+  if (std::getenv("LAB_FAILS") != nullptr) throw std::runtime_error("second kind failed");
+}
+ROBOCELL_PLUGIN(RegisterLab)
+"""
+
+LOAD_LAB = """
+import sys
+import robocell as rc
+from robocell._core import load_plugin
+lab, example, output = sys.argv[1:]
+for _ in range(2):
+    try:
+        load_plugin(lab)
+    except Exception as error:
+        print(type(error).__name__, error)
+config = rc.RunConfig.load(example, ["scenes={source: lab_of_plugin}", f"output={output}"])
+print("rooms", [room.name for room in rc.scenes.make_scene_source(config).annotations(0).rooms])
+rc.generate.prepare_dataset(config, validate=False)
+"""
+
+
 @pytest.fixture(scope="module")
-def plugin(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def package(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The CMake package of an installed robocell."""
+    folder = tmp_path_factory.mktemp("robocell")
+    run("cmake", "--install", rc.cmake_dir(), "--prefix", folder)
+    return folder / "lib" / "cmake" / "robocell"
+
+
+def build(source: Path, folder: Path, package: Path) -> None:
+    run("cmake", "-G", "Ninja", "-S", source, "-B", folder, f"-Drobocell_DIR={package}")
+    run("cmake", "--build", folder)
+
+
+@pytest.fixture(scope="module")
+def plugin(package: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The example, built against an installed robocell."""
     folder = tmp_path_factory.mktemp("plugin")
-    run("cmake", "--install", rc.cmake_dir(), "--prefix", folder / "robocell")
-    package = folder / "robocell" / "lib" / "cmake" / "robocell"
-    run("cmake", "-G", "Ninja", "-S", EXAMPLE, "-B", folder / "build", f"-Drobocell_DIR={package}")
-    run("cmake", "--build", folder / "build")
+    build(EXAMPLE, folder, package)
+    return folder / "libstack.so"
+
+
+@pytest.fixture(scope="module")
+def lab(package: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("lab")
+    cmake = (EXAMPLE / "CMakeLists.txt").read_text()
+    (folder / "CMakeLists.txt").write_text(cmake)
+    (folder / "stack.cc").write_text(LAB)
+    build(folder, folder / "build", package)
     return folder / "build" / "libstack.so"
+
+
+def load_lab(lab: Path, output: Path, **environment: str) -> str:
+    """What LOAD_LAB prints, in a process of its own: kinds are never forgotten."""
+    words = (sys.executable, "-c", LOAD_LAB, lab, ROOT / "examples" / "demo.yaml", output)
+    done = subprocess.run(
+        words, env=os.environ | environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert "code/libstack.so" in json.loads((output / "dataset.json").read_text())["files"]
+    return done.stdout
+
+
+def test_what_a_source_in_a_library_knows_is_known_in_python(lab: Path, tmp_path: Path):
+    assert load_lab(lab, tmp_path / "out") == "rooms ['kitchen']\n"
+
+
+def test_a_library_that_fails_halfway_stays_known(lab: Path, tmp_path: Path):
+    first, second, rooms = load_lab(lab, tmp_path / "out", LAB_FAILS="1").splitlines()
+    assert first == "RuntimeError second kind failed"
+    assert "its registration failed before: second kind failed; start a new process" in second
+    assert rooms == "rooms ['kitchen']"
 
 
 @pytest.fixture

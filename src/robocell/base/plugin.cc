@@ -3,9 +3,11 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
+#include <exception>
 #include <filesystem>
+#include <map>
 #include <mutex>
-#include <set>
+#include <utility>
 
 #include "robocell/base/error.h"
 
@@ -14,9 +16,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// A plugin whose function threw keeps its file here, since the kinds that it registered before stay
+// known and their code belongs into hashes.
+struct PluginState {
+  bool failed = false;  // its registration threw
+  std::string failure;  // its text
+};
+
 struct LoadedPlugins {
-  std::mutex mutex;
-  std::set<std::string> files;
+  // One thread at a time loads; a plugin's function may load another plugin.
+  std::recursive_mutex loading;
+  std::mutex mutex;  // of `files`
+  std::map<std::string, PluginState> files;
 };
 
 LoadedPlugins& Loaded() {
@@ -32,6 +43,34 @@ Function* FunctionOf(void* library, const char* name) {
 
 thread_local std::string being_loaded;
 
+// Names the plugin that registers on this thread, and the outer one again afterwards.
+class BeingLoaded {
+ public:
+  explicit BeingLoaded(const std::string& file) : outer_(std::exchange(being_loaded, file)) {}
+  ~BeingLoaded() { being_loaded = std::move(outer_); }
+  BeingLoaded(const BeingLoaded&) = delete;
+  BeingLoaded& operator=(const BeingLoaded&) = delete;
+
+ private:
+  std::string outer_;
+};
+
+void SetState(const std::string& file, PluginState state) {
+  const std::lock_guard lock(Loaded().mutex);
+  Loaded().files[file] = std::move(state);
+}
+
+// Whether the file needs no loading any more. ArgumentError when its registration failed.
+bool IsKnown(const std::string& file) {
+  const std::lock_guard lock(Loaded().mutex);
+  const auto found = Loaded().files.find(file);
+  if (found == Loaded().files.end()) return false;
+  if (!found->second.failed) return true;
+  throw ArgumentError(fmt::format(
+      "cannot load plugin '{}': its registration failed before: {}; start a new process", file,
+      found->second.failure));
+}
+
 }  // namespace
 
 const std::string& PluginBeingLoaded() { return being_loaded; }
@@ -40,10 +79,8 @@ std::string LoadPlugin(const std::string& path) {
   std::error_code error;
   const std::string file = fs::canonical(path, error).string();
   if (error) throw IoError(fmt::format("cannot load plugin '{}': {}", path, error.message()));
-  {
-    const std::lock_guard lock(Loaded().mutex);
-    if (Loaded().files.contains(file)) return file;
-  }
+  const std::lock_guard loading(Loaded().loading);
+  if (IsKnown(file)) return file;
   void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr)
     throw IoError(fmt::format("cannot load plugin '{}': {}", path, dlerror()));
@@ -63,20 +100,17 @@ std::string LoadPlugin(const std::string& path) {
                     "it again",
                     path, built_for, Version()));
   }
-  {
-    // Before it registers: kinds are asked where they come from as soon as they are known. The
-    // library stays, since kinds are never forgotten.
-    const std::lock_guard lock(Loaded().mutex);
-    Loaded().files.insert(file);
-  }
-  being_loaded = file;
+  // Before it registers: kinds are asked where they come from as soon as they are known. The
+  // library stays, since kinds are never forgotten.
+  SetState(file, {});
   try {
+    const BeingLoaded scope(file);
     registers();
-    being_loaded.clear();
+  } catch (const std::exception& failure) {
+    SetState(file, {.failed = true, .failure = failure.what()});
+    throw;
   } catch (...) {
-    being_loaded.clear();
-    const std::lock_guard lock(Loaded().mutex);
-    Loaded().files.erase(file);
+    SetState(file, {.failed = true, .failure = "it threw no std::exception"});
     throw;
   }
   return file;
