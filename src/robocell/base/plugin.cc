@@ -106,12 +106,15 @@ std::string LoadPlugin(const std::string& path) {
   try {
     const BeingLoaded scope(file);
     registers();
-  } catch (const std::exception& failure) {
+  } catch (const Error& failure) {
     SetState(file, {.failed = true, .failure = failure.what()});
     throw;
+  } catch (const std::exception& failure) {
+    SetState(file, {.failed = true, .failure = failure.what()});
+    throw Error(fmt::format("plugin '{}' failed to register: {}", path, failure.what()));
   } catch (...) {
     SetState(file, {.failed = true, .failure = "it threw no std::exception"});
-    throw;
+    throw Error(fmt::format("plugin '{}' failed to register: it threw no std::exception", path));
   }
   return file;
 }

@@ -1,8 +1,10 @@
 #include "robocell/data/episode_writer.h"
 
+#include <unistd.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -43,7 +45,7 @@ bool IsEpisodeId(std::string_view id) { return ValidFileName(id) && !id.starts_w
 struct EpisodeWriter::Impl {
   fs::path dataset;
   fs::path final;
-  std::optional<WorkFolder> work;
+  std::unique_ptr<WorkFolder> work;
   std::string id;
   std::string name;  // for messages
   std::string started = internal::UtcNow();
@@ -57,9 +59,19 @@ struct EpisodeWriter::Impl {
   Json models = Json::object();
   std::vector<FileSet> model_files;  // of these
   State state = State::kOpen;
+  pid_t owner = getpid();
   std::string failure;
 
-  ~Impl() { Remove(); }
+  ~Impl() { getpid() == owner ? Remove() : Abandon(); }
+
+  // In a fork of the process that began the episode: files and folders are the other's, which goes on
+  // writing. Closing them here would write and remove.
+  void Abandon() noexcept {
+    (void)steps.release();
+    (void)work.release();
+    for (CameraFiles& files : videos) (void)new CameraFiles(std::move(files));
+    videos.clear();
+  }
 
   void Remove() noexcept {
     steps.reset();
@@ -71,6 +83,12 @@ struct EpisodeWriter::Impl {
   template <typename Action>
   void Do(const char* call, Action action) {
     if (state == State::kFailed) throw IoError(failure);
+    if (getpid() != owner) {
+      throw ClosedError(fmt::format(
+          "{}: {} in a fork of process {}, which began it and goes on writing; begin an "
+          "episode after the fork",
+          name, call, owner));
+    }
     if (state != State::kOpen) {
       throw ClosedError(fmt::format("{}: {} after it was {}", name, call,
                                     state == State::kCommitted ? "committed" : "aborted"));
@@ -123,7 +141,7 @@ struct EpisodeWriter::Impl {
 };
 
 void EpisodeWriter::Impl::Open(const EpisodeOptions& options) {
-  work.emplace(dataset, id);
+  work = std::make_unique<WorkFolder>(dataset, id);
   steps = std::make_unique<StepsFile>(work->path() / kStepsFile, name, schema);
   for (const CameraEntry& camera : schema.cameras()) {
     const CameraStream& stream = camera.stream;

@@ -290,10 +290,22 @@ void File::Fail(const std::string& what) const {
   throw IoError(fmt::format("'{}': cannot {}: {}", path_, what, Reason()));
 }
 
+namespace {
+
+// HDF5's own locks are left out: a child process that inherits the descriptor would hold them longer than
+// this file is open, and a dataset has locks of its own (dataset_lock.h).
+Id FileAccess() {
+  Id access = Own(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_file_locking(access.get(), false, true);
+  return access;
+}
+
+}  // namespace
+
 File File::Create(const std::filesystem::path& path) {
   const Lock lock;
   const Id creation = NoTimes(H5P_FILE_CREATE);
-  const Id access = Own(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  const Id access = FileAccess();
   H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG);
   File file(Own(H5Fcreate(path.c_str(), H5F_ACC_EXCL, creation.get(), access.get()), H5Fclose),
             path.string());
@@ -303,7 +315,8 @@ File File::Create(const std::filesystem::path& path) {
 
 File File::OpenReadOnly(const std::filesystem::path& path) {
   const Lock lock;
-  File file(Own(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose), path.string());
+  const Id access = FileAccess();
+  File file(Own(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose), path.string());
   if (Bad(file.id_)) file.Fail("open it");
   return file;
 }

@@ -124,11 +124,14 @@ SceneSpec MakeBaseScene(const RunConfig& run, int index) {
 
 std::vector<int> SceneIndices(const RunConfig& run) {
   if (!run.scenes.houses.empty()) return run.scenes.houses.values;
-  std::vector<int> all(static_cast<size_t>(MakeSceneSource(run)->size().value_or(1)));
+  const auto count = MakeSceneSource(run)->size().value_or(1);
+  if (count <= 0) {
+    throw SpecError(
+        fmt::format("run '{}': scenes: source '{}' has no scenes", run.run, run.scenes.kind()));
+  }
+  std::vector<int> all(static_cast<size_t>(count));
   std::iota(all.begin(), all.end(), 0);
-  if (!all.empty()) return all;
-  throw SpecError(
-      fmt::format("run '{}': scenes: source '{}' has no scenes", run.run, run.scenes.kind()));
+  return all;
 }
 
 void ValidateHouses(const RunConfig& run, Problems& problems) {

@@ -126,6 +126,7 @@ class KindSpec {
   KindSpec(const KindSpec& other)
       : registry_(other.registry_), kind_(other.kind_), fields_(other.fields_->Clone()) {}
   KindSpec& operator=(const KindSpec& other) {
+    if (this == &other) return *this;
     kind_ = other.kind_;
     fields_ = other.fields_->Clone();
     return *this;
