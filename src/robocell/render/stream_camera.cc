@@ -19,6 +19,11 @@ std::string AsWritten(const Scene& scene, const std::string& camera) {
   return camera;
 }
 
+// Where errors place a stream; "" for a camera that no stream names.
+std::string PlaceOf(const CameraConfig& stream) {
+  return stream.name.empty() ? "" : "stream '" + stream.name + "'";
+}
+
 }  // namespace
 
 std::string FindCameraName(const Scene& scene, const CameraConfig& stream) {
@@ -34,16 +39,16 @@ std::string FindCameraName(const Scene& scene, const CameraConfig& stream) {
   if (of_robots.size() == 1) return of_robots.front();
   if (!of_robots.empty()) {
     throw ArgumentError(fmt::format(
-        "stream '{}': camera '{}' is one of {}; write the full name of the one that is meant",
-        stream.name, stream.camera, ListNames(of_robots)));
+        "{}camera '{}' is one of {}; write the full name of the one that is meant",
+        stream.name.empty() ? "" : PlaceOf(stream) + ": ", stream.camera, ListNames(of_robots)));
   }
   for (std::string& camera : cameras) camera = AsWritten(scene, camera);
-  throw NotFoundError(NoSuchName("stream '" + stream.name + "'", "camera", stream.camera, cameras));
+  throw NotFoundError(NoSuchName(PlaceOf(stream), "camera", stream.camera, cameras));
 }
 
 CameraView ViewOfStream(const Scene& scene, const CameraConfig& stream) {
   const mjModel* m = scene.model();
-  const std::string place = "stream '" + stream.name + "'";
+  const std::string place = PlaceOf(stream);
   if (!stream.follow.empty())
     return TrackingCamera{.body = RequireId(m, mjOBJ_BODY, stream.follow, place)};
   if (stream.camera == "Free" && FindId(m, mjOBJ_CAMERA, stream.camera) < 0) return InitialView(m);

@@ -22,6 +22,7 @@
 #include "robocell/spec/validate.h"
 #include "robocell/task/sampler_kind.h"
 #include "robocell/task/task_kind.h"
+#include "robocell/task/visible_from.h"
 
 namespace robocell {
 namespace {
@@ -147,7 +148,7 @@ class SceneValidator {
     }
     for (const std::string& camera : run_.start.visible_from) {
       Try("start.visible_from",
-          [&] { ViewOfStream(scene, {.name = "start.visible_from", .camera = camera}); });
+          [&] { ViewOfStream(scene, internal::StreamToSee(run_.cameras, camera)); });
     }
   }
 

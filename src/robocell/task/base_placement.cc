@@ -12,6 +12,7 @@
 #include "robocell/motion/robot_outline.h"
 #include "robocell/render/stream_camera.h"
 #include "robocell/scenes/visibility.h"
+#include "robocell/task/visible_from.h"
 
 namespace robocell {
 namespace {
@@ -97,10 +98,11 @@ std::optional<Refusal> ValidateBaseClearance(const Scene& scene, const Robot& ro
 
 std::optional<Refusal> ValidateVisibility(const Scene& scene, const std::string& target_body,
                                           const RunConfig& run) {
-  const auto& [width, height] = run.cameras.resolution;
   for (const std::string& camera : run.start.visible_from) {
-    const CameraView view = ViewOfStream(scene, {.name = "start.visible_from", .camera = camera});
-    const CameraModel model = ComputeCamera(scene.model(), scene.data(), view, width, height);
+    const CameraConfig stream = internal::StreamToSee(run.cameras, camera);
+    const CameraModel model =
+        ComputeCamera(scene.model(), scene.data(), ViewOfStream(scene, stream),
+                      run.cameras.width(stream), run.cameras.height(stream));
     const double share = VisibleShare(scene, target_body, model);
     if (share >= run.start.visible_share && share > 0) continue;
     return Refusal{Refusal::kCameraConstraint,

@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <regex>
+#include <string>
 #include <vector>
 
 #include "robocell/base/error.h"
+#include "robocell/testing/expect_throw.h"
 #include "robocell/testing/pick_scene.h"
 
 namespace robocell {
@@ -54,6 +57,35 @@ TEST(BasePlacement, EachConditionRefusesForItsReason) {
   EXPECT_FALSE(ValidateVisibility(made.scene, made.target_body, made.run));
   made.run.start.visible_from = {"exo_camra"};
   EXPECT_THROW(ValidateVisibility(made.scene, made.target_body, made.run), NotFoundError);
+}
+
+TEST(BasePlacement, VisibilityIsJudgedInTheImageOfTheStream) {
+  PickScene made = MakePickScene(ObjectOnTheTable("box"));
+  made.scene.Forward();
+  made.run.start.visible_share = 2;  // always refused, with the share that is seen
+  made.run.start.visible_from = {"exo_camera"};
+  const auto seen = [&] {
+    return ValidateVisibility(made.scene, made.target_body, made.run)->detail;
+  };
+  made.run.cameras.streams = {};
+  made.run.cameras.resolution = {640, 480};
+  const std::string wide = seen();
+  made.run.cameras.resolution = {4, 400};
+  const std::string slit = seen();
+  ASSERT_NE(slit, wide);
+  made.run.cameras.streams = {{.name = "exo", .camera = "exo_camera", .width = 640, .height = 480}};
+  EXPECT_EQ(seen(), wide);
+  made.run.start.visible_from = {"exo"};
+  EXPECT_EQ(seen(), std::regex_replace(wide, std::regex("exo_camera"), "exo"));
+}
+
+TEST(BasePlacement, AnUnknownCameraIsNoStream) {
+  PickScene made = MakePickScene(ObjectOnTheTable("box"));
+  made.run.start.visible_from = {"exo_camra"};
+  const std::string text = ExpectThrow<NotFoundError>(
+      [&] { ValidateVisibility(made.scene, made.target_body, made.run); },
+      "Did you mean 'exo_camera'?");
+  EXPECT_EQ(text.find("stream"), std::string::npos) << text;
 }
 
 TEST(BasePlacement, AProposedBaseFacesTheTargetAtItsDistance) {
