@@ -173,6 +173,10 @@ def test_what_cannot_be_recorded_is_told(tmp_path: Path):
             vector, tmp_path, copy=2
         ),
         "'a/b' cannot begin the ids": lambda: EnvRecorder(env, tmp_path, prefix="a/b"),
+        "metadata cannot be kept with episodes": lambda: EnvRecorder(
+            env, tmp_path, metadata={"weight": float("nan")}
+        ),
+        "metadata cannot be kept with": lambda: EnvRecorder(env, tmp_path, metadata={"by": env}),
     }.items():
         with pytest.raises(rc.ArgumentError, match=told):
             record()

@@ -37,7 +37,8 @@ class EnvRecorder:
         copy: Which copy of a batch or vector, from 0.
 
     Raises:
-        ArgumentError: The folder is no dataset, or is that of a run; `env` cannot be recorded.
+        ArgumentError: The folder is no dataset, is that of a run, or has episodes of another
+            environment; `env` cannot be recorded; JSON cannot say `metadata`.
         IoError: The disk fails, also out of `env.step` and `env.reset`: then the episode is gone
             and recording goes on with the next reset. Another recorder has the prefix.
 
@@ -56,7 +57,13 @@ class EnvRecorder:
         copy: int | None = None,
     ) -> None:
         core = _core_of(env)
-        text = json.dumps(dict(metadata or {}))
+        try:
+            text = json.dumps(dict(metadata or {}), allow_nan=False)
+        except (TypeError, ValueError) as error:
+            raise ArgumentError(
+                f"metadata cannot be kept with episodes, as JSON: {error}; it takes texts, finite "
+                "numbers, booleans, None, and lists and dictionaries of those"
+            ) from error
         folder = Path(dataset)
         if isinstance(core, Env):
             if copy is not None:
