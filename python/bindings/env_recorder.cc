@@ -44,6 +44,17 @@ class PythonRecorder {
     Do("recorded",
        [&] { recorder_ = std::make_unique<EnvRecorder>(env_, dataset, std::move(options)); });
   }
+  // A step on another thread, or the step of this one whose task lets go of the recorder, goes on
+  // with it: then the recorder is freed when that step has ended.
+  ~PythonRecorder() {
+    if (!recorder_) return;
+    const void* used = batch_ ? static_cast<const void*>(batch_) : &env_;
+    WhenIdle(used, [last = std::shared_ptr<EnvRecorder>(std::move(recorder_))]() mutable {
+      last.reset();
+    });
+  }
+  PythonRecorder(const PythonRecorder&) = delete;
+  PythonRecorder& operator=(const PythonRecorder&) = delete;
   EnvRecorder* operator->() { return recorder_.get(); }
 
  private:
@@ -101,6 +112,8 @@ void BindRecorder(nb::module_& m) {
 
 void BindEnvRecorder(nb::module_& m) {
   BindRecorder(m);
+  m.def("_recorded_features", &RecordedFeatures, "env"_a,
+        "The features of an environment's cell that its episodes record.");
   m.def(
       "env_of_episode",
       [](const Episode& episode, bool images) {
@@ -111,7 +124,8 @@ void BindEnvRecorder(nb::module_& m) {
       "episode"_a, "images"_a = false, nb::rv_policy::take_ownership,
       "Makes the environment that an episode was recorded in, from the dataset alone; without "
       "`images` it has no streams.\n\nRaises ArgumentError for episodes that no environment "
-      "recorded, and NotFoundError for a task that is not registered: import its module first.");
+      "recorded, SpecError when the code of its task or features differs from the recorded one, "
+      "and NotFoundError for a task that is not registered: import its module first.");
   m.def(
       "replay_actions",
       [](Env& env, const Episode& episode, const std::string& frame, double tolerance) {
@@ -125,7 +139,8 @@ void BindEnvRecorder(nb::module_& m) {
       "Returns to the start of an episode and repeats its actions, until an observation or a "
       "reward differs from the record by more than `tolerance` (0: to the bit).\n\n`frame` as in "
       "Env.set_state: 'root' for a root frame that stands elsewhere, which needs a tolerance. "
-      "Raises ArgumentError for an episode of another configuration. Ctrl-C ends it.");
+      "Raises ArgumentError for an episode of another configuration, and SpecError for one of "
+      "other code. Ctrl-C ends it.");
 }
 
 }  // namespace robocell::python

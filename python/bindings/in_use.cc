@@ -4,6 +4,8 @@
 
 #include <mutex>
 #include <unordered_map>
+#include <utility>
+#include <vector>
 
 #include "robocell/base/error.h"
 
@@ -13,6 +15,7 @@ namespace {
 struct Uses {
   std::mutex mutex;
   std::unordered_map<const void*, Use> of;
+  std::unordered_map<const void*, std::vector<std::function<void()>>> when_idle;
 };
 
 // They live as long as the module.
@@ -32,8 +35,30 @@ std::optional<Use> Claim(const void* object, const char* done) {
 
 void Release(const void* object) {
   Uses& uses = AllUses();
-  const std::lock_guard lock(uses.mutex);
-  uses.of.erase(object);
+  for (;;) {
+    std::vector<std::function<void()>> waiting;
+    {
+      const std::lock_guard lock(uses.mutex);
+      const auto found = uses.when_idle.find(object);
+      if (found == uses.when_idle.end()) {
+        uses.of.erase(object);
+        return;
+      }
+      waiting = std::move(found->second);
+      uses.when_idle.erase(found);
+    }
+    for (const std::function<void()>& f : waiting) f();  // the object is still claimed
+  }
+}
+
+void WhenIdle(const void* object, std::function<void()> f) {
+  Uses& uses = AllUses();
+  {
+    const std::lock_guard lock(uses.mutex);
+    uses.when_idle[object].push_back(std::move(f));
+    if (!uses.of.try_emplace(object, Use{std::this_thread::get_id(), "let go"}).second) return;
+  }
+  Release(object);
 }
 
 std::optional<Use> UseByOthers(const void* object) {

@@ -6,6 +6,7 @@
 //   ... RequireIdle(env, &Place);             // in all other functions
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <thread>
@@ -22,6 +23,9 @@ struct Use {
 // Claims an object, unless somebody uses it: who that is.
 std::optional<Use> Claim(const void* object, const char* done);
 void Release(const void* object);
+// Calls f while nobody else uses the object: now, or at the end of the call that uses it, on that
+// call's thread. Needs Python's lock.
+void WhenIdle(const void* object, std::function<void()> f);
 // The thread that uses it, if that is another one.
 std::optional<Use> UseByOthers(const void* object);
 // Error "<thing> is being <done> by another thread".

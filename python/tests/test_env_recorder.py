@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import signal
 import subprocess
@@ -247,3 +248,180 @@ def test_a_full_disk_costs_the_episode_and_says_so(tmp_path: Path):
     assert recorder.episodes == ["episode-000000"]
     assert rc.Dataset(folder).ids == ["episode-000000"]
     env.close()
+
+
+DROPPED_IN_A_STEP = """
+import sys, threading
+import robocell as rc
+from robocell.data import EnvRecorder
+from robocell.gym import pick_cube_config
+
+env = rc.Env(pick_cube_config(relative_to="last_step"))
+action = {"robot": {"tquat": [0, 0, -0.002, 0, 0, 0, 1], "gripper": 1}}
+for i in range(40):
+    recorder = EnvRecorder(env, sys.argv[1])
+    env.reset(seed=1)
+    steps = threading.Thread(target=lambda: [env.step(action) for _ in range(5)])
+    steps.start()
+    threading.Event().wait(0.0005 * (i % 10))
+    del recorder
+    steps.join()
+with EnvRecorder(env, sys.argv[1]) as recorder:
+    env.reset(seed=1)
+    env.step(action)
+assert recorder.episodes == ["episode-000000"]
+"""
+
+
+def test_a_recorder_may_be_dropped_while_another_thread_steps(tmp_path: Path):
+    subprocess.run([sys.executable, "-c", DROPPED_IN_A_STEP, str(tmp_path)], check=True)
+
+
+def test_a_recorder_may_be_dropped_by_the_task_that_it_records(tmp_path: Path):
+    held: list[EnvRecorder] = []
+
+    @rc.tasks.register_task("recorder_dropper")
+    class Dropper(rc.tasks.Task):
+        def judge(self, scene):
+            held.clear()
+            return rc.tasks.TaskVerdict(reward=0.0)
+
+        def instruction(self):
+            return "let go"
+
+    env = rc.Env(config(task={"kind": "recorder_dropper"}))
+    env.reset(seed=1)
+    held.append(EnvRecorder(env, tmp_path))
+    env.step(DOWN)
+    env.step(DOWN)
+    assert not held
+    with EnvRecorder(env, tmp_path) as recorder:  # the other one has let go of the folder
+        env.step(DOWN)
+    assert recorder.episodes == ["episode-000000"]
+    env.close()
+
+
+def test_an_environment_of_the_dataset_observes_each_of_its_columns(tmp_path: Path):
+    @rc.tasks.register_task("gap_task")
+    class Gap(rc.tasks.Task):
+        def judge(self, scene):
+            return rc.tasks.TaskVerdict(reward=0.0)
+
+        def instruction(self):
+            return "close the gap"
+
+        def signals(self):
+            return {"gap": ([0.0], [2.0])}
+
+        def observe(self, scene):
+            return {"gap": [1.5]}
+
+    @rc.features.register_feature("recorded_time", unit="s")
+    def recorded_time(scene):
+        return [scene.time()]
+
+    env = rc.Env(config(task={"kind": "gap_task"}, features=["recorded_time"]))
+    with EnvRecorder(env, tmp_path):
+        env.reset(seed=1)
+        env.step(DOWN)
+    env.close()
+    again = rc.envs.from_dataset(tmp_path, observations=["task/gap", "features/recorded_time"])
+    observation, _ = again.reset(seed=0)
+    assert observation["task/gap"] == pytest.approx(1.5)
+    again.close()
+
+
+def test_other_code_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    source = tmp_path / "edited_task.py"
+    source.write_text(
+        textwrap.dedent(
+            """
+            import robocell as rc
+
+            @rc.tasks.register_task("edited_task")
+            class Edited(rc.tasks.Task):
+                def judge(self, scene):
+                    return rc.tasks.TaskVerdict(reward=1.0)
+
+                def instruction(self):
+                    return "wait"
+            """
+        )
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+    importlib.import_module("edited_task")
+    folder = tmp_path / "out"
+    env = rc.Env(config(task={"kind": "edited_task"}))
+    with EnvRecorder(env, folder):
+        env.reset(seed=1)
+        env.step(DOWN)
+    (episode,) = rc.Dataset(folder)
+    assert replay_actions(env_of_episode(episode), episode).ok
+    source.write_text(source.read_text().replace("1.0", "5.0"))
+    with pytest.raises(rc.SpecError, match=r"recorded with other code than .*edited_task\.py"):
+        env_of_episode(episode)
+    with pytest.raises(rc.SpecError, match=r"edited_task\.py"):
+        replay_actions(env, episode)
+    with pytest.raises(rc.SpecError, match=r"edited_task\.py"):
+        rc.envs.from_dataset(folder)
+    with pytest.raises(rc.ArgumentError, match=r"edited_task\.py: not the recorded one"):
+        EnvRecorder(env, folder, prefix="more")
+    env.close()
+
+
+def test_a_dataset_is_of_one_environment(tmp_path: Path):
+    env = rc.Env(config())
+    with EnvRecorder(env, tmp_path):
+        env.reset(seed=1)
+        env.step(DOWN)
+    env.close()
+    other = rc.Env(config(sim={"frequency": 7}))
+    with pytest.raises(
+        rc.ArgumentError, match=r"sim\.frequency: 20 then, 7 now;.* choose another folder"
+    ):
+        EnvRecorder(other, tmp_path, prefix="other")
+    other.close()
+    again = env_of_episode(rc.Dataset(tmp_path)[0])
+    with EnvRecorder(again, tmp_path) as recorder:
+        again.reset(seed=2)
+        again.step(DOWN)
+    assert recorder.episodes == ["episode-000001"]
+    again.close()
+
+
+# The child inherits every open file, and ends after the parent has saved.
+FORKED = """
+import os, sys, time
+import robocell as rc
+from robocell.data import EnvRecorder
+from robocell.gym import pick_cube_config
+
+still = {"robot": {"tquat": [0, 0, 0, 0, 0, 0, 1], "gripper": 1}}
+env = rc.Env(pick_cube_config(relative_to="last_step"))
+recorder = EnvRecorder(env, sys.argv[1])
+env.reset(seed=1)
+env.step(still)
+if os.fork() == 0:
+    try:
+        recorder.save()
+    except rc.Error as error:
+        print(error, flush=True)
+    del recorder
+    time.sleep(1)
+    os._exit(0)
+env.step(still)
+time.sleep(0.5)
+recorder.save(success=True)
+recorder.close()
+os.wait()
+"""
+
+
+def test_a_fork_leaves_the_episode_of_its_parent_alone(tmp_path: Path):
+    out = tmp_path / "out"
+    ended = subprocess.run(
+        [sys.executable, "-c", FORKED, str(out)], capture_output=True, text=True, check=True
+    )
+    assert "in a fork of process" in ended.stdout
+    assert rc.data.verify(out).good == ["episode-000000"]
+    assert len(rc.Dataset(out)[0]["reward"]) == 2

@@ -10,10 +10,10 @@ import numpy as np
 from robocell._core import (
     ArgumentError,
     CameraSystemConfig,
-    CellFeatures,
     Dataset,
     Env,
     Feature,
+    _recorded_features,
     env_of_episode,
 )
 
@@ -29,7 +29,7 @@ class RecordedEnv:
 
     def __init__(self, dataset: Dataset, images: bool) -> None:
         self.env: Env = env_of_episode(dataset[0], images)
-        self._cell = CellFeatures(self.env.scene)
+        self._cell = _recorded_features(self.env)
         self._observation: dict[str, Any] = {}
         self.object_kinds: list[str] = []
 

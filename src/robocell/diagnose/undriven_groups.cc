@@ -13,6 +13,7 @@
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/robot/idle_actuators.h"
+#include "robocell/scene/actuator_kind.h"
 
 namespace robocell {
 namespace {

@@ -80,7 +80,8 @@ void ClearMap(const SoftView& view, SoftShadowMap* map) {
   std::fill_n(empty.at, kSoftPixels, background);
   for (int y = 0; y < map->tile_rows; ++y) {
     for (int x = 0; x < map->tile_columns; ++x) {
-      uint8_t& drawn = map->drawn[static_cast<size_t>(y * map->tile_columns + x)];
+      uint8_t& drawn = map->drawn[static_cast<size_t>(y) * static_cast<size_t>(map->tile_columns) +
+                                  static_cast<size_t>(x)];
       if (!drawn) continue;
       drawn = 0;
       const int begin = kSoftTile * x, end = std::min(buffer.columns, begin + kSoftTile);
@@ -129,7 +130,8 @@ void MarkTiles(const SoftView& view, const SoftInstance& instance, SoftShadowMap
   }
   for (int y = begin[1]; y <= end[1]; ++y) {
     for (int x = begin[0]; x <= end[0]; ++x) {
-      map->drawn[static_cast<size_t>(y * map->tile_columns + x)] = 1;
+      map->drawn[static_cast<size_t>(y) * static_cast<size_t>(map->tile_columns) +
+                 static_cast<size_t>(x)] = 1;
     }
   }
 }
