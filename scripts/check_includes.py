@@ -57,7 +57,15 @@ INTERNAL = (
 # Of tasks and experts, what knows no concrete one: `rollout` and what stands above it know them by
 # their registries only.
 BY_REGISTRY = {
-    "task": {"task", "task_kind", "task_features", "sampler_kind", "refusal", "base_placement"},
+    "task": {
+        "task",
+        "task_kind",
+        "visible_from",
+        "task_features",
+        "sampler_kind",
+        "refusal",
+        "base_placement",
+    },
     "expert": {"expert_kind"},
 }
 KNOW_NO_TASK = ("rollout", "diagnose", "viewer")

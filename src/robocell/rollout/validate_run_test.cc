@@ -186,7 +186,8 @@ TEST(ValidateRun, DistancesOutOfReachAreToldWithTheReach) {
   ExpectThrow<SpecError>([&] { ValidateRun(run); }, "] m goes beyond " + text.substr(at, 5));
   run = Demo();
   run.start.base_height_offset = -25;
-  ExpectThrow<SpecError>([&] { ValidateRun(run); }, "start.base_height_offset: -25 m puts the base");
+  ExpectThrow<SpecError>([&] { ValidateRun(run); },
+                         "start.base_height_offset: -25 m puts the base");
 }
 
 TEST(ValidateRun, ALiftThatNoArmHasIsRefused) {
