@@ -42,8 +42,8 @@ class EnvRecorder:
         IoError: The disk fails, also out of `env.step` and `env.reset`: then the episode is gone
             and recording goes on with the next reset. Another recorder has the prefix.
 
-    An exception that leaves the block drops the episode that was not saved. After a crash, too,
-    there is no trace of it.
+    An exception that leaves the block drops the episode that was not saved. A crash
+    leaves a hidden folder, which no reader sees and `robocell verify --repair` sets aside.
     """
 
     def __init__(

@@ -104,6 +104,12 @@ std::vector<double> RowsOf(const Episode& episode, const FeatureSchema& features
   for (const Feature& feature : features.features()) {
     const std::vector<double> column = episode.Read<double>(feature.column.name);
     const auto size = static_cast<size_t>(feature.size());
+    if (column.size() != rows * size) {
+      throw IoError(fmt::format(
+          "{}: column '{}' has {} numbers where {} rows of {} need {}; "
+          "`robocell verify` looks at all of it",
+          PlaceOfEpisode(episode), feature.column.name, column.size(), rows, size, rows * size));
+    }
     for (size_t row = 0; row < rows; ++row)
       std::copy_n(column.begin() + static_cast<std::ptrdiff_t>(row * size), size,
                   all.begin() + static_cast<std::ptrdiff_t>(row * width + begin));
