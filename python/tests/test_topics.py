@@ -1,6 +1,8 @@
 """Everyday names are at the top, everything is in a topic, and a miss shows the way."""
 
+import ast
 import importlib
+import importlib.util
 import inspect
 import subprocess
 import sys
@@ -120,5 +122,7 @@ def test_a_class_of_an_extra_is_where_the_message_says(name):
     module = _elsewhere.OF_EXTRAS[name]
     with pytest.raises(AttributeError, match=rf"import: {module}\.{name}"):
         getattr(rc, name)
-    pytest.importorskip({"robocell.sb3": "stable_baselines3"}.get(module, "gymnasium"))
-    assert hasattr(importlib.import_module(module), name)
+    # The extra need not be installed: what a module defines is read from its source.
+    source = Path(importlib.util.find_spec(module).origin).read_text()
+    classes = [node.name for node in ast.parse(source).body if isinstance(node, ast.ClassDef)]
+    assert name in classes
