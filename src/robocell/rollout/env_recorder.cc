@@ -19,6 +19,7 @@
 #include "robocell/data/dataset_folder.h"
 #include "robocell/data/dataset_lock.h"
 #include "robocell/data/episode_files.h"
+#include "robocell/data/leftovers.h"
 #include "robocell/features/chosen_features.h"
 #include "robocell/rollout/engine_record.h"
 #include "robocell/rollout/env_of_episode.h"
@@ -414,6 +415,7 @@ struct EnvRecorder::State : public EnvObserver {
     if (options.images) RequireColour(env->config());
     PrepareFolder(dataset, *env);
     lock = DatasetLock::Numbering(dataset, options.prefix);
+    RemoveLeftoversOfNumbering(dataset, options.prefix);
     next = NextNumber(dataset, options.prefix);
     env->AddObserver(this);
   }
