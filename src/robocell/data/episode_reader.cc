@@ -171,6 +171,8 @@ struct Episode::Impl {
                               "versions", "run"}) {
         json.at(key);  // asked for later, without a check
       }
+      for (const auto& [name, table] : json["tables"].items())
+        JsonCount<int64_t>(table.at("rows"));
       if (json.contains("features")) features = FeatureSchema::FromJson(json["features"].dump());
       RequireFiles();
       RequireModels();

@@ -15,6 +15,7 @@
 #include "robocell/base/paths.h"
 #include "robocell/data/model_store.h"
 #include "robocell/rollout/engine_record.h"
+#include "robocell/rollout/episode_reading.h"
 #include "robocell/spec/yaml.h"
 
 namespace robocell {
@@ -124,22 +125,25 @@ PortableScene MakePortable(const SceneSpec& scene) {
 }
 
 SceneSpec RecordedScene(const Episode& episode) {
-  const auto metadata = nlohmann::json::parse(episode.metadata_json());
-  if (!metadata.contains("scene_spec") || !metadata["scene_spec"].is_string()) {
+  const EpisodeJson metadata = EpisodeJson::Metadata(episode);
+  const auto spec = metadata.Find("scene_spec");
+  if (!spec) {
     throw ArgumentError(fmt::format(
         "episode '{}': its metadata has no scene_spec; episodes that robocell generated "
         "have one",
         episode.folder().string()));
   }
-  if (metadata.contains("environment") && metadata["environment"].value("saved_scene", false)) {
+  const auto environment = metadata.Find("environment");
+  const auto saved = environment ? environment->Find("saved_scene") : std::nullopt;
+  if (saved && saved->AsBool()) {
     throw ArgumentError(fmt::format(
         "episode '{}': its scene was a saved file (saved_scene), which the dataset does not keep; "
         "replay it in an environment of that file: ReplayActions, env.replay(episode), or "
         "`robocell replay --env FILE`",
         episode.folder().string()));
   }
-  SceneSpec scene = FromYamlUnchecked<SceneSpec>(metadata["scene_spec"].get<std::string>());
-  RestoreEngine(metadata, scene, fmt::format("episode '{}'", episode.folder().string()));
+  SceneSpec scene = spec->AsSpec<SceneSpec>();
+  RestoreEngine(metadata.value(), scene, fmt::format("episode '{}'", episode.folder().string()));
   const Models models(episode);
   assets::ForEachModel(scene,
                        [&](std::string& name, const std::string&) { name = models.Find(name); });
