@@ -14,6 +14,11 @@ using testing::ValidationError;
 
 ElementRef Named(const std::string& name) { return {.name = name}; }
 
+TEST(Edit, AFieldOfViewIsBelowHalfATurn) {
+  EXPECT_THAT(ValidationError(Edit{.camera = Named("a"), .fovy = 180}),
+              HasSubstr("fovy: 180 degrees is not below 180"));
+}
+
 TEST(Edit, ValidOnesPass) {
   EXPECT_EQ(ValidationError(Edit{.body = Named("a"), .pos = Vec3{}}), "");
   EXPECT_EQ(ValidationError(Edit{.body = Named("a"), .add_site = "tool"}), "");

@@ -49,6 +49,11 @@ std::string Message(const EnvConfig& env) { return ValidationError(env); }
 
 TEST(EnvConfig, AValidOnePasses) { EXPECT_EQ(Message(Duo()), ""); }
 
+TEST(EnvConfig, AFieldOfViewIsBelowHalfATurn) {
+  EXPECT_THAT(ValidationError(CameraAdderConfig{.fovy = 200}),
+              ::testing::HasSubstr("fovy: 200 degrees is not below 180"));
+}
+
 TEST(EnvConfig, NeedsARobot) {
   EXPECT_EQ(Message(EnvConfig{}),
             "it is not valid: robots: an environment needs a robot, for example {robot: "
