@@ -228,14 +228,21 @@ void BindSceneSources(nb::module_& m) {
       .def(nb::init<>())
       .def("size", &SceneSource::size,
            "Returns the number of scenes, counted from 0; None for an unlimited number.")
-      .def("make", &SceneSource::Make, "index"_a,
-           "Returns the SceneSpec, without a task's objects and the run's robot. The run sets its "
-           "name, timestep and options.")
+      .def(
+          "make",
+          [](SceneSource& source, int index) {
+            RequireScene(source, index, "scene source");
+            return source.Make(index);
+          },
+          "index"_a,
+          "Returns the SceneSpec, without a task's objects and the run's robot. The run sets its "
+          "name, timestep and options. NotFoundError for a scene that the source does not have.")
       .def(
           "annotations",
           [](SceneSource& source, int index) -> std::optional<SceneAnnotations> {
             // For a Python subclass this is the base's method: asking what it knows would call the
             // method of the subclass, which may be calling this one.
+            RequireScene(source, index, "scene source");
             if (dynamic_cast<PySceneSource*>(&source) != nullptr) return source.Derive(index);
             return source.Annotations(index);
           },

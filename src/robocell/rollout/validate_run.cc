@@ -81,6 +81,8 @@ class SceneValidator {
     for (const int scene : SceneIndices(run_)) {
       if (!Try("scenes", [&] { bases.push_back(MakeBaseScene(run_, *source_, scene)); })) return;
     }
+    const int first = SceneIndices(run_).front();
+    if (!Try("scenes", [&] { RequireSameAgain(run_, *source_, first, bases.front()); })) return;
     if (!ValidateSupports(bases)) return;
     std::optional<Scene> scene;
     if (!Try("task", [&] { Scene::Build(WithContents(bases.front(), false)); })) return;

@@ -96,4 +96,8 @@ struct SceneAnnotations {
 // of Scene::Build.
 SceneAnnotations DeriveAnnotations(const SceneSpec& spec);
 
+// Throws ArgumentError, which begins with `place` and names the field, for numbers that are not
+// finite (a range may be infinite) and for negative sizes.
+void RequireSound(const SceneAnnotations& annotations, const std::string& place);
+
 }  // namespace robocell

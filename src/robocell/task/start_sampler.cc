@@ -68,7 +68,8 @@ std::shared_ptr<const GripperShape>& StartSampler::shape() { return measured_->s
 // Many scenes of a run may have the same base, and a subclass may make another one every time, or
 // another file of the same name.
 Support StartSampler::FindSupportOf(const SceneSpec& base, int scene_index, Rng& rng) {
-  if (const auto known = source_->KnownAnnotations(scene_index); known && !known->supports.empty())
+  if (const auto known = source_->CheckedAnnotations(scene_index);
+      known && !known->supports.empty())
     return known->supports[rng.UniformInt(known->supports.size())].face;
   const std::string key = SceneKey(base);
   const auto it = supports_.find(key);
@@ -208,6 +209,7 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
   }
   RequireValid(contents.objects, "task '" + run_.task.kind() + "': prepare added ");
   const BasePlacement placement = ChooseBasePlacement(request, rng);
+  RequireFinite(placement);
   std::vector<std::string> names;
   for (const SceneObject& object : contents.objects) names.push_back(object.name);
   if (!PlaceObjects(support, contents.objects, rng)) {
