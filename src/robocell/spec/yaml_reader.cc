@@ -80,7 +80,7 @@ Reader::~Reader() = default;
 
 void Reader::RememberEmpty(const YAML::Node& key, const YAML::Node& value) {
   constexpr size_t kMost = 64;  // each is read soon
-  if (!value.IsNull()) return;
+  if (!value.IsNull() || value.Mark().line == key.Mark().line) return;
   if (empty_.size() == kMost) empty_.erase(empty_.begin());
   empty_.emplace_back(value, key.Mark());
 }
