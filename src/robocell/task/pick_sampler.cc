@@ -153,7 +153,7 @@ class KindOfPick : public TaskKindOf<Config, T> {
     for (size_t i = 0; i < chosen.size(); ++i) {
       if (std::ranges::find(known, chosen[i]) != known.end()) continue;
       Problems::Scope item(problems, i);
-      problems.Add(NoSuchName("task", "kind", chosen[i], known));
+      problems.Add(NoSuchName("", "kind of object", chosen[i], known));
     }
   }
 };
