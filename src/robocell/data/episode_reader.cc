@@ -171,8 +171,7 @@ struct Episode::Impl {
                               "versions", "run"}) {
         json.at(key);  // asked for later, without a check
       }
-      for (const auto& [name, table] : json["tables"].items())
-        JsonCount<int64_t>(table.at("rows"));
+      for (const auto& [name, table] : json["tables"].items()) JsonCount<int64_t>(table.at("rows"));
       if (json.contains("features")) features = FeatureSchema::FromJson(json["features"].dump());
       RequireFiles();
       RequireModels();
