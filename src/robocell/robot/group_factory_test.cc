@@ -1,5 +1,5 @@
 // What is wrong with a robot's groups is told with its line in the robot's file.
-#include "robocell/robot/located.h"
+#include "robocell/robot/group_factory.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
