@@ -1,4 +1,4 @@
-#include "robocell/expert/validate_reach.h"
+#include "robocell/expert/pick_expert.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "robocell/render/gl_library.h"
+#include "robocell/render/gl_backends.h"
 
 #include <dlfcn.h>
 

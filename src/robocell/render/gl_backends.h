@@ -1,10 +1,15 @@
-// A shared library opened at run time, for the GL back ends. Internal to render/.
+// The back ends of gl_context.h, EGL and OSMesa, whose libraries are opened at run time. Internal to
+// render/.
 #pragma once
 
+#include <memory>
 #include <string>
+
+#include "robocell/render/gl_context.h"
 
 namespace robocell {
 
+// A shared library opened at run time.
 class GlLibrary {
  public:
   // Opens the first of the names that exists. Never closed: GL drivers do not survive being
@@ -26,5 +31,11 @@ class GlLibrary {
   void* handle_ = nullptr;
   std::string name_;
 };
+
+// Throws IoError with everything that was tried. egl_context.cc
+std::unique_ptr<GlContext> CreateEglContext();
+
+// Throws IoError with the reason. osmesa_context.cc
+std::unique_ptr<GlContext> CreateOsmesaContext();
 
 }  // namespace robocell

@@ -1,5 +1,4 @@
 // Damped steps towards a pose: they come nearer, never farther, and no joint swings.
-#include "robocell/kinematics/ik_towards.h"
 
 #include <gtest/gtest.h>
 
