@@ -1,4 +1,5 @@
-// JSON texts that contain their own hash, so that any byte that changes later is found. The hash is
+// JSON that somebody else may have changed or written: texts that contain their own hash, so that any
+// byte that changes later is found, and whole numbers that are in the range of their type. The hash is
 // computed with zeros in its place; the key `json_sha256` stands once, at any depth. In episode.json
 // it is in the `run` block, the only part that differs between two runs of the same episode.
 //
@@ -10,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <nlohmann/json_fwd.hpp>
 
 namespace robocell {
 
@@ -23,5 +25,14 @@ inline constexpr std::string_view kHashPlaceholder =
 std::string InsertSelfHash(std::string text);
 // Returns why the text does not match its hash ("its text is not ..."), or nothing when it does.
 std::optional<std::string> JsonDamage(const std::string& text);
+
+// A whole number from 0 to the largest Count (int, int64_t or uint64_t). The parser's own conversion
+// takes 5e81 for an integer too, and what comes of that is undefined. Private to data.
+//
+//   const uint64_t bytes = JsonCount<uint64_t>(facts.at("bytes"));
+//
+// Throws the parser's exceptions, as reading anything else does, for what is no such number.
+template <class Count>
+Count JsonCount(const nlohmann::ordered_json& json);
 
 }  // namespace robocell

@@ -1,8 +1,11 @@
-#include "robocell/data/self_hashed_json.h"
+#include "robocell/data/checked_json.h"
 
 #include <fmt/format.h>
 
+#include <cstdint>
+#include <limits>
 #include <string_view>
+#include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
 #include "robocell/base/hash.h"
@@ -49,5 +52,17 @@ std::optional<std::string> JsonDamage(const std::string& text) {
   if (Sha256(unsigned_text) == hash) return std::nullopt;
   return "its text is not what was written: its own hash does not fit";
 }
+
+template <class Count>
+Count JsonCount(const nlohmann::ordered_json& json) {
+  const uint64_t value = json.get_ref<const nlohmann::ordered_json::number_unsigned_t&>();
+  if (value > uint64_t{std::numeric_limits<Count>::max()})
+    throw nlohmann::json::out_of_range::create(406, "number overflow", nullptr);
+  return static_cast<Count>(value);
+}
+
+template int JsonCount<int>(const nlohmann::ordered_json& json);
+template int64_t JsonCount<int64_t>(const nlohmann::ordered_json& json);
+template uint64_t JsonCount<uint64_t>(const nlohmann::ordered_json& json);
 
 }  // namespace robocell
