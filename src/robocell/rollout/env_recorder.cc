@@ -118,7 +118,7 @@ class FrameColumns {
                                            .description = "When the frame was taken, since the "
                                                           "reset: streams with a rate of their own "
                                                           "show one until the next."});
-    streams_.push_back(std::move(stream));
+    streams_.push_back(stream);
   }
 
   std::vector<Stream> streams_;
