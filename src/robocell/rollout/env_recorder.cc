@@ -21,7 +21,6 @@
 #include "robocell/data/episode_files.h"
 #include "robocell/data/leftovers.h"
 #include "robocell/features/chosen_features.h"
-#include "robocell/rollout/engine_record.h"
 #include "robocell/rollout/env_of_episode.h"
 #include "robocell/rollout/episode_cameras.h"
 #include "robocell/rollout/episode_columns.h"

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "robocell/spec/robot_config.h"
 #include "robocell/spec/testing/messages.h"
 
 namespace robocell {
@@ -82,13 +81,6 @@ TEST(Edit, AGeomWithoutANameNeedsItsIndex) {
                            .friction = Vec3{1, 0, 0}}),
       HasSubstr("geom: is given a body 'pad'; write the geom's name, or {body: name, index: "
                 "0} if it has none"));
-}
-
-TEST(ElementRef, IsDescribedByNameOrPlace) {
-  EXPECT_EQ(Describe({.kind = ElementKind::kSite, .name = "tcp"}), "site 'tcp'");
-  EXPECT_EQ(Describe({.name = "tcp"}), "element 'tcp'");
-  EXPECT_EQ(Describe({.kind = ElementKind::kGeom, .body = "pad", .index = 3}),
-            "geom 3 of body 'pad'");
 }
 
 }  // namespace
