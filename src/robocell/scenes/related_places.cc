@@ -27,11 +27,6 @@ constexpr double kBeside = 0.005;       // metres between objects that are not n
 
 // --- What a start says ---------------------------------------------------------------------------
 
-bool IsCatalogueKind(const std::string& name) {
-  const std::vector<std::string> kinds = ObjectKinds();
-  return std::ranges::find(kinds, name) != kinds.end();
-}
-
 // An object by its name, else the first of that kind.
 std::optional<size_t> Called(const std::string& name, const std::vector<SceneObject>& objects,
                              const std::vector<std::string>& kinds) {
@@ -53,11 +48,10 @@ std::vector<std::string> NamesOf(const std::vector<SceneObject>& objects,
   return names;
 }
 
-// Kinds of the catalogue may come in other episodes.
 void RequireKnownKeys(const Map<ObjectPlace>& places, const std::vector<SceneObject>& objects,
-                      const std::vector<std::string>& kinds) {
+                      const std::vector<std::string>& kinds, const NamePredicate& may_come) {
   for (const std::string& key : places.keys()) {
-    if (Called(key, objects, kinds) || IsCatalogueKind(key)) continue;
+    if (Called(key, objects, kinds) || may_come(key)) continue;
     throw SpecError(NoSuchName("start.places", "object", key, NamesOf(objects, kinds)));
   }
 }
@@ -213,8 +207,8 @@ std::shared_ptr<const Landmarks> LandmarksOf(const SceneSpec& scene,
 
 RelatedPlaces::RelatedPlaces(std::shared_ptr<const Landmarks> base, const Map<ObjectPlace>& places,
                              const std::vector<SceneObject>& objects,
-                             const std::vector<std::string>& kinds) {
-  RequireKnownKeys(places, objects, kinds);
+                             const std::vector<std::string>& kinds, const NamePredicate& may_come) {
+  RequireKnownKeys(places, objects, kinds, may_come);
   std::vector<std::shared_ptr<const Landmarks>> alone(objects.size());
   std::vector<Link> links;
   for (size_t i = 0; i < objects.size(); ++i) {
@@ -234,7 +228,7 @@ RelatedPlaces::RelatedPlaces(std::shared_ptr<const Landmarks> base, const Map<Ob
     } else if (base->Has(reference)) {
       link.marks = base;
       link.mark = reference;
-    } else if (!IsCatalogueKind(reference)) {
+    } else if (!may_come(reference)) {
       std::vector<std::string> known = NamesOf(objects, kinds);
       const std::vector<std::string> bodies = base->Names();
       known.insert(known.end(), bodies.begin(), bodies.end());

@@ -7,6 +7,7 @@
 // Threads: one user at a time.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -28,13 +29,17 @@ namespace robocell::internal {
 std::shared_ptr<const Landmarks> LandmarksOf(const SceneSpec& scene,
                                              const std::optional<SceneAnnotations>& known = {});
 
+using NamePredicate = std::function<bool(const std::string& name)>;
+
 class RelatedPlaces {
  public:
   // `objects` of a start, and what each is called beside its name. `base` is the scene without
-  // them. SpecError, with the key of `places`: no object has that name or kind, the reference is
-  // nothing in the scene or cannot be put on or into, or relations run in a circle.
+  // them. `may_come` tells which names and kinds objects of other starts may have. SpecError, with
+  // the key of `places`: no object has that name or kind, the reference is nothing in the scene or
+  // cannot be put on or into, or relations run in a circle.
   RelatedPlaces(std::shared_ptr<const Landmarks> base, const Map<ObjectPlace>& places,
-                const std::vector<SceneObject>& objects, const std::vector<std::string>& kinds);
+                const std::vector<SceneObject>& objects, const std::vector<std::string>& kinds,
+                const NamePredicate& may_come);
 
   // Whether an object has a place in relation to something, by its index.
   bool IsRelated(size_t object) const;

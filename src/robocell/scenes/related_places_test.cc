@@ -38,7 +38,8 @@ struct Start {
     return out;
   }
   RelatedPlaces Related(const Map<ObjectPlace>& places) const {
-    return {LandmarksOf(base), places, objects, kinds};
+    return {LandmarksOf(base), places, objects, kinds,
+            [](const std::string& name) { return name == "mug"; }};
   }
   std::string Error(const Map<ObjectPlace>& places) const {
     return ExpectThrow<SpecError>([&] { (void)Related(places); }, "");

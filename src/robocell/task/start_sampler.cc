@@ -100,7 +100,8 @@ std::optional<internal::RelatedPlaces> StartSampler::RelationsOf(const SceneSpec
   if (landmarks_.size() >= kMostScenes) landmarks_.clear();
   std::shared_ptr<const internal::Landmarks>& landmarks = landmarks_[SceneKey(base)];
   if (!landmarks) landmarks = internal::LandmarksOf(base, source_->KnownAnnotations(scene_index));
-  return internal::RelatedPlaces(landmarks, places, contents.objects, contents.kinds);
+  return internal::RelatedPlaces(landmarks, places, contents.objects, contents.kinds,
+                                 [this](const std::string& name) { return MayHaveObject(name); });
 }
 
 std::optional<Refusal> StartSampler::PutObjects(

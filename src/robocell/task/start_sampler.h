@@ -76,6 +76,9 @@ class StartSampler : public TaskSampler {
  protected:
   // The task's own range of base poses, where `start` of the run says nothing.
   virtual BaseRange own_base_range() const { return {}; }
+  // Whether an object of another start may have this name or kind, so that `start.places` may name
+  // what this start does not have.
+  virtual bool MayHaveObject(const std::string& /*name*/) const { return false; }
   // The task's own places of objects in relation to something; those of `start` come before them.
   virtual Map<ObjectPlace> own_places() const { return {}; }
   // Where the task itself puts bodies of the scene, by their names; asked before the base is placed,
