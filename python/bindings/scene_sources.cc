@@ -8,6 +8,7 @@
 #include "bindings.h"
 #include "spec_fields.h"
 #include "task_trampolines.h"
+#include "robocell/scenes/spatial_relation.h"
 
 namespace nb = nanobind;
 
@@ -171,6 +172,30 @@ void BindWords(nb::module_& m) {
   DefVector(light, "direction", &SceneLight::direction, "In the world.");
 }
 
+void BindRelations(nb::module_& m) {
+  nb::class_<SpatialRelation>(
+      m, "SpatialRelation",
+      "SpatialRelation(scene, object, relation, reference): whether an object is on top of, inside "
+      "or next to something now.\n\n"
+      "on_top_of: it touches the reference from above. inside: its middle is over a hollow of the "
+      "reference and it reaches below the rim. next_to: at most most_gap metres are free between "
+      "them, and it is neither on nor in it. Names are those of objects and bodies. NotFoundError "
+      "for unknown names, ArgumentError for a reference without a hollow or a shape that collides.")
+      .def(
+          "__init__",
+          [](SpatialRelation* self, const Scene& scene, const std::string& object,
+             nb::handle relation, const std::string& reference, double most_gap) {
+            Relation kind = Relation::kOnTopOf;
+            Convert<Relation>::Set(kind, relation, FieldPath("relation"));
+            new (self) SpatialRelation(scene, object, kind, reference, most_gap);
+          },
+          "scene"_a, "object"_a, "relation"_a, "reference"_a, nb::kw_only(),
+          "most_gap"_a = kMostGap,
+          nb::sig("def __init__(self, scene: Scene, object: str, relation: Relation | str, "
+                  "reference: str, *, most_gap: float = 0.1) -> None"))
+      .def("holds", &SpatialRelation::Holds, "Whether it holds in the scene's present state.");
+}
+
 void BindAnnotations(nb::module_& m) {
   BindSupportFace(m);
   BindContainer(m);
@@ -218,6 +243,7 @@ void BindAnnotations(nb::module_& m) {
 }  // namespace
 
 void BindSceneSources(nb::module_& m) {
+  BindRelations(m);
   BindAnnotations(m);
   nb::class_<SceneSource, PySceneSource>(
       m, "SceneSource",
