@@ -19,6 +19,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from robocell._core import ArgumentError, Dataset, Error, make_plan
+from robocell.evaluated import POLICY_ERROR
 from robocell.generate.items import ItemResult
 from robocell.generate.job import Job
 from robocell.generate.observer import Observer
@@ -58,6 +59,7 @@ class Evaluation:
         interval: 95 % Wilson interval of the success rate.
         unmade: Episodes without a rollout: no start was accepted, or something raised.
         failures: Reason -> rollouts.
+        policy_errors: Rollouts that an error of the policy ended; they are among the failures.
         outcomes: Episode -> success, for comparing policies start by start.
         dataset: Folder of the rollouts.
         seed: Of the starts.
@@ -70,6 +72,7 @@ class Evaluation:
     interval: tuple[float, float]
     unmade: int
     failures: dict[str, int]
+    policy_errors: int
     outcomes: dict[str, bool]
     dataset: str
     seed: int
@@ -86,10 +89,15 @@ class _Watching(Observer):
     def __init__(self, told: Callable[[int, int, bool], None] | None) -> None:
         self._told = told
         self._done = 0
+        self._warned: set[str] = set()
 
     def episode(self, result: ItemResult, totals: Totals) -> None:
-        """One more."""
+        """One more. An error of the policy is worth knowing at once, and once."""
         self._done += 1
+        for reason in result.failures:
+            if reason.startswith(POLICY_ERROR) and reason not in self._warned:
+                self._warned.add(reason)
+                self.warning(f"{result.id}: {reason}")
         if self._told is not None:
             self._told(totals.already + self._done, totals.planned, result.success)
 
@@ -131,8 +139,10 @@ def evaluate(
         on_trial: Called as (done, of, success) after each rollout.
         limits: How long a rollout may take, and how often one is tried whose worker died.
 
-    Raises SpecError for what the run, the policy or the module says, and Error when no rollout
-    could be made at all, with the reason; single ones that could not be made are in `errors`.
+    A policy that raises, or returns what is no action, fails in that rollout, with the error as
+    its reason (`policy_errors`). Raises SpecError for what the run or the module says, and Error
+    when no rollout could be made at all, with the reason; single ones that could not be made are in
+    `errors`.
     """
     if policy == REPLAY:
         own_seed, own_episodes = replayed_starts(source)
@@ -179,6 +189,7 @@ def _evaluation_of(job: Job, policy: str, seed: int, totals: Totals) -> Evaluati
         interval=wilson_interval(successes, len(outcomes)),
         unmade=len(planned) - len(outcomes),
         failures=dict(failures.most_common()),
+        policy_errors=sum(n for why, n in failures.items() if why.startswith(POLICY_ERROR)),
         outcomes=outcomes,
         dataset=str(job.dataset),
         seed=seed,

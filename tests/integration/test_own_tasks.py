@@ -10,7 +10,9 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 from commands import ROOT, generate, refusal, robocell_command
 
@@ -189,6 +191,59 @@ def test_an_exception_ends_an_attempt_and_the_next_one_is_tried(run_file: Path, 
     raised = [attempt["failed"] for attempt in earlier if "failed" in attempt]
     assert len(raised) == 2
     assert all("RuntimeError: not today" in reason for reason in raised)
+
+
+def evaluated(run_file: Path, output: Path, episodes: int, code: int) -> dict[str, Any]:
+    words = ("--policy", "expert", "-n", episodes, "--no-cameras", "--json", "--output", output)
+    result = robocell_command("evaluate", run_file, *words)
+    assert result.returncode == code, result.stdout + result.stderr
+    return json.loads(result.stdout)
+
+
+def test_in_an_evaluation_an_expert_that_raises_fails(run_file: Path, tmp_path: Path):
+    """Generation takes another start; an evaluation does not, for the sake of the comparison."""
+    module = run_file.with_name("stack_cubes.py")
+    text = module.read_text()
+    whole = evaluated(run_file, tmp_path / "whole", 3, 0)
+    assert whole["policy_errors"] == 0
+    broken = text.replace(
+        "def act(\n",
+        "def begin(self, scene, rng):\n"
+        "        if scene.body_pose('red').translation[1] > scene.body_pose('blue').translation[1]:\n"
+        "            raise RuntimeError('not this side')\n"
+        "        super().begin(scene, rng)\n\n"
+        "    def act(\n",
+        1,
+    )
+    module.write_text(broken)
+    line = 1 + broken[: broken.index("raise RuntimeError")].count("\n")
+    result = evaluated(run_file, tmp_path / "broken", 3, 0)
+    assert (result["trials"], result["unmade"]) == (3, 0)
+    assert 0 < result["policy_errors"] < 3
+    for episode in rc.Dataset(tmp_path / "broken"):
+        twin = rc.Dataset(tmp_path / "whole")[episode.id]
+        for column in ("objects/red/pose", "objects/blue/pose"):
+            assert np.array_equal(episode[column][0], twin[column][0])
+        if episode["objects/red/pose"][0, 1] > episode["objects/blue/pose"][0, 1]:
+            assert episode.end_reason.startswith("policy error: RuntimeError: not this side (")
+            assert episode.end_reason.endswith(f"stack_cubes.py:{line}, in begin)")
+        else:
+            assert len(episode) == len(twin), "the guard changes nothing"
+
+
+def test_in_an_evaluation_a_task_that_raises_costs_the_rollout(run_file: Path, tmp_path: Path):
+    module = run_file.with_name("stack_cubes.py")
+    text = module.read_text().replace(
+        "aside = float(np", 'raise RuntimeError("out of cubes")\n        aside = float(np'
+    )
+    module.write_text(text)
+    words = ("--policy", "expert", "-n", "1", "--no-cameras", "--output", tmp_path / "out")
+    result = robocell_command("evaluate", run_file, *words)
+    said = " ".join(result.stderr.split())
+    assert result.returncode != 0
+    assert "something else than the policy raised in the rollout" in said
+    assert "RuntimeError: out of cubes" in said
+    assert not list((tmp_path / "out").glob("s*"))
 
 
 def test_overrides_of_a_configuration_keep_the_folders_of_its_files(tmp_path: Path):

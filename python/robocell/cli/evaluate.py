@@ -9,6 +9,7 @@ import typer
 
 from robocell._core import atomic_write
 from robocell.cli.common import ExitCode, print_warning
+from robocell.generate.totals import counted
 
 
 def evaluate(
@@ -54,7 +55,8 @@ def evaluate(
 ) -> None:
     """Evaluate a policy. The same starts for every policy; the same command again goes on.
 
-    Exit codes: 0 evaluated, 1 some rollouts could not be made, 2 wrong command or spec, 3 the disk.
+    Exit codes: 0 evaluated, 1 some rollouts could not be made, or errors of the policy ended all of
+    them, 2 wrong command or spec, 3 the disk.
     """
     from robocell.evaluate import evaluate as run
     from robocell.generate.supervisor import Limits
@@ -86,6 +88,8 @@ def evaluate(
             f"success:  {rate:.0f} % ({result.successes} of {result.trials}), "
             f"95 % interval {low:.0f} ... {high:.0f} %"
         )
+        if result.policy_errors:
+            print(f"errors:   {counted(result.policy_errors, 'rollout')} ended by the policy's own")
         if result.failures:
             counts = ", ".join(f"{reason} {count}" for reason, count in result.failures.items())
             print(f"failures: {counts}")
@@ -95,4 +99,8 @@ def evaluate(
             f"{result.unmade} rollouts could not be made, see above; they count "
             "neither as success nor as failure"
         )
+    every = result.policy_errors == result.trials
+    if every:
+        print_warning("errors of the policy ended every rollout, see above: it was not evaluated")
+    if result.unmade or every:
         raise typer.Exit(ExitCode.INCOMPLETE)

@@ -17,6 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
+from typing import TypeGuard
 
 from robocell import Error, NotFoundError, RunConfig, SpecError
 from robocell._core import imports_of_run_file, load_plugin
@@ -203,15 +204,25 @@ def is_of_users(error: BaseException) -> bool:
 
 def place_of(error: BaseException) -> str:
     """'ValueError: text (tasks.py:12, in judge)': where somebody's own code raised it."""
-    text = f"{type(error).__name__}: {error}"
-    if isinstance(error, SyntaxError) and error.filename:
-        return f"{type(error).__name__}: {error.msg} ({error.filename}:{error.lineno})"
+    text = error.msg if _has_file(error) else str(error)
+    return f"{type(error).__name__}: {text}{where(error)}"
+
+
+def where(error: BaseException) -> str:
+    """' (tasks.py:12, in judge)', where somebody's own code raised it; '' for none of theirs."""
+    if _has_file(error):
+        return f" ({error.filename}:{error.lineno})"
     frames = traceback.extract_tb(error.__traceback__)
     own = [frame for frame in frames if _is_users(frame.filename)]
     if not own:
-        return text
+        return ""
     last = own[-1]
-    return f"{text} ({last.filename}:{last.lineno}, in {last.name})"
+    return f" ({last.filename}:{last.lineno}, in {last.name})"
+
+
+def _has_file(error: BaseException) -> TypeGuard[SyntaxError]:
+    """Whether the error is of a source that could not be parsed."""
+    return isinstance(error, SyntaxError) and bool(error.filename)
 
 
 def _is_users(filename: str) -> bool:
