@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +15,39 @@ from robocell._core import (
     changed_code,
     recorded_scene,
 )
+
+
+def plan_numbers(ids: Sequence[str]) -> list[tuple[int, int]]:
+    """Returns scene and episode of each id, such as (3, 1) of 's0003_e0001'."""
+    found = (re.match(r"s(\d+)_e(\d+)", name) for name in ids)
+    return [(int(match[1]), int(match[2])) for match in found if match]
+
+
+def houses_of_dataset(dataset: Dataset) -> list[int]:
+    """Returns `scenes.houses` of the run that made a dataset; empty for all of its scenes.
+
+    The report has them as the last command was given them. Without one, and for scenes of earlier
+    commands, the episodes say which there are.
+    """
+    seen = list(dict.fromkeys(scene for scene, _ in plan_numbers(dataset.ids)))
+    recorded = _recorded_houses(Path(dataset.folder))
+    if recorded is None:
+        return seen
+    return recorded and [*recorded, *(scene for scene in seen if scene not in recorded)]
+
+
+def _recorded_houses(folder: Path) -> list[int] | None:
+    """Returns what the report says, of several that whose command ended last; None if none does."""
+    from robocell.generate.report import DamagedReportError, RunReport, load, report_paths
+
+    reports: list[RunReport] = []
+    for path in report_paths(folder):
+        try:
+            reports.append(load(path))
+        except (OSError, DamagedReportError):
+            continue
+    known = [report for report in reports if report.houses is not None and report.commands]
+    return max(known, key=lambda report: report.commands[-1].finished).houses if known else None
 
 
 def run_of_dataset(source: str | Path) -> RunConfig:
@@ -43,6 +78,7 @@ def run_of_dataset(source: str | Path) -> RunConfig:
             f"'{folder}' was made with other code: {', '.join(changed)} changed since then, so "
             "that the task may be another one. Bring the code back, or make the dataset anew"
         )
+    run.scenes.houses = houses_of_dataset(dataset)
     # Scenes that are files: as the dataset keeps them, which need not be here any more.
     files = list(run.scenes.files) if run.scenes.source == "files" else []
     missing = set(range(len(files)))

@@ -18,7 +18,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from robocell._core import ArgumentError, Dataset, Error, make_plan
+from robocell._core import ArgumentError, Dataset, Error, PlanItem
+from robocell.dataset_run import plan_numbers
 from robocell.evaluated import POLICY_ERROR
 from robocell.generate.items import ItemResult
 from robocell.generate.job import Job
@@ -27,7 +28,7 @@ from robocell.generate.protocol import Failure
 from robocell.generate.run_source import RunSource
 from robocell.generate.supervisor import Limits
 from robocell.generate.totals import Totals, Unmade
-from robocell.policy import EXPERT, RANDOM, REPLAY, replayed_starts
+from robocell.policy import EXPERT, RANDOM, REPLAY, replayed_seed
 
 __all__ = ["EXPERT", "RANDOM", "REPLAY", "SEED", "Evaluation", "evaluate", "wilson_interval"]
 
@@ -110,6 +111,27 @@ class _Watching(Observer):
         self.warning(f"{unmade.id}: {unmade.reason}")
 
 
+class _Starts:
+    """Which items of the plan are evaluated: the first ones, of a dataset's or of all."""
+
+    def __init__(self, most: int | None, of_dataset: Sequence[str] = ()) -> None:
+        self._most = most
+        self._numbers = set(plan_numbers(of_dataset))
+
+    @property
+    def override(self) -> str:
+        """The field that makes the plan long enough."""
+        if self._numbers:
+            return f"episodes_per_scene={1 + max(episode for _, episode in self._numbers)}"
+        return f"episodes={self._most}"
+
+    def choose(self, plan: list[PlanItem]) -> list[PlanItem]:
+        """Returns the items in the order of the plan."""
+        numbers = self._numbers
+        mine = [item for item in plan if not numbers or (item.scene, item.episode) in numbers]
+        return mine[: self._most]
+
+
 def evaluate(
     source: str | Path,
     policy: str,
@@ -145,22 +167,24 @@ def evaluate(
     `errors`.
     """
     if policy == REPLAY:
-        own_seed, own_episodes = replayed_starts(source)
-        seed, episodes = (own_seed if seed is None else seed), episodes or own_episodes
+        own_seed = replayed_seed(source)
+        seed = own_seed if seed is None else seed
     seed = SEED if seed is None else seed
-    episodes = 100 if episodes is None else episodes
-    if episodes < 1:
+    if episodes is not None and episodes < 1:
         raise ArgumentError(f"episodes must be at least 1, got {episodes}")
     if workers < 1:
         raise ArgumentError(f"workers must be at least 1, got {workers}")
+    starts = _Starts(100 if episodes is None else episodes)
+    if policy == REPLAY and seed == own_seed:
+        starts = _Starts(episodes, Dataset(Path(source)).ids)
     overrides = [
         f"seed={seed}",
-        f"episodes={episodes}",
+        starts.override,
         f"workers={workers}",
         f"output={json.dumps(str(output))}",
         *([] if cameras else ["cameras.streams=[]"]),
     ]
-    job = Job(RunSource(str(source), tuple(imports), policy), overrides)
+    job = Job(RunSource(str(source), tuple(imports), policy), overrides, choose=starts.choose)
     result = job.do(_Watching(on_trial), limits)
     if result.outcome.interrupted:
         raise KeyboardInterrupt
@@ -170,14 +194,14 @@ def evaluate(
     evaluation = _evaluation_of(job, policy, seed, result.outcome.totals)
     if not evaluation.trials and evaluation.errors:
         first = next(iter(evaluation.errors.values()))
-        raise Error(f"none of {episodes} rollouts could be made: {first}")
+        raise Error(f"none of {len(job.items)} rollouts could be made: {first}")
     return evaluation
 
 
 def _evaluation_of(job: Job, policy: str, seed: int, totals: Totals) -> Evaluation:
     """From what is on the disk: what an earlier command made counts like the rest."""
     dataset = Dataset(job.dataset)
-    planned = {item.id for item in make_plan(job.run)}
+    planned = {item.id for item in job.items}
     episodes = {e.id: e for e in dataset if e.id in planned}
     outcomes = {id: bool(episodes[id].success) for id in sorted(episodes)}
     failures = Counter(str(e.end_reason) for e in episodes.values() if not e.success)

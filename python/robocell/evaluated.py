@@ -183,7 +183,7 @@ def _require_applicable(who: str, scene: Scene, action: Action) -> None:
         robot = scene.robot(robot_name)
         for group_name, command in commands.items():
             group = robot.group(group_name)
-            values = command.values
+            values = np.asarray(command.values, dtype=np.float64)
             place = f"{who}: group '{group_name}' of robot '{robot_name}'"
             sizes = {"arm": len(group.joint_names), "gripper": 1}
             size = sizes.get(group.kind, len(values))

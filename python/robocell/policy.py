@@ -279,7 +279,7 @@ def expert_of_policy(policy: str, source: str | Path) -> str:
         register_policy(RANDOM, RandomPolicy)
         return RANDOM
     if policy == REPLAY:
-        replayed_starts(source)
+        replayed_seed(source)
         register_policy(REPLAY, lambda _run: ReplayPolicy(source))
         return REPLAY
     if ":" in policy:
@@ -291,8 +291,8 @@ def expert_of_policy(policy: str, source: str | Path) -> str:
     )
 
 
-def replayed_starts(source: str | Path) -> tuple[int, int]:
-    """Returns the seed of a dataset's run, and its number of episodes."""
+def replayed_seed(source: str | Path) -> int:
+    """Returns the seed of a dataset's run. ArgumentError when there is nothing to replay."""
     folder = Path(source)
     if not (folder / "dataset.json").is_file():
         raise ArgumentError(f"policy '{REPLAY}' needs a dataset whose actions it takes: '{folder}'")
@@ -300,7 +300,7 @@ def replayed_starts(source: str | Path) -> tuple[int, int]:
     if not len(dataset):
         raise ArgumentError(f"policy '{REPLAY}': '{folder}' has no episode to replay")
     metadata: Any = dataset[0].metadata
-    return int(metadata["seed"]), len(dataset)
+    return int(metadata["seed"])
 
 
 class ReplayPolicy(Policy):

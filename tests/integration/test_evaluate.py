@@ -10,6 +10,8 @@ import pytest
 from commands import ROOT, generate, robocell_command
 
 import robocell as rc
+from robocell.dataset_run import run_of_dataset
+from robocell.envs import from_dataset
 from robocell.evaluate import evaluate, wilson_interval
 
 DEMO = ROOT / "examples" / "demo.yaml"
@@ -142,6 +144,37 @@ def test_scenes_of_files_come_from_the_dataset(tmp_path: Path, monkeypatch: pyte
     monkeypatch.chdir(tmp_path)
     result = evaluate(out, "expert", episodes=1, output=tmp_path / "trials")
     assert result.trials == 1
+
+
+def test_chosen_scenes_are_those_of_the_dataset(tmp_path: Path):
+    """Also in a dataset that is not complete: here each second item is missing."""
+    out = tmp_path / "out"
+    words = ("--set", "scenes.houses=[5,3]", "--set", "cameras.streams=[]", "--shard", "1/2")
+    generate(DEMO, out, "--episodes", 4, *words)
+    made = {episode.id: episode for episode in rc.Dataset(out)}
+    assert set(made) == {"s0003_e0000", "s0003_e0001"}
+    assert list(run_of_dataset(out).scenes.houses) == [5, 3]
+
+    env = from_dataset(out, privileged=True)
+    for start, name in ((1, "s0003_e0000"), (3, "s0003_e0001")):
+        row, _ = env.reset(seed=start)
+        for column in env.observations:
+            assert np.array_equal(row[column], np.asarray(made[name][column])[0]), column
+
+    expert = evaluate(out, "expert", episodes=3, output=tmp_path / "expert")
+    assert set(expert.outcomes) == {"s0005_e0000", "s0003_e0000", "s0005_e0001"}
+    replay = evaluate(out, "replay", output=tmp_path / "replay")
+    assert replay.outcomes == dict.fromkeys(made, True)
+    first = evaluate(out, "replay", episodes=1, output=tmp_path / "first")
+    assert first.outcomes == {"s0003_e0000": True}
+
+
+def test_without_a_report_the_episodes_say_which_scenes_there_are(tmp_path: Path):
+    out = tmp_path / "out"
+    words = ("--set", "scenes.houses=[5,3]", "--set", "cameras.streams=[]")
+    generate(DEMO, out, "--episodes", 2, *words)
+    (out / "report.json").unlink()
+    assert list(run_of_dataset(out).scenes.houses) == [3, 5]
 
 
 def test_other_weights_are_another_evaluation(dataset: Path, tmp_path: Path):

@@ -209,7 +209,8 @@ def test_in_an_evaluation_an_expert_that_raises_fails(run_file: Path, tmp_path: 
     broken = text.replace(
         "def act(\n",
         "def begin(self, scene, rng):\n"
-        "        if scene.body_pose('red').translation[1] > scene.body_pose('blue').translation[1]:\n"
+        "        red, blue = (scene.body_pose(name).translation[1] for name in ('red', 'blue'))\n"
+        "        if red > blue:\n"
         "            raise RuntimeError('not this side')\n"
         "        super().begin(scene, rng)\n\n"
         "    def act(\n",
