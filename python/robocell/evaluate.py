@@ -1,7 +1,7 @@
 """Evaluates a policy, or an expert, in the cells of a run or of a dataset.
 
     result = evaluate("out/picks", "my_policy.py:Policy", episodes=100, workers=2)
-    print(result.successes, result.interval)
+    print(result.successes, result.interval, result.dataset)
 
 Each episode is one rollout from a start of its own; starts follow from the seed and the episode's
 number alone, so that several policies see the same ones. Rollouts are kept as a dataset: failures
@@ -30,7 +30,16 @@ from robocell.generate.supervisor import Limits
 from robocell.generate.totals import Totals, Unmade
 from robocell.policy import EXPERT, RANDOM, REPLAY, replayed_seed
 
-__all__ = ["EXPERT", "RANDOM", "REPLAY", "SEED", "Evaluation", "evaluate", "wilson_interval"]
+__all__ = [
+    "EXPERT",
+    "RANDOM",
+    "REPLAY",
+    "SEED",
+    "Evaluation",
+    "default_output",
+    "evaluate",
+    "wilson_interval",
+]
 
 # Starts of evaluations are drawn from other seeds than those that datasets begin with.
 SEED = 1_000_003
@@ -111,6 +120,28 @@ class _Watching(Observer):
         self.warning(f"{unmade.id}: {unmade.reason}")
 
 
+def default_output(source: str | Path, policy: str, seed: int) -> Path:
+    """Returns `<source>_evaluation/<policy>-<seed>`, beside the dataset or the run file.
+
+    For 'out/picks' and 'my_policy.py:Mine' it is out/picks_evaluation/my_policy.Mine-1000003.
+    """
+    module, colon, name = policy.rpartition(":")
+    who = f"{_module_name(module)}.{name}" if colon else policy
+    path = Path(source)
+    if not path.exists() and ":" in path.name:  # module:name of a configuration
+        module, _, name = str(source).rpartition(":")
+        return Path(f"{_module_name(module)}.{name}_evaluation") / f"{who}-{seed}"
+    if path.name in ("", ".."):
+        path = path.resolve()
+    name = path.name if path.is_dir() else path.stem
+    return path.parent / f"{name}_evaluation" / f"{who}-{seed}"
+
+
+def _module_name(module: str) -> str:
+    """Returns 'mine' for 'here/mine.py'; a dotted name stays."""
+    return Path(module).stem if module.endswith(".py") else module
+
+
 class _Starts:
     """Which items of the plan are evaluated: the first ones, of a dataset's or of all."""
 
@@ -139,7 +170,7 @@ def evaluate(
     episodes: int | None = None,
     workers: int = 1,
     seed: int | None = None,
-    output: str | Path,
+    output: str | Path | None = None,
     cameras: bool = True,
     imports: Sequence[str] = (),
     on_trial: Callable[[int, int, bool], None] | None = None,
@@ -155,7 +186,8 @@ def evaluate(
         workers: Processes.
         seed: Starts follow from it and from their number: the same for every policy, and none of
             a dataset's, unless given. For `replay` the dataset's own.
-        output: Folder of the rollouts. The same evaluation again goes on there.
+        output: Folder of the rollouts; `default_output` unless given. The same evaluation again
+            goes on there; one of other starts, of another policy or cell is refused.
         cameras: False draws no image: for policies that need none, and no videos are kept.
         imports: Modules to import first, which register tasks.
         on_trial: Called as (done, of, success) after each rollout.
@@ -174,6 +206,7 @@ def evaluate(
         raise ArgumentError(f"episodes must be at least 1, got {episodes}")
     if workers < 1:
         raise ArgumentError(f"workers must be at least 1, got {workers}")
+    output = default_output(source, policy, seed) if output is None else output
     starts = _Starts(100 if episodes is None else episodes)
     if policy == REPLAY and seed == own_seed:
         starts = _Starts(episodes, Dataset(Path(source)).ids)

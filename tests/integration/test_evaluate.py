@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import ROOT, generate, robocell_command
+from commands import ROOT, generate, refusal, robocell_command
 
 import robocell as rc
 from robocell.dataset_run import run_of_dataset
 from robocell.envs import from_dataset
-from robocell.evaluate import evaluate, wilson_interval
+from robocell.evaluate import default_output, evaluate, wilson_interval
 
 DEMO = ROOT / "examples" / "demo.yaml"
 
@@ -108,6 +108,36 @@ def test_the_command_says_rate_and_interval(dataset: Path, tmp_path: Path):
     assert "95 % interval" in said.stdout
     result = json.loads((out / "evaluation.json").read_text())
     assert result["trials"] == 2
+
+
+@pytest.mark.parametrize(
+    ("source", "policy", "expected"),
+    [
+        ("picks", "expert", "picks_evaluation/expert-7"),
+        ("run.yaml", "random", "run_evaluation/random-7"),
+        ("picks", "here/mine.py:Mine", "picks_evaluation/mine.Mine-7"),
+        ("picks", "package.mine:Mine", "picks_evaluation/package.mine.Mine-7"),
+    ],
+)
+def test_rollouts_go_beside_the_source(tmp_path: Path, source: str, policy: str, expected: str):
+    (tmp_path / "picks").mkdir()
+    (tmp_path / "run.yaml").touch()
+    assert default_output(tmp_path / source, policy, 7) == tmp_path / expected
+
+
+def test_rollouts_of_a_configuration_go_to_the_working_folder():
+    assert default_output("a/cells.py:demo", "expert", 7) == Path("cells.demo_evaluation/expert-7")
+
+
+def test_a_command_without_output_goes_on_in_its_own_folder(dataset: Path):
+    words = ("evaluate", dataset, "--policy", "expert", "-n", "1", "--seed", "7")
+    said = robocell_command(*words)
+    assert said.returncode == 0, said.stderr
+    folder = dataset.with_name("picks_evaluation") / "expert-7"
+    assert str(folder) in said.stdout
+    assert (folder / "evaluation.json").is_file()
+    other = refusal("evaluate", DEMO, *words[2:], "--output", folder)
+    assert "was begun differently" in other
 
 
 def policy_file(folder: Path, name: str) -> Path:

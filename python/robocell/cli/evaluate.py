@@ -27,8 +27,15 @@ def evaluate(
         ),
     ],
     output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="PATH", help="Folder of the rollouts.")
-    ],
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="PATH",
+            help="Folder of the rollouts. Default: DATASET_evaluation/POLICY-SEED, beside the "
+            "dataset or the run file.",
+        ),
+    ] = None,
     episodes: Annotated[
         int | None,
         typer.Option(
@@ -77,7 +84,7 @@ def evaluate(
         on_trial=told,
         limits=Limits(item_timeout_s=item_timeout),
     )
-    atomic_write(output / "evaluation.json", (result.to_json() + "\n").encode())
+    atomic_write(Path(result.dataset) / "evaluation.json", (result.to_json() + "\n").encode())
     if as_json:
         print(result.to_json())
     else:
@@ -93,7 +100,7 @@ def evaluate(
         if result.failures:
             counts = ", ".join(f"{reason} {count}" for reason, count in result.failures.items())
             print(f"failures: {counts}")
-        print(f"rollouts: {output}")
+        print(f"rollouts: {result.dataset}")
     if result.unmade:
         print_warning(
             f"{result.unmade} rollouts could not be made, see above; they count "
