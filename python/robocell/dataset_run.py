@@ -50,6 +50,20 @@ def _recorded_houses(folder: Path) -> list[int] | None:
     return max(known, key=lambda report: report.commands[-1].finished).houses if known else None
 
 
+def _configuration(identity: str, folder: Path) -> RunConfig:
+    """Reads what identifies the run of a dataset. SpecError for kinds that are not registered."""
+    try:
+        return RunConfig.from_yaml(identity, str(folder), overrides=['output="unset"'])
+    except SpecError as error:
+        reason, own_kind, _ = str(error).partition(" of your own is registered before")
+        if not own_kind:
+            raise
+        raise SpecError(
+            f"{reason} of your own is in a module, and a dataset imports none by itself: name it "
+            "with imports=['my_tasks.py'] in Python, or --import my_tasks.py on the command line"
+        ) from None
+
+
 def run_of_dataset(source: str | Path) -> RunConfig:
     """The cell of a dataset: robot, task, scenes, rates and cameras, with the models that it keeps.
 
@@ -68,7 +82,7 @@ def run_of_dataset(source: str | Path) -> RunConfig:
             f"'{folder}' was recorded from {what}, not made by a run, so there is no run to go on "
             "with; robocell.envs.from_dataset makes the environment of a recorded one"
         )
-    run = RunConfig.from_yaml(str(metadata["identity"]), str(folder), overrides=['output="unset"'])
+    run = _configuration(str(metadata["identity"]), folder)
     config = recorded_scene(first).robots[0].config
     if config is None:
         raise ArgumentError(f"'{folder}': the scene of '{first.id}' has no robot configuration")

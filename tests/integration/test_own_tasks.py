@@ -266,9 +266,26 @@ def test_a_dataset_is_acted_in_with_the_code_that_made_it_only(run_file: Path, t
     words = ("evaluate", out, "--policy", "expert", "-n", "1", "--import", module)
     said = robocell_command(*words, "--output", tmp_path / "same")
     assert said.returncode == 0, said.stderr
+    replay = robocell_command("replay", out, "--import", module)
+    assert replay.returncode == 0, replay.stderr
+    assert "code: unchanged since the dataset was made" in replay.stdout
     module.write_text(module.read_text() + "\n# changed\n")
     said = refusal(*words, "--output", tmp_path / "changed")
     assert "stack_cubes.py changed since then" in said
+    said = refusal("replay", out, "--import", module)
+    assert "stack_cubes.py changed since then" in said
+    assert "Without --import only the recorded controls are simulated" in said
+    assert robocell_command("replay", out).returncode == 0, "it needs no code"
+
+
+def test_a_module_that_is_missing_is_asked_for(run_file: Path, tmp_path: Path):
+    out = tmp_path / "out"
+    generate(run_file, out, "--workers", 1, "--episodes", 1)
+    code = f"from robocell.envs import from_dataset\nfrom_dataset({str(out)!r})"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    for said in (done.stderr, refusal("evaluate", out, "--policy", "expert")):
+        assert "no task 'stack'" in said
+        assert "imports=['my_tasks.py'] in Python, or --import my_tasks.py" in said
 
 
 def test_all_that_a_module_imports_is_its_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
