@@ -7,7 +7,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = ("src", "python/robocell", "python/bindings", "cmake", "models")
-ELSEWHERE = {"pip", "add_subdirectory", "find_package"}  # of other programs
+ELSEWHERE = {"pip", "random", "add_subdirectory", "find_package"}  # of other programs
 KINDS = {".cc", ".h", ".py", ".yaml", ".cmake", ".in"}
 
 

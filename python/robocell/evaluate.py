@@ -223,12 +223,21 @@ def evaluate(
         raise KeyboardInterrupt
     if result.outcome.fatal:
         fatal = result.outcome.fatal
-        raise Failure(fatal.kind, fatal.message).error()
+        said = [unmade.reason for unmade in result.outcome.totals.unmade if unmade.reason]
+        raise Failure(fatal.kind, _without_logs(fatal.message, said)).error()
     evaluation = _evaluation_of(job, policy, seed, result.outcome.totals)
     if not evaluation.trials and evaluation.errors:
         first = next(iter(evaluation.errors.values()))
+        first = _without_logs(first, [first])
         raise Error(f"none of {len(job.items)} rollouts could be made: {first}")
     return evaluation
+
+
+def _without_logs(message: str, said: Sequence[str]) -> str:
+    """Shortens reasons that were said before, with a worker's log, to their first line."""
+    for reason in said:
+        message = message.replace(reason, reason.splitlines()[0])
+    return message
 
 
 def _evaluation_of(job: Job, policy: str, seed: int, totals: Totals) -> Evaluation:

@@ -206,11 +206,16 @@ def test_what_is_no_action_fails_the_rollout(
     assert "broken.py:" in said
 
 
-def test_without_a_policy_there_is_nothing_to_evaluate(dataset: Path, broken: Path, tmp_path: Path):
+def test_without_a_policy_there_is_nothing_to_evaluate(
+    dataset: Path, broken: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
     with pytest.raises(
-        rc.Error, match=r"ImportError: no weights \(.*broken\.py:\d+, in __init__\)"
+        rc.Error, match=r"^[^\n]*ImportError: no weights \(.*broken\.py:\d+, in __init__\)$"
     ):
         evaluate(dataset, f"{broken}:Made", episodes=2, output=tmp_path / "out")
+    said = capsys.readouterr().err
+    assert said.count("no weights") > 1, "for each rollout"
+    assert said.count('raise ImportError("no weights")') == 1, "the worker's traceback, once"
 
 
 def test_a_dataset_replays_its_own_actions(dataset: Path, tmp_path: Path):

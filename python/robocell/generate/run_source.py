@@ -148,8 +148,9 @@ def import_module(name: str, folder: Path) -> ModuleType:
     """A module by its name or its file.
 
     Names are looked up as Python does, and in `folder`. SpecError names file and line of what went
-    wrong in it.
+    wrong in it, and names that are Python's own or robocell's.
     """
+    _require_name_of_ones_own(name)
     try:
         if name.endswith(".py") or "/" in name:
             return _import_file(folder / name)
@@ -167,6 +168,23 @@ def import_module(name: str, folder: Path) -> ModuleType:
         raise SpecError(f"cannot import '{name}': {place_of(error)}") from error
     except Exception as error:
         raise SpecError(f"cannot import '{name}': {place_of(error)}") from error
+
+
+def _require_name_of_ones_own(name: str) -> None:
+    """SpecError for a name whose module Python or robocell itself needs.
+
+    A file that took the name would break what imports the other module, far from here.
+    """
+    is_file = name.endswith(".py") or "/" in name
+    module = Path(name).stem if is_file else name.partition(".")[0]
+    whose = "Python" if module in sys.stdlib_module_names else ""
+    if is_file and module == "robocell":
+        whose = "robocell"
+    if whose:
+        raise SpecError(
+            f"cannot import '{name}': '{module}' is the name of a module of {whose} itself; give "
+            f"the file another name, such as my_{module}.py"
+        )
 
 
 def _import_file(path: Path) -> ModuleType:
