@@ -67,6 +67,7 @@ class Evaluation:
         successes: Rollouts that succeeded.
         trials: Rollouts.
         interval: 95 % Wilson interval of the success rate.
+        mean_length: Mean number of actions of a rollout; 0 without any.
         unmade: Episodes without a rollout: no start was accepted, or something raised.
         failures: Reason -> rollouts.
         policy_errors: Rollouts that an error of the policy ended; they are among the failures.
@@ -80,6 +81,7 @@ class Evaluation:
     successes: int
     trials: int
     interval: tuple[float, float]
+    mean_length: float
     unmade: int
     failures: dict[str, int]
     policy_errors: int
@@ -87,6 +89,11 @@ class Evaluation:
     dataset: str
     seed: int
     errors: dict[str, str]
+
+    @property
+    def rate(self) -> float:
+        """Successes per rollout; 0 without any."""
+        return self.successes / self.trials if self.trials else 0.0
 
     def to_json(self) -> str:
         """As a JSON object."""
@@ -253,6 +260,7 @@ def _evaluation_of(job: Job, policy: str, seed: int, totals: Totals) -> Evaluati
         successes=successes,
         trials=len(outcomes),
         interval=wilson_interval(successes, len(outcomes)),
+        mean_length=sum(map(len, episodes.values())) / max(1, len(episodes)),
         unmade=len(planned) - len(outcomes),
         failures=dict(failures.most_common()),
         policy_errors=sum(n for why, n in failures.items() if why.startswith(POLICY_ERROR)),

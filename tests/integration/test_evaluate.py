@@ -105,9 +105,16 @@ def test_the_command_says_rate_and_interval(dataset: Path, tmp_path: Path):
     words = ("evaluate", dataset, "--policy", "expert", "-n", "2", "--output", out)
     said = robocell_command(*words)
     assert said.returncode == 0, said.stderr
-    assert "95 % interval" in said.stdout
     result = json.loads((out / "evaluation.json").read_text())
     assert result["trials"] == 2
+    lengths = [len(episode) for episode in rc.Dataset(out)]
+    assert result["mean_length"] == pytest.approx(sum(lengths) / 2)
+    head, row = (line for line in said.stdout.splitlines() if line.startswith("  "))
+    assert " ".join(head.split()) == "policy success rate 95 % interval mean length errors"
+    assert row.split()[:2] == ["expert", f"{result['successes']}/2"]
+    low, high = (f"{100 * bound:.0f}" for bound in result["interval"])
+    assert f"{low} ... {high} %" in row
+    assert row.split()[-2:] == [f"{result['mean_length']:.1f}", "0"]
 
 
 @pytest.mark.parametrize(

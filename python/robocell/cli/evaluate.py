@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+from rich.box import SIMPLE
+from rich.table import Table
+from rich.text import Text
 
 from robocell._core import atomic_write
-from robocell.cli.common import ExitCode, print_warning
-from robocell.generate.totals import counted
+from robocell.cli.common import ExitCode, print_warning, print_wide
+
+if TYPE_CHECKING:
+    from robocell.evaluate import Evaluation
 
 
 def evaluate(
@@ -88,15 +93,7 @@ def evaluate(
     if as_json:
         print(result.to_json())
     else:
-        low, high = (100 * bound for bound in result.interval)
-        rate = 100 * result.successes / result.trials if result.trials else 0
-        print(f"policy:   {policy}")
-        print(
-            f"success:  {rate:.0f} % ({result.successes} of {result.trials}), "
-            f"95 % interval {low:.0f} ... {high:.0f} %"
-        )
-        if result.policy_errors:
-            print(f"errors:   {counted(result.policy_errors, 'rollout')} ended by the policy's own")
+        print_wide(_table(result))
         if result.failures:
             counts = ", ".join(f"{reason} {count}" for reason, count in result.failures.items())
             print(f"failures: {counts}")
@@ -111,3 +108,20 @@ def evaluate(
         print_warning("errors of the policy ended every rollout, see above: it was not evaluated")
     if result.unmade or every:
         raise typer.Exit(ExitCode.INCOMPLETE)
+
+
+def _table(result: Evaluation) -> Table:
+    low, high = (100 * bound for bound in result.interval)
+    table = Table(box=SIMPLE)
+    columns = {
+        "policy": result.policy,
+        "success": f"{result.successes}/{result.trials}",
+        "rate": f"{100 * result.rate:.0f} %",
+        "95 % interval": f"{low:.0f} ... {high:.0f} %",
+        "mean length": f"{result.mean_length:.1f}",
+        "errors": str(result.policy_errors),
+    }
+    for name in columns:
+        table.add_column(name, justify="left" if name == "policy" else "right", no_wrap=True)
+    table.add_row(*map(Text, columns.values()))
+    return table
