@@ -21,6 +21,7 @@ RUNS = (
     rc.tasks.PickTaskConfig,
     rc.tasks.PickAndPlaceTaskConfig,
     rc.tasks.StartConfig,
+    rc.scenes.ObjectPlace,
     rc.scenes.SceneSourceSpec,
     FilesScenes,
     rc.render.CameraSystemConfig,

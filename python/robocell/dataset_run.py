@@ -16,6 +16,13 @@ from robocell._core import (
     recorded_scene,
 )
 
+# What is said of a kind that nobody registered, and what is to be done of the run of a dataset.
+OWN_KIND = re.compile(r"of your own is registered before: .*")
+BY_NAME = (
+    "of your own is in a module, and a dataset imports none by itself: name it with --import "
+    "my_tasks.py on the command line, or with imports=['my_tasks.py'] in Python"
+)
+
 
 def plan_numbers(ids: Sequence[str]) -> list[tuple[int, int]]:
     """Returns scene and episode of each id, such as (3, 1) of 's0003_e0001'."""
@@ -50,20 +57,6 @@ def _recorded_houses(folder: Path) -> list[int] | None:
     return max(known, key=lambda report: report.commands[-1].finished).houses if known else None
 
 
-def _configuration(identity: str, folder: Path) -> RunConfig:
-    """Reads what identifies the run of a dataset. SpecError for kinds that are not registered."""
-    try:
-        return RunConfig.from_yaml(identity, str(folder), overrides=['output="unset"'])
-    except SpecError as error:
-        reason, own_kind, _ = str(error).partition(" of your own is registered before")
-        if not own_kind:
-            raise
-        raise SpecError(
-            f"{reason} of your own is in a module, and a dataset imports none by itself: name it "
-            "with imports=['my_tasks.py'] in Python, or --import my_tasks.py on the command line"
-        ) from None
-
-
 def run_of_dataset(source: str | Path) -> RunConfig:
     """The cell of a dataset: robot, task, scenes, rates and cameras, with the models that it keeps.
 
@@ -82,7 +75,7 @@ def run_of_dataset(source: str | Path) -> RunConfig:
             f"'{folder}' was recorded from {what}, not made by a run, so there is no run to go on "
             "with; robocell.envs.from_dataset makes the environment of a recorded one"
         )
-    run = _configuration(str(metadata["identity"]), folder)
+    run = _run_of_text(str(metadata["identity"]), str(folder))
     config = recorded_scene(first).robots[0].config
     if config is None:
         raise ArgumentError(f"'{folder}': the scene of '{first.id}' has no robot configuration")
@@ -107,3 +100,14 @@ def run_of_dataset(source: str | Path) -> RunConfig:
     if files:
         run.scenes.files = files
     return run
+
+
+def _run_of_text(text: str, dataset: str) -> RunConfig:
+    """The run in the metadata of an episode, whose lines and columns nobody can look up."""
+    try:
+        return RunConfig.from_yaml(text, dataset, overrides=['output="unset"'])
+    except SpecError as error:
+        said = re.sub(rf"{re.escape(dataset)}:\d+:\d+: ", "", str(error))
+        said = re.sub(rf"^{re.escape(dataset)} is not valid(: |, )", "", said)
+        said = OWN_KIND.sub(BY_NAME, said)
+        raise SpecError(f"the run that made '{dataset}': {said}") from error

@@ -285,7 +285,8 @@ def test_a_module_that_is_missing_is_asked_for(run_file: Path, tmp_path: Path):
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     for said in (done.stderr, refusal("evaluate", out, "--policy", "expert")):
         assert "no task 'stack'" in said
-        assert "imports=['my_tasks.py'] in Python, or --import my_tasks.py" in said
+        assert "name it with --import my_tasks.py on the command line" in said
+        assert "or with imports=['my_tasks.py'] in Python" in said
 
 
 def test_all_that_a_module_imports_is_its_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
