@@ -8,12 +8,15 @@ are made anew only if the notebook, the package or the extension changed.
 
 from __future__ import annotations
 
+import shutil
 import sys
+import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import nbformat
+from jupyter_client import AsyncKernelManager
 from nbclient import NotebookClient
 from nbclient.exceptions import CellExecutionError
 
@@ -36,13 +39,15 @@ def execute(notebook: Path) -> Path:
     if result.exists() and result.stat().st_mtime > changed:
         return result
     folder = EXECUTED / notebook.stem
-    folder.mkdir(parents=True, exist_ok=True)
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
     for name in ("examples", "models"):
-        if not (folder / name).exists():
-            (folder / name).symlink_to(ROOT / name)
+        (folder / name).symlink_to(ROOT / name)
     content = nbformat.read(notebook, as_version=4)
-    client = NotebookClient(content, timeout=120, resources={"metadata": {"path": str(folder)}})
-    client.execute()
+    resources = {"metadata": {"path": str(folder)}}
+    with tempfile.TemporaryDirectory(prefix="robocell_") as sockets:
+        kernel = AsyncKernelManager(kernel_name="python3", transport="ipc", ip=f"{sockets}/kernel")
+        NotebookClient(content, km=kernel, timeout=120, resources=resources).execute()
     result.write_text(nbformat.writes(content))
     return result
 

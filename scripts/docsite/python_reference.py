@@ -1,13 +1,14 @@
 """Writes one page for each topic of the Python package; mkdocstrings fills in the docstrings.
 
 The names of a page are those of the module's ``__all__``. The extension's classes are read from
-its stubs, `_core.pyi`, which the build writes: they are put beside the package's sources in a
-folder of links, so that nothing is imported while the site is built.
+its stubs, `_core.pyi`, which the build writes: they are copied beside links to the package's
+sources, so that nothing is imported while the site is built.
 """
 
 from __future__ import annotations
 
 import ast
+import shutil
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -55,17 +56,20 @@ def public_names(file: Path) -> list[str]:
 
 
 def link_package(folder: Path) -> None:
-    """Fills `folder` with links to the package's sources and its stubs."""
+    """Fills `folder` with links to the package's sources, and with its stubs."""
     if not list(STUBS.glob("_core*")):
         raise FileNotFoundError(f"no stubs in {STUBS}; run `make` first")
     package = folder / "robocell"
-    package.mkdir(parents=True, exist_ok=True)
-    for old in package.iterdir():
-        old.unlink()
-    stubs = [*STUBS.glob("_core.pyi"), *STUBS.glob("_core")]
-    for file in [*PACKAGE.iterdir(), *stubs]:
+    shutil.rmtree(package, ignore_errors=True)
+    package.mkdir(parents=True)
+    for file in PACKAGE.iterdir():
         if file.name != "__pycache__":
             (package / file.name).symlink_to(file)
+    for stub in [*STUBS.glob("_core.pyi"), *STUBS.glob("_core/*.pyi")]:
+        target = package / stub.relative_to(STUBS)
+        target.parent.mkdir(exist_ok=True)
+        # info['robots'][name] is no link of Markdown.
+        target.write_text(stub.read_text().replace("'][", "']&#91;"))
 
 
 def topic_page(topic: str) -> str:

@@ -47,6 +47,9 @@ class Repository:
         """Adds `PAGES` and everything that pages link to."""
         for file in files:
             self._know(f"docs/{file.src_uri}", file.src_uri)
+        for notebook in sorted((ROOT / "docs" / "notebooks").glob("*.ipynb")):
+            self.in_site[f"docs/notebooks/{notebook.name}"] = f"notebooks/{notebook.stem}.md"
+        self.in_site["docs/notebooks"] = "notebooks/01_scene_and_control.md"
         for path, uri in PAGES.items():
             self._know(path, uri)
             files.append(File.generated(config, uri, content=(ROOT / path).read_text()))
