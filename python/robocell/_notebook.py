@@ -10,6 +10,7 @@ import base64
 import html
 import tempfile
 from collections.abc import Callable, Iterable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -75,7 +76,10 @@ def view_of(scene: _core.Scene, size: float | None = None) -> _core.OrbitCamera:
     if not robots:
         model = scene.model
         return _core.OrbitCamera(
-            lookat=tuple(model.stat.center), distance=2 * model.stat.extent, azimuth=135, elevation=-25
+            lookat=tuple(model.stat.center),
+            distance=2 * model.stat.extent,
+            azimuth=135,
+            elevation=-25,
         )
     points = [
         point
@@ -136,11 +140,17 @@ def robot_html(robot: _core.Robot) -> str:
     return page(shown, rows, f"Robot '{robot.name}'")
 
 
+def instruction_of(episode: _core.Episode) -> str:
+    """The sentence that a policy got; empty if there was none."""
+    metadata: Any = episode.metadata
+    return str(metadata.get("instruction", ""))
+
+
 def episode_html(episode: _core.Episode) -> str:
     """The middle image of each colour stream, the result, and the columns."""
     rows: list[Row] = [
         ("result", "success" if episode.success else f"failure: {episode.end_reason}"),
-        ("instruction", episode.metadata.get("instruction", "")),
+        ("instruction", instruction_of(episode)),
         ("rows", episode.rows()),
         ("streams", listed(episode.streams)),
         ("columns", len(episode.columns)),
@@ -148,7 +158,7 @@ def episode_html(episode: _core.Episode) -> str:
     ]
     shown: list[str] = []
     for stream in episode.cameras:
-        shown += picture_of(lambda stream=stream: episode.frame(stream, episode.rows() // 2), stream)  # type: ignore[misc]
+        shown += picture_of(partial(episode.frame, stream, episode.rows() // 2), stream)
     return page(shown, [row for row in rows if row[1] != ""], f"Episode {episode.id}")
 
 
@@ -157,8 +167,8 @@ def dataset_html(dataset: _core.Dataset) -> str:
     rows: list[Row] = [("episodes", len(dataset))]
     for episode in dataset[:MOST_ROWS]:
         result = "success" if episode.success else f"failure: {episode.end_reason}"
-        instruction = episode.metadata.get("instruction", "")
-        rows.append((episode.id, f"{episode.rows()} rows, {result}, {instruction}".rstrip(", ")))
+        line = f"{episode.rows()} rows, {result}, {instruction_of(episode)}"
+        rows.append((episode.id, line.rstrip(", ")))
     if len(dataset) > MOST_ROWS:
         rows.append(("…", f"{len(dataset) - MOST_ROWS} more"))
     return page([], rows, f"Dataset {dataset.folder}")

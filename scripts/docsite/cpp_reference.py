@@ -15,7 +15,9 @@ from pathlib import Path
 SRC = Path(__file__).resolve().parents[2] / "src"
 START = ("robocell/robocell.h", "robocell/kinematics/kdl_bridge.h")
 INCLUDE = re.compile(r'^#include "(robocell/[^"]+)"', re.MULTILINE)
-TYPE = re.compile(r"^(?:template <[^;{]*?>\s*)?(class|struct|enum class|enum|union|concept)\s+(\w+)")
+TYPE = re.compile(
+    r"^(?:template <[^;{]*?>\s*)?(class|struct|enum class|enum|union|concept)\s+(\w+)"
+)
 ALIAS = re.compile(r"^(?:template <[^;{]*?>\s*)?(?:using|concept)\s+(\w+)\s*=")
 FUNCTION = re.compile(r"([\w~]+|operator\s*[^\s(]+|operator\(\))\s*\(")
 CONSTANT = re.compile(r"(\w+)\s*(?:\[[^\]]*\])?\s*[={;]")
@@ -33,7 +35,7 @@ class Declaration:
     def names(self) -> list[str]:
         """What is declared, each name once, types with their keyword."""
         found = [name_of(code) for code in self.code]
-        return list(dict.fromkeys(name for name in found if name))
+        return list(dict.fromkeys(name for name in found if name and not name.startswith("__")))
 
 
 def public_headers() -> list[str]:
@@ -161,7 +163,9 @@ def without_private(lines: list[str]) -> Iterator[str]:
             i += 1
         elif re.match(r"^  [^ /}#]", line):
             code, i = statement(lines, i)
-            inner = "\n".join(piece[2:] if piece.startswith("  ") else piece for piece in code.split("\n"))
+            inner = "\n".join(
+                piece[2:] if piece.startswith("  ") else piece for piece in code.split("\n")
+            )
             is_type = re.match(r"^(template <[^;{]*?>\s*)?(class|struct|union|enum)", inner)
             yield from (code if is_type else indented(without_body(inner))).split("\n")
         else:
@@ -188,7 +192,9 @@ def without_body(code: str) -> str:
             return code
         elif match[0] == "{" and depth == 0:
             head = code[: match.start()].rstrip()
-            return re.sub(r"\)(\s*(?:const|noexcept)*)\s*:\s.*$", r")\1", head, flags=re.DOTALL) + ";"
+            return (
+                re.sub(r"\)(\s*(?:const|noexcept)*)\s*:\s.*$", r")\1", head, flags=re.DOTALL) + ";"
+            )
     return code
 
 
@@ -251,7 +257,12 @@ def pages() -> dict[str, str]:
     index = ["# C++ headers", "", "`#include <robocell/robocell.h>` includes the whole interface."
              " Each header can also be included alone.", ""]  # fmt: skip
     for folder, headers in by_folder.items():
-        index += [f"## {folder.removeprefix('robocell/')}", "", "| header | declares | about |", "|---|---|---|"]
+        index += [
+            f"## {folder.removeprefix('robocell/')}",
+            "",
+            "| header | declares | about |",
+            "|---|---|---|",
+        ]
         for header in headers:
             uri = f"{header.removesuffix('.h')}.md"
             lines = (SRC / header).read_text().split("\n")
@@ -261,5 +272,5 @@ def pages() -> dict[str, str]:
             index.append(f"| [`{Path(header).name}`]({uri}) | {shown} | {summary(header)} |")
             out[f"reference/cpp/{uri}"] = page(header)
         index.append("")
-    out["reference/cpp/index.md"] = "\n".join(index)
+    out["reference/cpp/headers.md"] = "\n".join(index)
     return out

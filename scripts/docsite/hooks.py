@@ -41,7 +41,6 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Adds the pages that are made from the repository's files."""
-    repository.__init__()  # type: ignore[misc]  # `mkdocs serve` builds several times
     repository.add_pages(files, config)
     for uri, content in {**cpp_reference.pages(), **python_reference.pages()}.items():
         files.append(File.generated(config, uri, content=content))

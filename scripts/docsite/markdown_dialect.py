@@ -32,8 +32,9 @@ def for_python_markdown(markdown: str) -> str:
                 out.append("")
         elif previous.strip() and needs_empty_line(previous, line):
             out.append("")
-        nested = in_list and line.startswith("  ")
-        out.append(wider_indent(line) if nested and (found or not fence) else line)
+        if in_list and line.startswith("  "):
+            line = "  " + line if fence and not found else wider_indent(line)
+        out.append(line)
     return "\n".join(out)
 
 

@@ -75,9 +75,7 @@ def link_package(folder: Path) -> None:
 def topic_page(topic: str) -> str:
     """The page of a module."""
     members = "".join(f"\n        - {name}" for name in public_names(source(topic)))
-    return (
-        f"# robocell.{topic}\n\n::: robocell.{topic}\n    options:\n      members:{members}\n"
-    )
+    return f"# robocell.{topic}\n\n::: robocell.{topic}\n    options:\n      members:{members}\n"
 
 
 def index() -> str:
@@ -88,13 +86,18 @@ def index() -> str:
         " of its topic.", "", "| module | about | names |", "|---|---|---|",
     ]  # fmt: skip
     for topic, about in TOPICS.items():
-        names = ", ".join(
-            f"[`{name}`][robocell.{topic}.{name}]" for name in public_names(source(topic))
-        )
+        names = ", ".join(linked(topic, name) for name in public_names(source(topic)))
         parts.append(f"| [`{topic}`]({topic}.md) | {about} | {names} |")
     top = sorted(set(public_names(PACKAGE / "__init__.py")) - {*TOPICS})
     parts += ["", "## At the top", "", ", ".join(f"`rc.{name}`" for name in top), ""]
     return "\n".join(parts)
+
+
+def linked(topic: str, name: str) -> str:
+    """A link to the name; a constant without documentation has none."""
+    if name.isupper():
+        return f'<autoref optional identifier="robocell.{topic}.{name}">`{name}`</autoref>'
+    return f"[`{name}`][robocell.{topic}.{name}]"
 
 
 def pages() -> dict[str, str]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 import re
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
 
 from mkdocs.config.defaults import MkDocsConfig
@@ -45,6 +46,8 @@ class Repository:
 
     def add_pages(self, files: Files, config: MkDocsConfig) -> None:
         """Adds `PAGES` and everything that pages link to."""
+        self.in_site.clear()  # `mkdocs serve` builds several times
+        self.in_repository.clear()
         for file in files:
             self._know(f"docs/{file.src_uri}", file.src_uri)
         for notebook in sorted((ROOT / "docs" / "notebooks").glob("*.ipynb")):
@@ -72,9 +75,7 @@ class Repository:
             link = os.path.relpath(found, os.path.dirname(uri) or ".")
             return f"{match[1]}{link}{'#' + heading if heading else ''}{match[3]}"
 
-        return outside_fences(
-            markdown, lambda text: IMAGE_TAG.sub(new, LINK.sub(new, text))
-        )
+        return outside_fences(markdown, lambda text: IMAGE_TAG.sub(new, LINK.sub(new, text)))
 
     def _know(self, path: str, uri: str) -> None:
         self.in_site[path] = uri
@@ -91,7 +92,7 @@ class Repository:
             files.append(File.generated(config, f"files/{path}.md", content=content))
 
 
-def outside_fences(markdown: str, change) -> str:  # type: ignore[no-untyped-def]
+def outside_fences(markdown: str, change: Callable[[str], str]) -> str:
     """The page with `change` applied to everything but code blocks."""
     parts, end = [], 0
     for fence in FENCE.finditer(markdown):

@@ -55,10 +55,11 @@ def commands(page: Path) -> list[Command]:
 
 
 def run(line: str, folder: Path) -> list[str]:
-    """What a command prints, standard error included, without colours; 100 columns wide."""
-    robocell = f'robocell() {{ "{sys.executable}" -m robocell "$@"; }}; python() {{ "{sys.executable}" "$@"; }}; '
+    """What a command prints, standard error included, without colours."""
+    python = f'python() {{ "{sys.executable}" "$@"; }}\n'
+    robocell = 'robocell() { python -m robocell "$@"; }\n'
     done = subprocess.run(
-        ["bash", "-c", robocell + line],
+        ["bash", "-c", python + robocell + line],
         cwd=folder,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
