@@ -18,6 +18,8 @@ from mkdocs.structure.pages import Page
 from repository import Repository
 
 BUILD = Path(__file__).resolve().parents[2] / "build" / "site"
+# By folder: what a reader wants to do comes before the reference.
+SEARCH_BOOST = {"howto": 4, "tutorials": 2, "troubleshooting.md": 2, "reference": 0.5, "files": 0.2}
 repository = Repository()
 
 
@@ -50,7 +52,9 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 
 def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
-    """Links and lists as the site needs them."""
+    """Links and lists as the site needs them; which pages the search shows first."""
+    folder = page.file.src_uri.split("/")[0]
+    page.meta.setdefault("search", {"boost": SEARCH_BOOST.get(folder, 1)})
     if page.file.src_uri.startswith(("reference/python", "files/")):
         return markdown
     return for_python_markdown(repository.rewritten(markdown, page.file.src_uri))

@@ -118,14 +118,14 @@ def file_page(path: str) -> str:
     """A page that shows a text file."""
     text = (ROOT / path).read_text()
     language = LANGUAGES.get(Path(path).suffix, "text")
-    return f"---\nsearch:\n  boost: 0.3\n---\n# {path}\n````{language}\n{text}\n````\n"
+    return f"# {path}\n````{language}\n{text}\n````\n"
 
 
 def folder_page(path: str) -> str:
     """A page that shows the files of a folder, those that git knows."""
     command = ["git", "ls-files", "--cached", "--others", "--exclude-standard", path]
     listing = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
-    parts = [f"---\nsearch:\n  boost: 0.3\n---\n# {path}"]
+    parts = [f"# {path}"]
     for name in listing.splitlines():
         if Path(name).suffix in LANGUAGES:
             language = LANGUAGES[Path(name).suffix]
