@@ -53,7 +53,8 @@ build-python: setup
 
 # The documentation site, into build/site/html, and the notebooks, which are run if they or the package changed. A
 # warning is an error.
-build_site = NO_MKDOCS_2_WARNING=1 $(PYTHON) -m mkdocs build --strict --quiet
+build_site = mkdir -p build/site; NO_MKDOCS_2_WARNING=1 $(PYTHON) -m mkdocs build --strict >build/site/build.log 2>&1 \
+  || { cat build/site/build.log; exit 1; }
 
 # configure PRESET [options]: quiet when it goes well, the whole log when it does not
 configure = configure() { preset=$$1; shift; mkdir -p build/$$preset; \

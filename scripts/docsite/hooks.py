@@ -5,19 +5,29 @@ mkdocs.yml names this file. Nothing here needs a network.
 
 from __future__ import annotations
 
+import re
+import sys
+import tomllib
 from pathlib import Path
 from typing import Any
+
+sys.path.append(str(Path(__file__).resolve().parents[1]))  # for check_docs
 
 import cpp_reference
 import notebook_pages
 import python_reference
 from markdown_dialect import for_python_markdown
 from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 from repository import Repository
 
-BUILD = Path(__file__).resolve().parents[2] / "build" / "site"
+from check_docs import anchor
+
+ROOT = Path(__file__).resolve().parents[2]
+BUILD = ROOT / "build" / "site"
+EXTERNAL = re.compile(r"<(?:script|link|img|iframe|source)\b[^>]*?(?:src|href)=\"(https?:[^\"]+)")
 # By folder: what a reader wants to do comes before the reference.
 SEARCH_BOOST = {"howto": 4, "tutorials": 2, "troubleshooting.md": 2, "reference": 0.5, "files": 0.2}
 repository = Repository()
@@ -25,8 +35,6 @@ repository = Repository()
 
 def slug(heading: str, separator: str = "-") -> str:
     """The anchor of a heading, as web views of the repository make it."""
-    from check_docs import anchor
-
     return anchor(heading)
 
 
@@ -36,7 +44,9 @@ def on_startup(**_: Any) -> None:
 
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
-    """Gives headings the anchors that links between pages use."""
+    """Names the version; gives headings the anchors that links between pages use."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    config.site_name = f"robocell {project['version']}"
     config.mdx_configs.setdefault("toc", {})["slugify"] = slug
     return config
 
@@ -58,3 +68,15 @@ def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
     if page.file.src_uri.startswith(("reference/python", "files/")):
         return markdown
     return for_python_markdown(repository.rewritten(markdown, page.file.src_uri))
+
+
+def external_resources(html: str) -> list[str]:
+    """Scripts, style sheets and pictures that a page loads from the web."""
+    return EXTERNAL.findall(html)
+
+
+def on_post_page(output: str, page: Page, **_: Any) -> str:
+    """Rejects pages that need a network to be read."""
+    if found := external_resources(output):
+        raise PluginError(f"{page.file.src_uri} loads from the web: {', '.join(found)}")
+    return output
