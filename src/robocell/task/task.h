@@ -90,6 +90,9 @@ class Task {
   // In runs: where the robot's base may stand around the first of objects(), as far as `start` of
   // the run does not say.
   virtual BaseRange base_range() const { return {}; }
+  // In runs: objects that start on, inside or next to something, by their names, as far as
+  // `start.places` of the run does not say. The others lie on the support.
+  virtual Map<ObjectPlace> places() const { return {}; }
   // Why an episode that ran out of time is no success, in few words for counting.
   virtual std::string why_not_done() const { return "the task was not done"; }
 
