@@ -19,6 +19,7 @@ import nbformat
 from jupyter_client import AsyncKernelManager
 from nbclient import NotebookClient
 from nbclient.exceptions import CellExecutionError
+from python_reference import PACKAGE, STUBS
 
 ROOT = Path(__file__).resolve().parents[2]
 NOTEBOOKS = ROOT / "docs" / "notebooks"
@@ -27,8 +28,7 @@ EXECUTED = ROOT / "build" / "site" / "notebooks"
 
 def newest_source() -> float:
     """When the package or its extension last changed."""
-    stubs = ROOT / "build" / "release" / "python" / "robocell"
-    files = [*(ROOT / "python" / "robocell").rglob("*.py"), *stubs.glob("_core*")]
+    files = [*PACKAGE.rglob("*.py"), *STUBS.glob("_core*")]
     return max(file.stat().st_mtime for file in files)
 
 
@@ -47,7 +47,9 @@ def execute(notebook: Path) -> Path:
     resources = {"metadata": {"path": str(folder)}}
     with tempfile.TemporaryDirectory(prefix="robocell_") as sockets:
         kernel = AsyncKernelManager(kernel_name="python3", transport="ipc", ip=f"{sockets}/kernel")
-        NotebookClient(content, km=kernel, timeout=120, resources=resources).execute()
+        NotebookClient(content, km=kernel, timeout=300, resources=resources).execute(
+            cleanup_kc=True
+        )
     result.write_text(nbformat.writes(content))
     return result
 

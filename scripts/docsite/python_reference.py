@@ -8,12 +8,13 @@ sources, so that nothing is imported while the site is built.
 from __future__ import annotations
 
 import ast
+import os
 import shutil
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "python" / "robocell"
-STUBS = ROOT / "build" / "release" / "python" / "robocell"
+STUBS = ROOT / (os.environ.get("ROBOCELL_BUILD") or "build/release") / "python" / "robocell"
 # Module and what the table of topics says about it, in the order of the navigation.
 TOPICS = {
     "robots": "robot files, attachments, `Robot` and its move groups",
