@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace robocell {
+namespace robocell::internal {
 
 SceneFeatures::SceneFeatures(Scene scene, std::vector<Robot> robots,
                              const std::vector<std::string>& objects)
@@ -41,4 +41,4 @@ void SceneFeatures::Read(std::span<double> out) {
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

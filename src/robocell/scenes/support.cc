@@ -39,7 +39,7 @@ std::vector<std::string> SitesInPlace(const Scene& scene) {
   for (const std::string& object : scene.parked_objects()) {
     const int root = FindId(m, mjOBJ_BODY, scene.compiled()->object(object).root_body);
     std::erase_if(sites, [&](const std::string& site) {
-      return IsInSubtree(m, m->site_bodyid[FindId(m, mjOBJ_SITE, site)], root);
+      return internal::IsInSubtree(m, m->site_bodyid[FindId(m, mjOBJ_SITE, site)], root);
     });
   }
   return sites;
@@ -182,11 +182,11 @@ class LevelFaces {
   static constexpr double kBeforeAll = 1e6;
 
   std::optional<Support> FaceOf(int g) const {
-    if (m_->geom_type[g] != mjGEOM_BOX || !IsCollisionGeom(m_, g)) return std::nullopt;
+    if (m_->geom_type[g] != mjGEOM_BOX || !internal::IsCollisionGeom(m_, g)) return std::nullopt;
     const int body = m_->geom_bodyid[g];
     if (m_->body_dofnum[m_->body_weldid[body]] > 0 || IsMocap(body)) return std::nullopt;
     for (const int root : parked_) {
-      if (IsInSubtree(m_, body, root)) return std::nullopt;
+      if (internal::IsInSubtree(m_, body, root)) return std::nullopt;
     }
     const mjData* d = scene_.data();
     const Pose box = Pose::FromTranslationAndMatrix(d->geom_xpos + 3 * g, d->geom_xmat + 9 * g);
