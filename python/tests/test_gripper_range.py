@@ -43,3 +43,34 @@ def test_the_range_of_a_linkage_gripper_is_said_or_measured(tmp_path: Path, meas
     first, second = result.stdout.splitlines()
     assert first == "Gripper finger ranges:"
     assert re.fullmatch(r"    Gripper 'gripper': 0\.00[234] - 0\.089", second), second
+
+
+HAND = """<mujoco model="hand"><compiler angle="radian"/><worldbody><body name="palm">
+<geom type="box" size="0.04 0.06 0.02" mass="0.4"/>
+<body name="left" pos="0 0.04 0.05"><joint name="left" type="slide" axis="0 1 0"
+range="-0.04 0.01" damping="5"/><geom type="box" size="0.012 0.006 0.04" mass="0.05"/></body>
+<body name="right" pos="0 -0.04 0.05"><joint name="right" type="slide" axis="0 -1 0"
+range="-0.04 0.01" damping="5"/><geom type="box" size="0.012 0.006 0.04" mass="0.05"/></body>
+</body></worldbody><equality><joint joint1="left" joint2="right"/></equality>
+<actuator><position name="grip" joint="left" kp="800" kv="10" ctrlrange="-0.04 0.01"/></actuator>
+</mujoco>"""
+
+
+def test_a_hand_without_an_arm_is_measured_and_checked(tmp_path: Path):
+    (tmp_path / "hand.xml").write_text(HAND)
+    path = tmp_path / "hand.yaml"
+    path.write_text(
+        "name: hand\nmodel: hand.xml\nmove_groups:\n  gripper: {kind: gripper, "
+        "joints: [left, right], actuators: grip, fingers: [{body: left}, {body: right}]}\n"
+    )
+    result = robocell_command("gripper-range", path)
+    assert result.returncode == 0, result.stderr
+    assert "Gripper 'gripper': 0.000 - 0.088" in result.stdout
+    result = robocell_command("check", path, "--picture", tmp_path / "hand.png")
+    assert result.returncode == 0, result.stderr
+    assert "nothing found wrong" in result.stdout
+    assert "no robot for pick tasks" in result.stdout
+    assert "reach:" not in result.stdout
+    refused = robocell_command("reach", path, "--plane", "z=0.4")
+    assert refused.returncode == 2
+    assert "robot 'hand' has no arm group" in refused.stderr

@@ -17,7 +17,7 @@ def gripper_range(
     robot_file: Annotated[Path, typer.Argument(metavar="ROBOT.yaml", help="The robot file.")],
 ) -> None:
     """Print the distance between each gripper's fingers, closed and open, in metres."""
-    robot = load_robot(robot_file).robot
+    robot = load_robot(robot_file, needs_arm=False).robot
     lines = range_lines(robot)
     if not lines:
         kinds = ", ".join(f"{name} ({robot.group(name).kind})" for name in robot.group_names)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NoReturn
 
 from robocell import Robot, RobotConfig, RobotSpec, Scene, SceneSpec
 from robocell.cli.common import fail, require_spec_file
@@ -20,12 +21,22 @@ class RobotScene:
     scene: Scene
     robot: Robot
 
+    @property
+    def has_arm(self) -> bool:
+        """False for a hand alone."""
+        return MoveGroupKind.ARM in _kinds(self.config)
 
-def load_robot(path: Path) -> RobotScene:
-    """Reads the file and builds the scene; robocell's errors name what is wrong."""
+
+def load_robot(path: Path, *, needs_arm: bool = True) -> RobotScene:
+    """Reads the file and builds the scene; robocell's errors name what is wrong.
+
+    Without `needs_arm` a hand alone will do: a robot with a gripper.
+    """
     require_spec_file(path, RobotConfig)
     config = RobotConfig.load(path)
-    _require_arm(path, config)
+    needed = {MoveGroupKind.ARM} if needs_arm else {MoveGroupKind.ARM, MoveGroupKind.GRIPPER}
+    if not needed & _kinds(config):
+        _fail_without_arm(path, config)
     spec = SceneSpec(name=config.name, timestep=TIMESTEP_S, add_floor=True, add_skybox=True)
     spec.robots.append(
         RobotSpec(name=config.name, config=config, control_modes=config.used_modes())
@@ -34,10 +45,12 @@ def load_robot(path: Path) -> RobotScene:
     return RobotScene(config, scene, Robot.of(scene, config.name))
 
 
-def _require_arm(path: Path, config: RobotConfig) -> None:
-    """Without an arm there is nothing to look at; says what the model has to make one of."""
-    if any(group.kind == MoveGroupKind.ARM for group in config.move_groups.values()):
-        return
+def _kinds(config: RobotConfig) -> set[MoveGroupKind]:
+    return {group.kind for group in config.move_groups.values()}
+
+
+def _fail_without_arm(path: Path, config: RobotConfig) -> NoReturn:
+    """Says what the model has to make an arm of."""
     fail(
         f"{path}: robot '{config.name}' has no arm group. Declare one, with the joints from "
         "its base to its tool:\n  move_groups:\n"

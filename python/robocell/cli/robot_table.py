@@ -83,16 +83,17 @@ def frames_table(loaded: RobotScene) -> Table:
 
 
 def summary_lines(loaded: RobotScene) -> list[str]:
-    """Name, model, base, groups, reach, keyframes, gripper range."""
+    """Name, model, base, groups, reach of an arm, keyframes, gripper range."""
     config, robot = loaded.config, loaded.robot
     groups = (f"{name} ({robot.group(name).kind})" for name in robot.group_names)
     lines = [
         f"robot '{robot.name}' from {config.model}",
         f"base: {base_text(config)}",
         f"move groups: {', '.join(groups)}",
-        f"reach: {robot.reach:.3f} m from the base to the TCP",
-        f"keyframes: {', '.join(loaded.scene.keyframes())}",
     ]
+    if loaded.has_arm:
+        lines.append(f"reach: {robot.reach:.3f} m from the base to the TCP")
+    lines.append(f"keyframes: {', '.join(loaded.scene.keyframes())}")
     ranges = range_lines(robot)
     return [*lines, "Gripper finger ranges:", *ranges, *ctrl_lines(robot)] if ranges else lines
 
