@@ -68,6 +68,24 @@ class TestModelPaths:
         with pytest.raises(RuntimeError, match=r"^MJ_KDL_MENAGERIE is '/nonexistent', which holds"):
             mjk.menagerie.model_path("kinova_gen3")
 
+    @pytest.mark.parametrize("variable", ["MJ_KDL_MENAGERIE", "XDG_CACHE_HOME"])
+    def test_robots_of_ones_own_lie_in_a_root_or_the_cache(self, tmp_path, monkeypatch, variable):
+        monkeypatch.setenv(variable, str(tmp_path))
+        cache = mjk.menagerie.cache_dir() / "menagerie"
+        folder = (tmp_path if variable == "MJ_KDL_MENAGERIE" else cache) / "my_arm"
+        folder.mkdir(parents=True)
+        (folder / "left.xml").write_text("<mujoco/>")
+        left = str((folder / "left.xml").resolve())
+        assert mjk.menagerie.model_path("my_arm") == left, "its only model"
+        (folder / "right.xml").write_text("<mujoco/>")
+        assert mjk.menagerie.model_path("my_arm/left.xml") == left
+        for name, wrong in (("my_arm", "no main file"), ("my_arm/lft.xml", "no file 'lft.xml'")):
+            with pytest.raises(
+                RuntimeError, match=f"'my_arm' has {wrong}.*left.xml, right.xml"
+            ) as e:
+                mjk.menagerie.model_path(name)
+            assert "model_path('my_arm/left.xml')" in str(e.value)
+
     def test_of_several_variables_the_nearest_to_the_file_counts(
         self, in_a_fetched_folder, tmp_path, monkeypatch
     ):

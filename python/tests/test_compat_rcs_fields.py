@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 import pytest
 
+import robocell as rc
 import robocell.compat.rcs as rcs
 from rcs_cells import SMALL, built, fr3, minimal
 from robocell.compat.rcs.envs.base import ControlMode, RelativeTo
@@ -32,9 +33,9 @@ def test_ready_made_configurations_are_the_pages():
 
 
 def test_one_number_limits_cartesian_steps_in_metres_and_to_a_quarter_turn(fr3):
-    for limit in (0.05, np.float64(0.05), 1):
+    for limit in (0.05, np.float64(0.05), np.float32(0.05), np.array(0.05), np.int64(1), 1):
         config = minimal(fr3, max_relative_movement=limit).to_env_config()
-        assert config.max_relative_movement == pytest.approx((limit, np.pi / 2))
+        assert config.max_relative_movement == pytest.approx((float(limit), np.pi / 2))
     joints = replace(minimal(fr3, max_relative_movement=0.05), control_mode=ControlMode.JOINTS)
     assert joints.to_env_config().max_relative_movement == pytest.approx((0.05,))
 
@@ -79,6 +80,22 @@ def test_widths_and_collision_geoms_of_grippers_become_robocells():
     assert [geom.name for geom in gripper.collision_geoms] == ["hand_c"]
     assert list(gripper.ignored_collision_geoms) == ["cube_geom"]
     assert SimGripperConfig().to_robot().move_groups["gripper"].joint_range is None
+
+
+@pytest.mark.parametrize("root", ["menagerie:robotiq_2f85", "path"])
+def test_a_gripper_may_be_a_models_path(fr3, root: str):
+    folder = rc.menagerie.folder("robotiq_2f85") if root == "path" else root
+    gripper = SimGripperConfig(
+        gripper_type=f"{folder}/2f85.xml",
+        joints=["right_driver_joint", "left_driver_joint"],
+        actuator="fingers_actuator",
+        min_actuator_width=255,
+        max_actuator_width=0,
+        collision_geoms_fingers=[],
+    )
+    assert gripper.to_robot().name == "2f85"
+    scene = built(minimal(fr3, gripper_cfgs={"robot": gripper}))
+    assert scene.robot("gripperrobot").gripper.opening == pytest.approx(1, abs=0.01)
 
 
 def test_the_width_is_read_between_the_joint_widths(fr3):

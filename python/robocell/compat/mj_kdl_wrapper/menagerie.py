@@ -157,28 +157,45 @@ def _override(variable: str) -> str | None:
     return str(Path(value).resolve())
 
 
-def _below_root(robot: str) -> str | None:
+def _below_root(name: str) -> str | None:
     root = os.environ.get("MJ_KDL_MENAGERIE")
     if not root:
         return None
+    robot = name.partition("/")[0]
     folder = Path(root) / robot
     if not folder.is_dir():
         raise NotFoundError(
             f"MJ_KDL_MENAGERIE is '{root}', which holds no folder '{robot}': correct it, or unset "
             f"it and fetch the robot with mj-kdl-fetch-menagerie"
         )
-    return str((folder / fetching.main_file(robot)).resolve())
+    return _model_in(folder, name)
 
 
-def _in_cache(robot: str) -> str | None:
-    folder, _, file = robot.partition("/")
-    cached = cache_dir() / "menagerie" / folder
+def _in_cache(name: str) -> str | None:
+    robot = name.partition("/")[0]
+    cached = cache_dir() / "menagerie" / robot
     own_root = os.environ.get("MENAGERIE_ROOT")
-    chosen = override_file(robot) is not None or (own_root and (Path(own_root) / folder).is_dir())
-    if chosen or not cached.is_dir():
-        return None
-    path = cached / (file or fetching.main_file(folder))
-    return str(path.resolve()) if path.is_file() else None
+    chosen = override_file(name) is not None or (own_root and (Path(own_root) / robot).is_dir())
+    return None if chosen or not cached.is_dir() else _model_in(cached, name)
+
+
+def _model_in(folder: Path, name: str) -> str:
+    """The file that a name means in its robot's folder; NotFoundError lists the models there."""
+    robot, _, file = name.partition("/")
+    models_here = sorted(path.name for path in folder.glob("*.xml"))
+    if not file:
+        with contextlib.suppress(NotFoundError):  # none of the Menagerie's, but one's own
+            file = fetching.main_file(robot)
+        if not file and len(models_here) == 1:
+            file = models_here[0]
+    if file and (folder / file).is_file():
+        return str((folder / file).resolve())
+    wrong = f"no file '{file}'" if file else "no main file: it is not one of the Menagerie's robots"
+    example = difflib.get_close_matches(file, models_here, 1) or models_here or ["MODEL.xml"]
+    raise NotFoundError(
+        f"robot '{robot}' has {wrong}. The models in {folder}: {', '.join(models_here) or 'none'}. "
+        f"Name one of them, such as model_path('{robot}/{example[0]}')"
+    )
 
 
 def _cached_asset(rel: str, model: str = "") -> str | None:

@@ -8,6 +8,7 @@ import os
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from pathlib import PurePath
 from typing import Any
 
 import robocell as rc
@@ -174,7 +175,7 @@ class SimGripperConfig(NamedFields):
         if any(getattr(self, name) != default for name, default in widths.items()):
             group["joint_range"] = {"open": self.max_joint_width, "closed": self.min_joint_width}
         return rc.RobotConfig(
-            name=kind,
+            name=PurePath(kind).stem,  # no name may contain the '/' of a path
             model=GRIPPER_PATHS.get(kind, kind),
             move_groups={"gripper": group},
             collision_geoms=list(self.collision_geoms),

@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 import robocell as rc
 from robocell.compat.rcs._fields import NamedFields
 from robocell.compat.rcs.common import Pose
@@ -115,7 +117,7 @@ class SimEnvCreatorConfig(NamedFields):
     def _step_limit(self) -> Any:
         """One number is metres with Cartesian actions, which then turn by a quarter at most."""
         limit: Any = self.max_relative_movement
-        if isinstance(limit, (int, float)) and self.control_mode != ControlMode.JOINTS:
+        if np.ndim(limit) == 0 and self.control_mode != ControlMode.JOINTS:
             return (limit, math.pi / 2)
         return limit
 

@@ -45,7 +45,10 @@ class BaseTaskConfig(NamedFields):
 
 @dataclass(kw_only=True)
 class PickTaskConfig(BaseTaskConfig):
-    """An object that lies around its place in the root frame and is to be lifted.
+    """An object that lies at its place in the root frame and is to be lifted.
+
+    It begins there at every reset; only its rotation is drawn, with ``include_rotation``. For
+    random places set ``spread`` of the task in ``to_env_config()``.
 
     With the ``task_id`` of a task of one's own that task is about the object.
 
