@@ -296,6 +296,35 @@ TEST(EnvTargetLead, JointsOfABlockedLinkOfAnFr3AreLedLittle) {
   ExpectJointsToBeLedLittle(EnvConfig::Load(assets::BuiltinCellFile("fr3")), kShoulderBehind);
 }
 
+TEST(EnvTargetLead, JointsOfABlockedLinkOfAGen3AreLedLittle) {
+  REQUIRE_MENAGERIE("kinova_gen3", "robotiq_2f85");
+  ExpectJointsToBeLedLittle(EnvConfig::Load(assets::BuiltinCellFile("gen3_2f85")), kShoulderBehind);
+}
+
+// At 30 actions a second its light wrist has to follow at its force limit.
+TEST(EnvTargetLead, AGen3FollowsFreelyWithoutSwinging) {
+  REQUIRE_MENAGERIE("kinova_gen3", "robotiq_2f85");
+  EnvConfig config = EnvConfig::Load(assets::BuiltinCellFile("gen3_2f85"));
+  config.relative_to = RelativeTo::kLastStep;
+  config.max_relative_movement = {};
+  config.sim.on_collision = OnCollision::kReport;
+  Env env(config);
+  env.Reset({.seed = 0});
+  const Robot robot = Robot::Of(env.scene(), env.layout().robots[0].robot);
+  double lead = 0, speed = 0;
+  for (int i = 0; i < 60; ++i) {
+    env.Step(Numbers{0.02, 0, 0, 0, 0, 0, 1, 1});
+    const Numbers q = robot.arm().joint_pos(), qd = robot.arm().joint_vel();
+    const std::span<const double> sent = robot.controller("arm").commanded_joint_pos();
+    for (size_t j = 0; j < q.size(); ++j) {
+      lead = std::max(lead, std::abs(sent[j] - q[j]));
+      speed = std::max(speed, std::abs(qd[j]));
+    }
+  }
+  EXPECT_LT(lead, 0.35);
+  EXPECT_LT(speed, 8);
+}
+
 TEST(EnvTargetLead, JointsOfABlockedLinkOfAPandaAreLedLittle) {
   REQUIRE_MENAGERIE("franka_emika_panda");
   ExpectJointsToBeLedLittle(EnvConfig::Load(assets::BuiltinCellFile("panda")), kShoulderBehind);
