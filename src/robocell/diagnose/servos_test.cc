@@ -2,7 +2,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "robocell/mujoco/names.h"
+#include "robocell/robot/testing/robots.h"
 #include "robocell/scene/testing/arm_with_hand.h"
+#include "robocell/testing/menagerie.h"
 
 namespace robocell {
 namespace {
@@ -46,6 +53,66 @@ TEST_F(ServoRanges, ControlsInDegrees) {
                                    "never ctrlrange: edits: [{actuator: 's2', ctrlrange: [-2.5, "
                                    "2.5]}]"));
   EXPECT_THAT(Warnings({.knee_ctrl = "-7 7"}), IsEmpty());
+}
+
+// The largest speed of the knee on its way to a target half a radian ahead.
+double SpeedOfKnee(Scene scene) {
+  scene.Reset();
+  scene.SetActuatorCtrl("a/s2", 0.5);
+  const int dof = scene.model()->jnt_dofadr[FindId(scene.model(), mjOBJ_JOINT, "a/knee")];
+  double most = 0;
+  for (int i = 0; i < 200; ++i) {
+    EXPECT_TRUE(scene.Step().ok());
+    most = std::max(most, std::abs(scene.data()->qvel[dof]));
+  }
+  return most;
+}
+
+TEST_F(ServoRanges, AServoThatCannotDampAtItsForceLimitIsANoteWhoseEditMendsIt) {
+  ModelText model;
+  model.knee_ctrl += "\" forcerange=\"-5 5";
+  Model(model);
+  const Scene swings = Build();
+  ASSERT_EQ(swings.compiled()->notes().size(), 1u);
+  const std::string& note = swings.compiled()->notes()[0];
+  EXPECT_THAT(note,
+              AllOf(HasSubstr("robot 'arm': servos of 'arm' cannot damp their joints at their "
+                              "force limit with a timestep of 0.002 s (kv dt / inertia, "
+                              "stable up to 2): s2 "),
+                    HasSubstr("edits: [{joint: 'knee', armature: 0.01}]")));
+  EXPECT_GT(SpeedOfKnee(swings), 20);
+
+  const size_t edits = note.find("edits: ");
+  const Scene mended = Build(note.substr(edits, note.find(']') + 1 - edits) + "\n");
+  EXPECT_THAT(mended.compiled()->notes(), IsEmpty());
+  EXPECT_LT(SpeedOfKnee(mended), 6);
+
+  model.knee_ctrl = "-2.5 2.5";  // damped implicitly at any force
+  Model(model);
+  EXPECT_THAT(Build().compiled()->notes(), IsEmpty());
+}
+
+TEST(ServosOfTheMenagerie, OnlyThoseOfTheGen3CannotDampAtTheirForceLimit) {
+  const auto notes_about_damping = [](const char* file, bool with_edits) {
+    SceneSpec spec = EmptyScene();
+    RobotConfig config = LoadShipped(file);
+    if (!with_edits) config.edits.clear();
+    spec.robots.push_back({.name = "robot", .config = config});
+    const Scene scene = Scene::Build(spec);
+    std::string found;
+    for (const std::string& note : scene.compiled()->notes())
+      if (note.find("cannot damp") != std::string::npos) found += note;
+    return found;
+  };
+  for (const auto& [file, model] : {std::pair{"xarm7.yaml", "ufactory_xarm7"},
+                                    {"panda.yaml", "franka_emika_panda"},
+                                    {"fr3_2f85.yaml", "franka_fr3"},
+                                    {"gen3_2f85.yaml", "kinova_gen3"}}) {
+    REQUIRE_MENAGERIE(model);
+    EXPECT_EQ(notes_about_damping((std::string("examples/") + file).c_str(), true), "") << file;
+  }
+  EXPECT_THAT(notes_about_damping("examples/gen3_2f85.yaml", false),
+              AllOf(HasSubstr("joint_7 "), HasSubstr("{joint: 'joint_7', armature: 0.05}")));
 }
 
 TEST_F(ServoRanges, OnlyTheServosThatTheArmIsDrivenBy) {
