@@ -147,10 +147,12 @@ void BindReset(nb::module_& m) {
                   "None = None, use_keyframe: bool = True, seed: int | None = None, body_poses: "
                   "collections.abc.Mapping[str, Pose] | None "
                   "= None) -> None"))
-      .def_rw("keyframe", &ResetOptions::keyframe, nb::arg("value").none(),
-              "The keyframe: its number (0 is home) or its full name ('left_retract', with the "
-              "prefix of its part), or {robot or object: keyframe of its own model}, all others at "
-              "home. None: the scene's home.")
+      .def_rw(
+          "keyframe", &ResetOptions::keyframe, nb::arg("value").none(),
+          "The keyframe: its number (0 is home) or its full name ('left_retract', with the "
+          "prefix of its part), or {robot or object: keyframe of its own model}, for one of them "
+          "also as the text 'left: retract', all others at "
+          "home. None: the scene's home.")
       .def_rw("use_keyframe", &ResetOptions::use_keyframe,
               "False: the model's default configuration.")
       .def_rw("seed", &ResetOptions::seed, nb::arg("value").none(),

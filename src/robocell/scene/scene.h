@@ -44,8 +44,8 @@ class PooledObject;
 using BodyPoses = std::vector<std::pair<std::string, Pose>>;
 
 // A keyframe of the scene: its number, its full name ("left_retract", with the prefix of its part),
-// or, for robots and objects by their names, the keyframes of their own models:
-// {{"left", "retract"}, {"right", "ready"}}. What is not named there is at home.
+// the keyframe of one part's own model ("left: retract"), or those of robots and objects by their
+// names: {{"left", "retract"}, {"right", "ready"}}. What is not named there is at home.
 using KeyframeChoice = std::variant<int, std::string, std::map<std::string, std::string>>;
 
 struct ResetOptions {

@@ -126,6 +126,9 @@ TEST_F(SceneKeys, OfSeveralRobotsAreComposed) {
                    std::map<std::string, std::string>{{"left", "retract"}, {"right", "home"}}}});
   EXPECT_EQ(scene.joint_pos("left_shoulder"), 1);
   EXPECT_EQ(scene.joint_pos("right_shoulder"), 0) << "the model has no home";
+  scene.Reset();
+  scene.Reset({.keyframe = "left: retract"});
+  EXPECT_EQ(scene.joint_pos("left_shoulder"), 1) << "the same as one text";
 }
 
 TEST_F(SceneKeys, ThatAreNotThereAreRefusedWithTheNamesThereAre) {
@@ -136,7 +139,17 @@ TEST_F(SceneKeys, ThatAreNotThereAreRefusedWithTheNamesThereAre) {
       "scene 'test': there is no keyframe 2; the scene has 2: home, left_retract");
   ExpectThrow<NotFoundError>([&] { scene.Reset({.keyframe = "left_retrac"}); },
                              "scene 'test': no keyframe 'left_retrac'. Its keyframes: home, "
-                             "left_retract. Did you mean 'left_retract'?");
+                             "left_retract. Did you mean 'left_retract'? The keyframe 'retract' of "
+                             "the model of 'left' is \"left: retract\", in Python also "
+                             "{\"left\": \"retract\"}");
+  ExpectThrow<NotFoundError>(
+      [&] { scene.Reset({.keyframe = "retract"}); },
+      "scene 'test': no keyframe 'retract'. Its keyframes: home, left_retract. Did you mean "
+      "'left_retract'? The keyframe 'retract' of the model of 'left' is \"left: retract\", in "
+      "Python also {\"left\": \"retract\"}");
+  ExpectThrow<NotFoundError>([&] { scene.Reset({.keyframe = "left: retrct"}); },
+                             "scene 'test' / 'left': no keyframe 'retrct'. Its keyframes: home, "
+                             "retract. Did you mean 'retract'?");
   const auto of = [](const std::string& part, const std::string& key) {
     return ResetOptions{.keyframe = std::map<std::string, std::string>{{part, key}}};
   };

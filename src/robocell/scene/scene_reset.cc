@@ -90,6 +90,38 @@ StartKeys KeysOfParts(const CompiledScene& compiled,
   return keys;
 }
 
+// "left: retract", a part's own keyframe as one text.
+std::optional<std::map<std::string, std::string>> ChoiceOfText(const std::string& text) {
+  const size_t colon = text.find(':');
+  const size_t key = text.find_first_not_of(' ', colon == std::string::npos ? colon : colon + 1);
+  if (colon == std::string::npos || key == std::string::npos) return std::nullopt;
+  return std::map<std::string, std::string>{{text.substr(0, colon), text.substr(key)}};
+}
+
+// How a part's own keyframe is chosen: one of that name, else any; "" without any.
+std::string HowToChooseOfPart(const CompiledScene& compiled, const std::string& name) {
+  const CompiledScene::KeyOwner* shown = nullptr;
+  for (const CompiledScene::KeyOwner& owner : compiled.key_owners()) {
+    if (owner.part.empty() || owner.name.empty()) continue;
+    if (!shown || (owner.name == name && shown->name != name)) shown = &owner;
+  }
+  if (!shown) return "";
+  return fmt::format(
+      " The keyframe '{1}' of the model of '{0}' is \"{0}: {1}\", in Python also "
+      "{{\"{0}\": \"{1}\"}}",
+      shown->part, shown->name);
+}
+
+StartKeys KeysOfName(const CompiledScene& compiled, const std::string& name,
+                     const std::string& context) {
+  const int key = FindId(compiled.model(), mjOBJ_KEY, name);
+  if (key >= 0) return {.start = key};
+  if (const auto choice = ChoiceOfText(name)) return KeysOfParts(compiled, *choice, context);
+  throw NotFoundError(
+      NoSuchName(context, "keyframe", name, ElementNames(compiled.model(), mjOBJ_KEY)) +
+      HowToChooseOfPart(compiled, name));
+}
+
 // Copies the numbers of row `key` that differ from those of row `start`.
 void Overlay(const mjtNum* rows, int start, int key, mjtSize count, mjtNum* out) {
   const mjtNum* from = rows + start * static_cast<ptrdiff_t>(count);
@@ -107,7 +139,7 @@ StartKeys FindStartKeys(const CompiledScene& compiled, const std::optional<Keyfr
   if (const int* number = std::get_if<int>(&*choice))
     return {.start = KeyOfNumber(compiled, *number, context)};
   if (const auto* name = std::get_if<std::string>(&*choice))
-    return {.start = RequireId(compiled.model(), mjOBJ_KEY, *name, context)};
+    return KeysOfName(compiled, *name, context);
   return KeysOfParts(compiled, std::get<std::map<std::string, std::string>>(*choice), context);
 }
 
