@@ -6,6 +6,7 @@
 #include "arrays.h"
 #include "handles.h"
 #include "kinematics.h"
+#include "number_like.h"
 #include "scene_cycles.h"
 #include "values.h"
 #include "robocell/base/error.h"
@@ -97,7 +98,7 @@ void BindJointImpedance(nb::module_& m) {
           "stiffness", [](const C& c) { return Copy(c.stiffness()); },
           [](C& c, nb::handle value) {
             const FieldPath path("stiffness");
-            if (PyFloat_Check(value.ptr()) || PyLong_Check(value.ptr())) {
+            if (IsNumber(value)) {
               const double one = ToDouble(value, path);
               return c.SetStiffness({&one, 1});
             }

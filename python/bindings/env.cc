@@ -13,6 +13,7 @@
 #include "features.h"
 #include "handles.h"
 #include "in_use.h"
+#include "number_like.h"
 #include "scene_sharing.h"
 #include "signals.h"
 #include "values.h"
@@ -65,10 +66,9 @@ void PutNumbers(nb::handle value, const FieldPath& path, const VectorPart& part,
   std::copy(numbers.span().begin(), numbers.span().end(), out.begin() + part.begin);
 }
 
-// A number, also NumPy's and in an array without dimensions, or a list or array of one.
+// A number, or a list or array of one.
 double ToGripper(nb::handle value, const FieldPath& path) {
-  const bool many = PySequence_Check(value.ptr()) != 0 &&
-                    !(nb::hasattr(value, "ndim") && nb::cast<int>(value.attr("ndim")) == 0);
+  const bool many = PySequence_Check(value.ptr()) != 0 && !IsNumber(value);
   return many ? Numbers(value, path, 1)[0] : ToDouble(value, path);
 }
 

@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "number_like.h"
 #include "spec_containers.h"
 #include "spec_enums.h"
 #include "values.h"
@@ -261,7 +262,7 @@ struct Convert<std::vector<double>> {
     return ToTuple(value, [](double x) { return nb::float_(x); });
   }
   static void Set(std::vector<double>& out, nb::handle value, const FieldPath& path) {
-    if (nb::isinstance<nb::float_>(value) || nb::isinstance<nb::int_>(value)) {
+    if (IsNumber(value)) {
       out = {ToDouble(value, path)};
     } else {
       const Numbers numbers(value, path);

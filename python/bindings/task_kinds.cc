@@ -10,6 +10,7 @@
 
 #include "bindings.h"
 #include "env.h"
+#include "number_like.h"
 #include "python_owner.h"
 #include "returned.h"
 #include "sampler.h"
@@ -148,12 +149,12 @@ ValueField ToField(const std::string& name, nb::handle value, const std::string&
   const FieldPath parent("fields of a kind");
   const FieldPath path(parent, name);
   ValueField field{.name = name, .value = false, .doc = doc};
-  if (nb::isinstance<nb::bool_>(value)) {
-    field.value = nb::cast<bool>(value);
-  } else if (nb::isinstance<nb::int_>(value)) {
-    field.value = nb::cast<int64_t>(value);
-  } else if (nb::isinstance<nb::float_>(value)) {
-    field.value = nb::cast<double>(value);
+  if (IsBool(value)) {
+    field.value = ToBool(value, path);
+  } else if (IsNumber(value) && IsWholeNumber(value)) {
+    field.value = ToInt(value, path);
+  } else if (IsNumber(value)) {
+    field.value = ToDouble(value, path);
   } else if (IsText(value)) {
     field.value = ToText(value, path);
   } else if (nb::isinstance<nb::list>(value) || nb::isinstance<nb::tuple>(value)) {

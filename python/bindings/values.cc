@@ -4,6 +4,7 @@
 #include <nanobind/ndarray.h>
 
 #include "arrays.h"
+#include "number_like.h"
 #include "robocell/base/error.h"
 
 namespace robocell::python {
@@ -34,10 +35,7 @@ void ThrowValue(const FieldPath& path, const std::string& problem) {
 }
 
 bool ToBool(nb::handle value, const FieldPath& path) {
-  if (PyBool_Check(value.ptr())) return value.ptr() == Py_True;
-  if (TypeName(value) != "numpy.bool" && TypeName(value) != "numpy.bool_") {
-    ThrowType(path, "True or False", value);
-  }
+  if (!IsBool(value)) ThrowType(path, "True or False", value);
   return PyObject_IsTrue(value.ptr()) == 1;
 }
 

@@ -1,6 +1,8 @@
 """Specs from Python: edited in place, elements that keep their identity, messages."""
 
 import copy
+import dataclasses
+import fractions
 import pathlib
 import pickle
 import shutil
@@ -105,6 +107,40 @@ class TestValues:
         spec = rc.SceneSpec(timestep=np.float32(0.5), add_floor=np.bool_(True))
         spec.options.iterations = np.int64(7)
         assert (spec.timestep, spec.add_floor, spec.options.iterations) == (0.5, True, 7)
+
+    @pytest.mark.parametrize(
+        "number",
+        [
+            *(0.5, np.float32(0.5), np.float64(0.5), np.array(0.5), np.array(0.5, np.float32)),
+            *(1, np.int64(1), np.uint8(1), np.array(1), fractions.Fraction(1, 2)),
+        ],
+        ids=lambda number: f"{type(number).__name__} {number!r}",
+    )
+    def test_a_single_number_of_any_kind_is_a_list_of_one(self, number):
+        for name in ("max_relative_movement", "max_target_lead"):
+            config = rc.EnvConfig(**{name: number})
+            assert getattr(config, name) == (float(number),)
+            setattr(config, name, number)
+            assert getattr(config, name) == (float(number),)
+
+    @pytest.mark.parametrize(
+        "wrong", [True, np.True_, 1j, np.complex64(1), "1", None]
+    )
+    def test_what_is_no_number_is_no_list_of_one(self, wrong):
+        with pytest.raises((TypeError, ValueError), match="max_target_lead"):
+            rc.EnvConfig(max_target_lead=wrong)
+
+    def test_defaults_of_a_tasks_fields_may_be_numpys(self):
+        @rc.register_task("corrected_numbers")
+        class Numbers(rc.Task):
+            @dataclasses.dataclass
+            class Fields:
+                whole: int = np.int64(3)
+                real: float = np.float32(0.5)
+                flag: bool = np.True_
+
+        config = rc.EnvConfig(task={"kind": "corrected_numbers"})
+        assert (config.task.whole, config.task.real, config.task.flag) == (3, 0.5, True)
 
 
 class TestPlaces:
