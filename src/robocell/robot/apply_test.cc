@@ -170,7 +170,9 @@ TEST_F(Apply, NamesTheGroupsWhenOneIsUnknown) {
       [&] {
         robot.Apply({{"base", GroupCommand::Joints({})}});
       },
-      "group 'base' has no controller: it has no actuators");
+      "group 'base' has no controller: it has no actuators. With `base: {kind: driven}` it moves "
+      "to "
+      "the poses that are commanded");
 }
 
 // Two arms of one robot, each with its own leaf.

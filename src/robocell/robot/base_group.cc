@@ -7,6 +7,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/log.h"
+#include "robocell/math/rotation.h"
 #include "robocell/robot/driven_base.h"
 #include "robocell/robot/joint_group.h"
 #include "robocell/robot/robot.h"
@@ -15,6 +16,14 @@ namespace robocell::internal {
 namespace {
 
 constexpr double kInPlane = 1e-6;  // m and rad; numbers in files are rounded
+
+constexpr double kNowhere = 1e-6;  // m
+constexpr double kLever = 0.1;     // m from the base to what is held, for rotations
+
+double Displacement(const Pose& from, const Pose& to) {
+  return (to.translation() - from.translation()).norm() +
+         kLever * AngleBetween(from.quaternion(), to.quaternion());
+}
 
 class FixedBase : public JointGroupOf<BaseGroup> {
  public:
@@ -36,14 +45,12 @@ class MovableBody : public JointGroupOf<BaseGroup> {
       : JointGroupOf(scene, std::move(names), MoveGroupKind::kBase), base_(base) {}
   Pose pose() const override { return leaf_frame_to_world(); }
   void SetPose(const Pose& pose) override {
-    leaving_.Warn(core().scene(), core().names().robot, place(), base_);
     Scene(core().scene()).SetBodyPose(core().names().leaf.name, pose);
   }
   bool is_mobile() const override { return base_ == BaseKind::kFree; }
 
  private:
   BaseKind base_;
-  LeavesObject leaving_;
 };
 
 // Two slides (x, y) and a hinge about z in the frame that the base is attached to.
@@ -70,7 +77,8 @@ class PlanarBase : public JointGroupOf<BaseGroup> {
                       "{:.4g} m above it and tilted by {:.4g} rad",
                       core().place(), at.z(), std::hypot(rpy[0], rpy[1])));
     }
-    leaving_.Warn(core().scene(), core().names().robot, place(), BaseKind::kPlanar);
+    leaving_.Warn(core().scene(), core().names().robot, place(), BaseKind::kPlanar, this->pose(),
+                  pose);
     SetJointVel(std::array{0.0, 0.0, 0.0});
     SetJointPos(std::array{at.x(), at.y(), rpy[2]});
   }
@@ -119,17 +127,19 @@ std::string HeldByRobot(const Scene& scene, const std::string& robot) {
 }
 
 void LeavesObject::Warn(const Scene& scene, const std::string& robot, const std::string& place,
-                        BaseKind base) {
-  if (told_) return;
+                        BaseKind base, const Pose& from, const Pose& to) {
+  if (told_ || Displacement(from, to) <= kNowhere) return;
   const std::string held = HeldByRobot(scene, robot);
   if (held.empty()) return;
   told_ = true;
+  // By small steps, in contacts of a body that has a mass.
+  const bool pushes = base == BaseKind::kFree || base == BaseKind::kFixed;
   const std::string give =
       base == BaseKind::kDriven ? "" : "give the robot `base: {kind: driven}` and ";
   LogWarn(
-      fmt::format("{}: it is put elsewhere while {}, which stays behind: setting a pose carries "
+      fmt::format("{}: it is put elsewhere while {}, which stays behind{}: setting a pose carries "
                   "nothing. To carry it, {}set the base's target (said once)",
-                  place, held, give));
+                  place, held, pushes ? " unless the fingers push it along" : "", give));
 }
 
 }  // namespace robocell::internal

@@ -24,8 +24,9 @@ std::string HeldByRobot(const Scene& scene, const std::string& robot);
 // Warns, once, that a base is teleported away from what the robot holds, and says how to carry it.
 class LeavesObject {
  public:
-  // `place` begins the message.
-  void Warn(const Scene& scene, const std::string& robot, const std::string& place, BaseKind base);
+  // `place` begins the message. The base moves from `from` to `to`, both in the world.
+  void Warn(const Scene& scene, const std::string& robot, const std::string& place, BaseKind base,
+            const Pose& from, const Pose& to);
 
  private:
   bool told_ = false;

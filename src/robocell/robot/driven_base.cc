@@ -121,7 +121,6 @@ void DrivenBase::FollowOthers() const {
 
 void DrivenBase::SetPose(const Pose& pose) {
   Bind();
-  leaving_.Warn(core().scene(), core().names().robot, place(), BaseKind::kDriven);
   Scene(core().scene()).SetBodyPose(core().names().leaf.name, pose);
   Hold();
 }

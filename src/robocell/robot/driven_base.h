@@ -13,7 +13,6 @@
 
 #include <array>
 
-#include "robocell/robot/base_group.h"
 #include "robocell/robot/joint_group.h"
 #include "robocell/robot/pose_ramp.h"
 #include "robocell/spec/robot_config.h"
@@ -61,7 +60,6 @@ class DrivenBase : public JointGroupOf<BaseGroup> {
 
   std::string target_body_, weld_;
   BaseSpeeds speeds_;
-  LeavesObject leaving_;
   mutable Target target_ = {};
   mutable PoseRamp ramp_;
   mutable std::array<double, 7> written_ = {};  // the mocap body's position and quaternion wxyz

@@ -152,6 +152,36 @@ TEST_P(CarriedCube, IsLeftBehindByATeleportWhichSaysSo) {
   }
 }
 
+// Scene::SetBodyPose is the same teleport.
+TEST_P(CarriedCube, IsLeftBehindByWhoeverPutsTheBaseElsewhere) {
+  for (const BaseKind kind : {BaseKind::kMocap, BaseKind::kDriven, BaseKind::kFree}) {
+    std::vector<std::string> warnings;
+    const ScopedLogSink sink([&](LogLevel, std::string_view text) { warnings.emplace_back(text); });
+    Robot robot = Hand({.kind = kind});
+    Scene scene = robot.scene();
+    const std::string body = scene.compiled()->robot("hand").base_body;
+    const Pose start = Pose(Eigen::Vector3d(0, 0, -0.15)) * robot.base().pose();
+    const auto put = [&](double x) {
+      scene.SetBodyPose(body, Pose(Eigen::Vector3d(x, 0, 0)) * start);
+      robot.Update();
+      EXPECT_TRUE(robot.Step().ok());
+    };
+    put(0);
+    robot.gripper().Close();
+    for (int i = 0; i < 400; ++i) put(0);
+    ASSERT_TRUE(robot.gripper().is_grasping("cube"));
+    if (kind != BaseKind::kFree) {  // it falls a little with every step, and is put back
+      EXPECT_THAT(warnings, ::testing::IsEmpty()) << "it was put where it is";
+    }
+    put(0.3);
+    EXPECT_LT(scene.body_pose("cube").translation().x(), 0.05);
+    ASSERT_THAT(warnings, ::testing::SizeIs(1));
+    EXPECT_THAT(warnings[0], HasSubstr(kind == BaseKind::kFree
+                                           ? "which stays behind unless the fingers push it along:"
+                                           : "which stays behind: setting a pose carries nothing"));
+  }
+}
+
 class DrivenHand : public CarriedCube {
  protected:
   Robot Hand(const BaseConfig& base = kDriven) { return HandOf(kTwoFingerCase, base); }

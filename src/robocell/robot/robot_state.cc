@@ -113,6 +113,16 @@ void Robot::State::OnForward() {
   });
 }
 
+void Robot::State::OnBodyPut(int body, const Pose& pose_in_world) {
+  if (!lost.empty() || body != FindId(scene.model(), mjOBJ_BODY, record.base_body)) return;
+  const mjData* d = scene.data();
+  const Pose from = Pose::FromWxyz(d->xpos + 3 * static_cast<ptrdiff_t>(body),
+                                   d->xquat + 4 * static_cast<ptrdiff_t>(body));
+  const internal::GroupSlot* base = FindKind(MoveGroupKind::kBase);
+  leaving_.Warn(scene, record.name, base ? place(*base) : place(), record.base.kind, from,
+                pose_in_world);
+}
+
 // A robot made of an object's bodies is lost when that object is removed, until one with the same
 // names is there again.
 void Robot::State::OnRebuild() {

@@ -8,8 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include "robocell/robot/base_group.h"
 #include "robocell/robot/group_control.h"
 #include "robocell/robot/robot.h"
+#include "robocell/scene/body_put_observer.h"
 #include "robocell/scene/ft_sensor.h"
 
 namespace robocell::internal {
@@ -30,7 +32,7 @@ struct FtReading {
 namespace robocell {
 
 // The scene keeps the configured robots' states, as observers; they hold it by inner().
-class Robot::State : public SceneObserver {
+class Robot::State : public SceneObserver, public internal::BodyPutObserver {
  public:
   // `record.root_body` and `record.base_body` are bodies of the scene.
   State(const Scene& scene, RobotRecord record, ChainOptions chain_options = {});
@@ -39,6 +41,8 @@ class Robot::State : public SceneObserver {
   void OnResetDone() override;
   void OnForward() override;
   void OnRebuild() override;
+  // Whoever puts the robot's base elsewhere, its group's pose too, is warned about what it holds.
+  void OnBodyPut(int body, const Pose& pose_in_world) override;
   // ClosedError after the scene was closed.
   void RequireOpen() const {
     if (scene.closed()) ThrowClosed();
@@ -138,6 +142,8 @@ class Robot::State : public SceneObserver {
   void KeepIfRunning(std::shared_ptr<void> replaced) {
     if (running_ > 0) replaced_.push_back(std::move(replaced));
   }
+  internal::LeavesObject leaving_;
+
   [[noreturn]] void ThrowClosed() const;
   [[noreturn]] void ThrowLost() const;
   // Gives a new slot its control; ArgumentError when `controller` cannot drive its group, or an arm

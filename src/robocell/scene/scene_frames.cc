@@ -13,6 +13,7 @@
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/scene/body_put_observer.h"
 #include "robocell/scene/scene_state.h"
 
 namespace robocell {
@@ -214,7 +215,13 @@ void Scene::State::PutBodies(const BodyPoses& poses) {
 
 void Scene::SetBodyPose(const std::string& name, const Pose& pose_in_world) {
   State& s = open();
-  s.PutBody(s.RequireMovable(name), pose_in_world);
+  const int body = s.RequireMovable(name);
+  for (size_t i = 0; i < s.observers.size(); ++i) {  // no copy, which would be an allocation
+    const auto observer = s.observers[i].observer.lock();
+    if (auto* hears = dynamic_cast<internal::BodyPutObserver*>(observer.get()))
+      hears->OnBodyPut(body, pose_in_world);
+  }
+  s.PutBody(body, pose_in_world);
   Forward();
 }
 
