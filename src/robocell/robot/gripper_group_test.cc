@@ -7,6 +7,7 @@
 #include <mujoco/mujoco.h>
 
 #include "robocell/base/error.h"
+#include "robocell/base/log.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/robot/testing/robots.h"
 #include "robocell/scene/testing/scenes.h"
@@ -526,6 +527,43 @@ TEST(Gripper, SaysThatAMeshOfItsFingersMayBeInMillimetres) {
                              "scale=\"0.001 0.001 0.001\"");
 }
 
+// Contacts are soft: what is light and fast crosses a thin finger before they stop it.
+TEST(Gripper, WarnsOfLightFingersThatPassThroughEachOtherAndSaysWhatHelps) {
+  ModelFolder folder;
+  RobotConfig config;
+  config.name = "hand";
+  config.model = folder.Write("hand", R"(<compiler angle="radian"/><worldbody><body name="palm">
+      <geom size=".01" mass=".1"/>
+      <body name="left" pos="0 .005 .05"><joint name="l" type="slide" axis="0 1 0"
+        range="-.02 .02" damping="5"/><geom type="box" size=".01 .004 .02" mass=".05"/></body>
+      <body name="right" pos="0 -.005 .05"><joint name="r" type="slide" axis="0 -1 0"
+        range="-.02 .02" damping="5"/><geom type="box" size=".01 .004 .02" mass=".05"/></body>
+      </body></worldbody><actuator>
+      <position name="left" joint="l" kp="500" kv="10" ctrlrange="-.02 .02"/>
+      <position name="right" joint="r" kp="500" kv="10" ctrlrange="-.02 .02"/></actuator>)");
+  config.move_groups["gripper"] = {.kind = MoveGroupKind::kGripper,
+                                   .joints = {"l", "r"},
+                                   .actuators = {"left", "right"},
+                                   .ctrl = GripperCtrl{.open = 0.02, .closed = -0.02}};
+  std::vector<std::string> warnings;
+  const ScopedLogSink sink([&](LogLevel, std::string_view text) { warnings.emplace_back(text); });
+  EXPECT_GT(RobotAlone(config).gripper().inter_finger_dist_range().lower, 0.01);
+  EXPECT_THAT(warnings,
+              ::testing::Contains(::testing::HasSubstr(
+                  "robot 'hand': 'left' and 'right' pass through each other on the way to control "
+                  "[-0.02, -0.02]: they are too light and too fast for their contact to stop them "
+                  "with a timestep of 0.002 s, so the measured distance is wrong. Slow them down "
+                  "with damping, in their model or by edits: [{joint: 'l', damping: 100}, {joint: "
+                  "'r', damping: 100}], or use a smaller timestep")));
+  warnings.clear();
+  for (const char* joint : {"l", "r"})
+    config.edits.push_back({.joint = ElementRef{.name = joint}, .damping = 100});
+  const Interval range = RobotAlone(config).gripper().inter_finger_dist_range();
+  EXPECT_NEAR(range.lower, 0, 1e-6);
+  EXPECT_NEAR(range.upper, 0.042, 1e-3);
+  EXPECT_THAT(warnings, ::testing::IsEmpty());
+}
+
 TEST(Gripper, RefusesOpeningsThatAreNoNumbersAndClampsOthers) {
   Robot robot = RobotAlone(Rc7());
   ExpectThrow<ArgumentError>([&] { robot.gripper().SetOpening(NAN); },
@@ -535,6 +573,16 @@ TEST(Gripper, RefusesOpeningsThatAreNoNumbersAndClampsOthers) {
   EXPECT_EQ(robot.scene().actuator_ctrl("gripper"), 100);
   ExpectThrow<NotFoundError>([&] { robot.gripper().is_grasping("cub"); },
                              "robot 'rc7' / group 'gripper': no body 'cub'");
+}
+
+TEST(GripperRoot, IsTheLeafOfItsArmWhereItHasNone) {
+  RobotConfig config = Rc7();
+  ASSERT_TRUE(config.move_groups["arm"].leaf);
+  GripperConfig(config).leaf.reset();
+  const Robot robot = RobotAlone(config);
+  const MoveGroup& gripper = robot.gripper();
+  EXPECT_TRUE(gripper.root_frame_to_world().is_close(robot.tcp_in_world(), 1e-12, 1e-12));
+  EXPECT_FALSE(gripper.leaf_frame_to_world().is_close(robot.tcp_in_world(), 1e-3, 1e-3));
 }
 
 TEST(GripperRoot, IsItsLeafUnlessTheFileNamesAnother) {

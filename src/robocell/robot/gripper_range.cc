@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <span>
 
 #include "robocell/base/error.h"
+#include "robocell/base/log.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/owners.h"
@@ -16,6 +18,7 @@
 #include "robocell/mujoco/tree.h"
 #include "robocell/robot/measurement_cache.h"
 #include "robocell/robot/move_group.h"
+#include "robocell/scene/servo_stability.h"
 
 namespace robocell::internal {
 namespace {
@@ -128,6 +131,136 @@ GeomDistances DistancesOfGeoms(const mjModel* m, mjData* d, const FingerPair& pa
   return distances;
 }
 
+// Fingers that may touch, and are where they come only through each other: contacts are soft, and
+// cannot stop what crosses a finger within a few timesteps.
+class PassedFingers {
+ public:
+  // The state `to` was simulated from `from` (nq) under the controls `ctrl`.
+  PassedFingers(const mjModel* m, const GripperParts& parts, std::span<const mjtNum> from,
+                std::span<const mjtNum> to, const std::vector<double>& ctrl)
+      : m_(m),
+        parts_(parts),
+        ctrl_(ctrl),
+        from_(from.begin(), from.end()),
+        to_(to.begin(), to.end()),
+        data_(MakeData(m)) {}
+
+  // "" if they did not; else what happened and the edits that help.
+  std::string Text(const RobotRecord& robot) {
+    const auto geoms = DeepestPair();
+    if (!geoms) return "";
+    const auto own = [&](mjtObj kind, int id) {
+      const std::string name = ElementName(m_, kind, id);
+      return name.starts_with(robot.prefix) ? name.substr(robot.prefix.size()) : name;
+    };
+    const std::vector<int> joints = Joints();
+    const double damping = EnoughDamping(*geoms, joints);
+    std::vector<std::string> edits;
+    for (const int joint : joints) {
+      const double present = m_->dof_damping[m_->jnt_dofadr[joint]];
+      edits.push_back(fmt::format("{{joint: '{}', damping: {}}}", own(mjOBJ_JOINT, joint),
+                                  RoundedGain(2 * std::max(damping, present))));
+    }
+    return fmt::format(
+        "robot '{}': '{}' and '{}' pass through each other on the way to control {}: they are too "
+        "light and "
+        "too "
+        "fast for their contact to stop them with a timestep of {:g} s, so the measured "
+        "distance is wrong. Slow them down with damping, in their model or by edits: [{}], or use "
+        "a smaller timestep",
+        robot.name, own(mjOBJ_BODY, m_->geom_bodyid[(*geoms)[0]]),
+        own(mjOBJ_BODY, m_->geom_bodyid[(*geoms)[1]]), CtrlText(ctrl_), m_->opt.timestep,
+        fmt::join(edits, ", "));
+  }
+
+ private:
+  static constexpr int kParts = 50;             // of the straight way between the two states
+  static constexpr double kThrough = 1e-3;      // metres deeper than at both of its ends
+  static constexpr double kContactTime = 0.02;  // s; the engine's default for contacts
+
+  bool MayTouch(int g, int h) const {
+    const int a = std::min(m_->geom_bodyid[g], m_->geom_bodyid[h]);
+    const int b = std::max(m_->geom_bodyid[g], m_->geom_bodyid[h]);
+    const int *first = m_->exclude_signature, *end = first + m_->nexclude;
+    return ((m_->geom_contype[g] & m_->geom_conaffinity[h]) != 0 ||
+            (m_->geom_contype[h] & m_->geom_conaffinity[g]) != 0) &&
+           std::find(first, end, (a << 16) + b) == end;
+  }
+
+  // Distances at a share of the way.
+  GeomDistances At(double share) {
+    std::vector<mjtNum> way(static_cast<size_t>(m_->nv));
+    mj_differentiatePos(m_, way.data(), 1, from_.data(), to_.data());
+    std::copy(from_.begin(), from_.end(), data_->qpos);
+    mj_integratePos(m_, data_->qpos, way.data(), share);
+    Guarded(kContext, data_.get(), [&] { mj_kinematics(m_, data_.get()); });
+    return DistancesOfGeoms(m_, data_.get(), parts_.pair);
+  }
+
+  std::optional<std::array<int, 2>> DeepestPair() {
+    const GeomDistances first = At(0), last = At(1);
+    std::optional<std::array<int, 2>> deepest;
+    double depth = -kThrough;
+    for (int i = 1; i < kParts; ++i) {
+      for (const auto& [geoms, distance] : At(static_cast<double>(i) / kParts)) {
+        const double at_ends = std::min({first.at(geoms), last.at(geoms), 0.0});
+        if (distance - at_ends >= depth || !MayTouch(geoms[0], geoms[1])) continue;
+        depth = distance - at_ends;
+        deepest = geoms;
+      }
+    }
+    return deepest;
+  }
+
+  // Those that move the fingers.
+  std::vector<int> Joints() const {
+    std::vector<int> joints;
+    for (const Finger& finger : parts_.pair.fingers) {
+      int body = finger.body;
+      while (body > 0 && body != parts_.pair.hand && m_->body_jntnum[body] == 0)
+        body = m_->body_parentid[body];
+      if (body > 0 && body != parts_.pair.hand) joints.push_back(m_->body_jntadr[body]);
+    }
+    return joints;
+  }
+
+  // With which they cross no more than half of their thickness while a contact builds up its force.
+  double EnoughDamping(const std::array<int, 2>& geoms, const std::vector<int>& joints) {
+    mjData* d = data_.get();
+    std::copy(from_.begin(), from_.end(), d->qpos);
+    for (size_t i = 0; i < ctrl_.size(); ++i) {
+      if (!std::isnan(ctrl_[i])) d->ctrl[parts_.ctrl_addresses[i]] = ctrl_[i];
+    }
+    Guarded(kContext, d, [&] { mj_forward(m_, d); });
+    double half_thickness = HUGE_VAL;
+    for (const int g : geoms) {
+      const mjtNum* half = m_->geom_aabb + 6 * g + 3;
+      half_thickness = std::min<double>(half_thickness, *std::min_element(half, half + 3));
+    }
+    double most = 0;
+    for (const int joint : joints) {
+      double lever = 1;  // of a slide: none
+      if (m_->jnt_type[joint] == mjJNT_HINGE)
+        lever = mju_dist3(d->xanchor + 3 * joint, d->geom_xpos + 3 * geoms[0]);
+      most = std::max(most, lever * std::abs(d->qfrc_actuator[m_->jnt_dofadr[joint]]));
+    }
+    return most * kContactTime / half_thickness;
+  }
+
+  const mjModel* m_;
+  const GripperParts& parts_;
+  const std::vector<double>& ctrl_;
+  std::vector<mjtNum> from_, to_;
+  const DataPtr data_;
+};
+
+RobotRecord RecordOf(const Scene& scene, const GripperParts& parts) {
+  for (const RobotRecord& robot : scene.compiled()->robots()) {
+    if (FindId(scene.model(), mjOBJ_BODY, robot.base_body) == parts.robot_body) return robot;
+  }
+  return {};
+}
+
 // The pairs of bodies that touch, one of which the hand's fingers move.
 void AddTouching(const mjModel* m, const mjData* d, int hand, std::vector<std::string>& pairs) {
   const std::vector<bool> inside = SubtreeMask(m, hand);
@@ -188,8 +321,17 @@ std::array<double, 2> SettledFingerDistances(const Scene& scene, const GripperPa
       fmt::join(parts.ctrl_addresses, " "), fmt::join(ctrl[0], " "), fmt::join(ctrl[1], " "));
   const std::vector<double> distances = CachedMeasurement(*scene.compiled(), what, [&] {
     std::vector<double> ends;
-    LookAtEnds(scene, parts, ctrl,
-               [&](const mjModel*, const mjData*, double distance) { ends.push_back(distance); });
+    std::vector<mjtNum> before;
+    LookAtEnds(scene, parts, ctrl, [&](const mjModel* m, const mjData* d, double distance) {
+      const std::span<const mjtNum> now(d->qpos, static_cast<size_t>(m->nq));
+      if (!ends.empty()) {
+        const std::string passed =
+            PassedFingers(m, parts, before, now, ctrl[1]).Text(RecordOf(scene, parts));
+        if (!passed.empty()) LogWarn(passed);
+      }
+      before.assign(now.begin(), now.end());
+      ends.push_back(distance);
+    });
     return ends;
   });
   return {distances[0], distances[1]};

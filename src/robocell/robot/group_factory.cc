@@ -8,6 +8,7 @@
 #include "robocell/base/suggestions.h"
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/mujoco/tree.h"
 #include "robocell/robot/base_group.h"
 #include "robocell/robot/base_pose_controller.h"
 #include "robocell/robot/gripper_group.h"
@@ -87,7 +88,7 @@ class GroupMaker {
         return MakeArm();
       case MoveGroupKind::kGripper:
         names_.leaf = LeafOr(ToolFrame());
-        if (!config_.root) names_.root = names_.leaf;  // its fingers move about the TCP
+        if (!config_.root) names_.root = TcpOfGripper();  // its fingers move about it
         return {std::make_shared<ActuatedGripper>(scene_, names_, config_)};
       case MoveGroupKind::kBase:
         return MakeBase();
@@ -105,7 +106,14 @@ class GroupMaker {
         base == BaseKind::kFree || base == BaseKind::kPlanar || base == BaseKind::kDriven;
     if (names_.joints.empty() && moves_by_joints) AddJointsOf(robot_.base_body);
     MadeGroup made{MakeBaseGroup(scene_, robot_, names_)};
-    if (base == BaseKind::kDriven) made.own_controller = kBasePoseController;
+    if (base == BaseKind::kDriven) {
+      made.own_controller = kBasePoseController;
+    } else if (names_.actuators.empty()) {
+      made.why_no_actuators = fmt::format(
+          "it has no actuators. With `base: {{kind: driven}}` it moves to the poses that are "
+          "commanded{}",
+          base == BaseKind::kFixed ? "" : "; setting its `pose` teleports it");
+    }
     return made;
   }
 
@@ -141,6 +149,24 @@ class GroupMaker {
     if (robot_.tcp_site) return {true, *robot_.tcp_site};
     if (robot_.attachment_site) return {true, *robot_.attachment_site};
     return LastBody();
+  }
+
+  // The gripper's own leaf, else that of the arm which carries it.
+  FrameName TcpOfGripper() {
+    if (config_.leaf) return names_.leaf;
+    for (const auto& [name, group] : robot_.config.move_groups.entries()) {
+      if (group->kind == MoveGroupKind::kArm && group->leaf && IsCarriedBy(*group))
+        return Frame(*group->leaf, {mjOBJ_SITE, mjOBJ_BODY});
+    }
+    return names_.leaf;
+  }
+
+  // Whether the last joint of the gripper is behind that of the arm.
+  bool IsCarriedBy(const MoveGroupConfig& arm) const {
+    if (arm.joints.empty() || names_.joints.empty()) return false;
+    const int last = FindId(model(), mjOBJ_JOINT, robot_.prefix + arm.joints.names.back());
+    const int own = RequireId(model(), mjOBJ_JOINT, names_.joints.back(), place_);
+    return last >= 0 && IsInSubtree(model(), model()->jnt_bodyid[own], model()->jnt_bodyid[last]);
   }
 
   FrameName LastBody() const {
