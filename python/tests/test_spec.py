@@ -123,9 +123,7 @@ class TestValues:
             setattr(config, name, number)
             assert getattr(config, name) == (float(number),)
 
-    @pytest.mark.parametrize(
-        "wrong", [True, np.True_, 1j, np.complex64(1), "1", None]
-    )
+    @pytest.mark.parametrize("wrong", [True, np.True_, 1j, np.complex64(1), "1", None])
     def test_what_is_no_number_is_no_list_of_one(self, wrong):
         with pytest.raises((TypeError, ValueError), match="max_target_lead"):
             rc.EnvConfig(max_target_lead=wrong)
