@@ -100,6 +100,7 @@ class PolicyExpert(Expert):
     def __init__(self, run: RunConfig, start: EpisodeStart, policy: Policy) -> None:
         super().__init__()
         self._run, self._task, self._policy = run, start.task, policy
+        self._code_of = policy  # messages about act() say where the policy's is written
         self._chunk: deque[dict[str, NDArray[np.float64]]] = deque()
         self._row: Observation = {}
 

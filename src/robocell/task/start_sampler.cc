@@ -40,8 +40,8 @@ void RequireValid(const std::vector<SceneObject>& objects, const std::string& wh
     Problems problems;
     ValidateFields(object, problems);
     if (problems.empty()) continue;
-    throw SpecError(fmt::format("{}object '{}', which is not valid: {}", who, object.name,
-                                fmt::join(LinesOf(problems), "; ")));
+    throw ArgumentError(fmt::format("{}object '{}', which is not valid: {}", who, object.name,
+                                    fmt::join(LinesOf(problems), "; ")));
   }
 }
 
@@ -106,12 +106,17 @@ std::optional<Refusal> StartSampler::ValidateCameras(Scene& scene, const std::st
 }
 
 struct StartSampler::Setup {
+  std::shared_ptr<Task> task;
   std::vector<SceneObject> objects;
   Scene scene;
   Robot robot;
-  std::string target_body;
+  std::string target_body;  // "" for a task without objects
+  Pose middle;              // of the support
   StopRequest stop;
   RefusalCounts redrawn = {};
+
+  // What the robot stands beside.
+  Pose target() const { return target_body.empty() ? middle : scene.body_pose(target_body); }
 };
 
 std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& support,
@@ -124,7 +129,7 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& su
       return Refusal{Refusal::kNoFreePlace, "the objects do not fit beside each other"}.MadeBy(
           Refusal::kObjectsStage);
     moved = TaskStarts(rng);
-    target = setup.objects.front().pose();
+    target = setup.objects.empty() ? setup.middle : setup.objects.front().pose();
     for (const auto& [body, pose] : moved) {
       if (body == setup.target_body) target = pose;
     }
@@ -141,7 +146,9 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& su
     if (!IsFixed(object))
       setup.scene.SetBodyPose(setup.scene.compiled()->object(object.name).root_body, object.pose());
   }
-  for (const auto& [body, pose] : moved) setup.scene.SetBodyPose(body, pose);
+  internal::CallHook(*setup.task, "starts", [&] {
+    for (const auto& [body, pose] : moved) setup.scene.SetBodyPose(body, pose);
+  });
   setup.robot.base().SetPose(*base);
   setup.scene.Forward();
   if (auto refusal = ArrangeTask(setup.scene, rng))
@@ -154,13 +161,18 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& su
 // A task that moves its target once more may take it out of the range that it asked for.
 std::optional<Refusal> StartSampler::ValidateDistance(const Setup& setup,
                                                       const Pose& proposed_for) const {
-  const Pose target = setup.scene.body_pose(setup.target_body);
+  const Pose target = setup.target();
   if ((target.translation() - proposed_for.translation()).norm() < kSamePlace) return std::nullopt;
   return ValidateBaseDistance(setup.robot, target, base_range());
 }
 
 // What holds before and after settling.
 std::optional<Refusal> StartSampler::ValidatePlaced(Setup& setup) {
+  if (setup.target_body.empty()) {
+    if (auto refusal = ValidateBaseClearance(setup.scene, setup.robot, run_.start.base_clearance))
+      return std::move(*refusal).MadeBy(Refusal::kBaseStage);
+    return std::nullopt;
+  }
   if (auto refusal = ValidateBasePose(setup.scene, setup.robot, setup.target_body))
     return std::move(*refusal).MadeBy(Refusal::kBaseStage);
   if (auto refusal = ValidateCameras(setup.scene, setup.target_body))
@@ -201,12 +213,8 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
   const Support support = FindSupportOf(spec, request.scene, support_rng);
   const size_t before = spec.objects.size();
   StartContents contents = AddContents(request, spec, rng);
-  std::vector<std::string>& kinds = contents.kinds;
-  if (contents.objects.empty()) {
-    throw Error("task '" + run_.task.kind() +
-                "': an episode is about an object, and its prepare added none to the scene");
-  }
-  RequireValid(contents.objects, "task '" + run_.task.kind() + "': prepare added ");
+  const std::vector<std::string>& kinds = contents.kinds;
+  const std::string kind = kinds.empty() ? "" : kinds.front();
   const BasePlacement placement = ChooseBasePlacement(request, rng);
   std::vector<std::string> names;
   for (const SceneObject& object : contents.objects) names.push_back(object.name);
@@ -214,7 +222,7 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
     return {.start = {},
             .refusal = {.reason = Refusal::kNoFreePlace,
                         .detail = "the objects do not fit beside each other",
-                        .object_kind = kinds[0],
+                        .object_kind = kind,
                         .stage = Refusal::kObjectsStage}};
   }
   for (size_t i = 0; i < contents.objects.size(); ++i) {
@@ -231,14 +239,21 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
 
   Scene scene = Scene::Build(spec);
   scene.Reset({.seed = rng.Fork("home").NextBits()});
-  const std::string& target = names.front();
-  const std::shared_ptr<Task> task = MakeTask(target, kinds[0], names);
-  task->Bind(scene, {.place = "run '" + run_.run + "'", .robots = {run_.robot.config.name}});
-  Setup setup{contents.objects, scene, Robot::Of(scene, run_.robot.config.name),
-              scene.compiled()->object(target).root_body, request.stop};
+  const std::string target = names.empty() ? "" : names.front();
+  const std::shared_ptr<Task> task = MakeTask(target, kind, names);
+  internal::CallHook(*task, "bind", [&] {
+    task->Bind(scene, {.place = "run '" + run_.run + "'", .robots = {run_.robot.config.name}});
+  });
+  Setup setup{task,
+              contents.objects,
+              scene,
+              Robot::Of(scene, run_.robot.config.name),
+              target.empty() ? "" : scene.compiled()->object(target).root_body,
+              support.frame_to_world,
+              request.stop};
   if (auto refusal = PrepareStart(setup, support, placement, rng)) {
     refusal->redrawn = setup.redrawn;
-    refusal->object_kind = kinds[0];
+    refusal->object_kind = kind;
     return {.start = {}, .refusal = *refusal};
   }
   return {.start = EpisodeStart{.scene = scene,
@@ -246,7 +261,8 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
                                 .target_object = target,
                                 .object_kinds = kinds,
                                 .base_in_world = setup.robot.base().pose(),
-                                .redrawn = setup.redrawn},
+                                .redrawn = setup.redrawn,
+                                .is_bound = true},
           .refusal = {}};
 }
 
@@ -256,13 +272,17 @@ TaskStartSampler::TaskStartSampler(const RunConfig& run)
 StartContents TaskStartSampler::AddContents(const SampleRequest& /*request*/, SceneSpec& spec,
                                             Rng& rng) {
   const size_t before = spec.objects.size();
-  task_ = kind_->Make(run().task);  // earlier starts keep theirs
-  task_->Prepare(spec, rng);
+  task_ = internal::CallHook(Hooks(), "the task's constructor",  // earlier starts keep theirs
+                             [&] { return kind_->Make(run().task); });
+  internal::CallHook(*task_, "prepare", [&] { task_->Prepare(spec, rng); });
   StartContents contents;
   for (size_t i = before; i < spec.objects.size(); ++i) {
     contents.objects.push_back(spec.objects[i]);
     contents.kinds.push_back(spec.objects[i].name);
   }
+  internal::CallHook(*task_, "prepare", [&] {
+    RequireValid(contents.objects, "task '" + run().task.kind() + "': prepare added ");
+  });
   return contents;
 }
 
@@ -272,12 +292,16 @@ std::shared_ptr<Task> TaskStartSampler::MakeTask(const std::string& /*target*/,
   return task_;
 }
 
-BaseRange TaskStartSampler::own_base_range() const { return task_->base_range(); }
+BaseRange TaskStartSampler::own_base_range() const {
+  return internal::CallHook(*task_, "base_range", [&] { return task_->base_range(); });
+}
 
-BodyPoses TaskStartSampler::TaskStarts(Rng& rng) { return task_->Starts(rng); }
+BodyPoses TaskStartSampler::TaskStarts(Rng& rng) {
+  return internal::CallHook(*task_, "starts", [&] { return task_->Starts(rng); });
+}
 
 std::optional<Refusal> TaskStartSampler::ArrangeTask(Scene& scene, Rng& rng) {
-  return task_->Arrange(scene, rng);
+  return internal::CallHook(*task_, "arrange", [&] { return task_->Arrange(scene, rng); });
 }
 
 }  // namespace robocell
