@@ -136,10 +136,6 @@ Env::Env(EnvConfig config, Scene scene, std::optional<int> copy,
       observation_(layout_.observation.size()),
       motions_(arms_.size()),
       draws_(!drawing) {
-  if (task_) {
-    const std::vector<std::string> resting = task_->resting_objects();
-    if (!resting.empty()) start_inspector_.emplace(scene_, resting);
-  }
   const bool is_first = copy.value_or(0) == 0;  // what is to be said is said of the first
   if (is_first) {
     for (const ArmDriver& arm : arms_) {
