@@ -21,6 +21,7 @@ RUNS = (
     rc.PickTaskConfig,
     rc.tasks.PickAndPlaceTaskConfig,
     rc.tasks.StartConfig,
+    rc.scenes.ObjectPlace,
     rc.SceneSourceSpec,
     FilesScenes,
     rc.render.CameraSystemConfig,

@@ -50,7 +50,6 @@ HEAVY = re.compile(
 INTERNAL = (
     "robocell/data/episode_commit.h",
     "robocell/kinematics/kdl_bridge.h",
-    "robocell/scene/scene_records.h",
     "robocell/spec/yaml_reader.h",
     "robocell/spec/yaml_writer.h",
 )

@@ -120,7 +120,8 @@ void BindBase(nb::module_& m) {
       nb::arg("path"),
       "Loads a shared library that registers kinds of tasks, experts, scene sources or samplers "
       "(ROBOCELL_PLUGIN in C++), once in a process. Returns its full path. Raises IoError if it "
-      "cannot be loaded, and ArgumentError if it is not a plugin or is for another version.");
+      "cannot be loaded, and ArgumentError if it is not a plugin, is for another version, or "
+      "failed to register before in this process.");
   m.def(
       "temporary_path",
       [](const std::filesystem::path& parent, const std::string& name) {

@@ -56,7 +56,9 @@ void BindCameras(nb::module_& m) {
           "__init__",
           [](OrbitCamera* self, nb::handle lookat, double distance, double azimuth,
              double elevation, double fovy) {
-            new (self) OrbitCamera{ToPoint(lookat), distance, azimuth, elevation, fovy};
+            const OrbitCamera view{ToPoint(lookat), distance, azimuth, elevation, fovy};
+            RequireView(view);
+            new (self) OrbitCamera(view);
           },
           "lookat"_a = nb::make_tuple(0.0, 0.0, 0.0), "distance"_a = 2.0, "azimuth"_a = 90.0,
           "elevation"_a = -45.0, "fovy"_a = 45.0);
@@ -66,7 +68,9 @@ void BindCameras(nb::module_& m) {
       .def(
           "__init__",
           [](FreeCamera* self, const Pose& pose, double fovy) {
-            new (self) FreeCamera{pose, fovy};
+            const FreeCamera view{pose, fovy};
+            RequireView(view);
+            new (self) FreeCamera(view);
           },
           "camera_in_world"_a, "fovy"_a = 45.0);
   nb::class_<NamedTracking>(m, "TrackingCamera",
@@ -76,9 +80,10 @@ void BindCameras(nb::module_& m) {
           "__init__",
           [](NamedTracking* self, std::string body, double distance, double azimuth,
              double elevation, double fovy) {
-            new (self) NamedTracking{
-                std::move(body),
-                {.distance = distance, .azimuth = azimuth, .elevation = elevation, .fovy = fovy}};
+            const TrackingCamera view{
+                .distance = distance, .azimuth = azimuth, .elevation = elevation, .fovy = fovy};
+            RequireView(view);
+            new (self) NamedTracking{std::move(body), view};
           },
           "body"_a, "distance"_a = 2.0, "azimuth"_a = 90.0, "elevation"_a = -45.0, "fovy"_a = 45.0);
 }

@@ -7,12 +7,12 @@
 
 #include "bindings.h"
 #include "robocell/base/error.h"
+#include "robocell/data/checked_json.h"
 #include "robocell/data/dataset_folder.h"
 #include "robocell/data/dataset_lock.h"
 #include "robocell/data/dataset_reports.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/leftovers.h"
-#include "robocell/data/self_hashed_json.h"
 #include "robocell/data/verify.h"
 
 namespace nb = nanobind;

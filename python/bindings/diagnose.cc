@@ -6,7 +6,7 @@
 #include "robocell/diagnose/check_robot.h"
 #include "robocell/diagnose/check_run.h"
 #include "robocell/expert/pick_expert.h"
-#include "robocell/rollout/validate_robot.h"
+#include "robocell/rollout/validate_run.h"
 
 namespace nb = nanobind;
 

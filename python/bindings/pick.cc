@@ -235,7 +235,9 @@ void BindPlaces(nb::module_& m) {
       .def(
           "__init__",
           [](BasePlacement* self, double distance, double height) {
-            new (self) BasePlacement{distance, height};
+            const BasePlacement placement{distance, height};
+            RequireFinite(placement);
+            new (self) BasePlacement(placement);
           },
           "distance"_a, "height"_a)
       .def_ro("distance", &BasePlacement::distance, "Horizontal distance, metres.")

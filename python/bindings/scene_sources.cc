@@ -8,6 +8,7 @@
 #include "bindings.h"
 #include "spec_fields.h"
 #include "task_trampolines.h"
+#include "robocell/scenes/spatial_relation.h"
 
 namespace nb = nanobind;
 
@@ -171,6 +172,30 @@ void BindWords(nb::module_& m) {
   DefVector(light, "direction", &SceneLight::direction, "In the world.");
 }
 
+void BindRelations(nb::module_& m) {
+  nb::class_<SpatialRelation>(
+      m, "SpatialRelation",
+      "SpatialRelation(scene, object, relation, reference): whether an object is on top of, inside "
+      "or next to something now.\n\n"
+      "on_top_of: it touches the reference from above. inside: its middle is over a hollow of the "
+      "reference and it reaches below the rim. next_to: at most most_gap metres are free between "
+      "them, and it is neither on nor in it. Names are those of objects and bodies. NotFoundError "
+      "for unknown names, ArgumentError for a reference without a hollow or a shape that collides.")
+      .def(
+          "__init__",
+          [](SpatialRelation* self, const Scene& scene, const std::string& object,
+             nb::handle relation, const std::string& reference, double most_gap) {
+            Relation kind = Relation::kOnTopOf;
+            Convert<Relation>::Set(kind, relation, FieldPath("relation"));
+            new (self) SpatialRelation(scene, object, kind, reference, most_gap);
+          },
+          "scene"_a, "object"_a, "relation"_a, "reference"_a, nb::kw_only(),
+          "most_gap"_a = kMostGap,
+          nb::sig("def __init__(self, scene: Scene, object: str, relation: Relation | str, "
+                  "reference: str, *, most_gap: float = 0.1) -> None"))
+      .def("holds", &SpatialRelation::Holds, "Whether it holds in the scene's present state.");
+}
+
 void BindAnnotations(nb::module_& m) {
   BindSupportFace(m);
   BindContainer(m);
@@ -218,6 +243,7 @@ void BindAnnotations(nb::module_& m) {
 }  // namespace
 
 void BindSceneSources(nb::module_& m) {
+  BindRelations(m);
   BindAnnotations(m);
   nb::class_<SceneSource, PySceneSource>(
       m, "SceneSource",
@@ -228,14 +254,21 @@ void BindSceneSources(nb::module_& m) {
       .def(nb::init<>())
       .def("size", &SceneSource::size,
            "Returns the number of scenes, counted from 0; None for an unlimited number.")
-      .def("make", &SceneSource::Make, "index"_a,
-           "Returns the SceneSpec, without a task's objects and the run's robot. The run sets its "
-           "name, timestep and options.")
+      .def(
+          "make",
+          [](SceneSource& source, int index) {
+            RequireScene(source, index, "scene source");
+            return source.Make(index);
+          },
+          "index"_a,
+          "Returns the SceneSpec, without a task's objects and the run's robot. The run sets its "
+          "name, timestep and options. NotFoundError for a scene that the source does not have.")
       .def(
           "annotations",
           [](SceneSource& source, int index) -> std::optional<SceneAnnotations> {
             // For a Python subclass this is the base's method: asking what it knows would call the
             // method of the subclass, which may be calling this one.
+            RequireScene(source, index, "scene source");
             if (dynamic_cast<PySceneSource*>(&source) != nullptr) return source.Derive(index);
             return source.Annotations(index);
           },

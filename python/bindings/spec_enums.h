@@ -44,5 +44,7 @@ template <>
 inline constexpr const char* kEnumName<RelativeTo> = "RelativeTo";
 template <>
 inline constexpr const char* kEnumName<OnCollision> = "OnCollision";
+template <>
+inline constexpr const char* kEnumName<Relation> = "Relation";
 
 }  // namespace robocell::python

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "robocell/base/error.h"
+#include "robocell/spec/field_places.h"
 #include "robocell/spec/start_config.h"
 
 namespace robocell::python {
@@ -20,7 +21,9 @@ const Field& FindField(const std::vector<Field>& fields, const std::string& name
     if (name == field.name) return field;
   }
   const std::string place = (path ? path->text() + ": " : "") + WithArticle(type);
-  throw nb::type_error((NoSuchName(place, "field", name, Names(fields)) + StartHint(name)).c_str());
+  std::string hint = PlaceHint(type, name);
+  if (hint.empty()) hint = StartHint(name);
+  throw nb::type_error((NoSuchName(place, "field", name, Names(fields)) + hint).c_str());
 }
 
 // The only entry of {kind: value}.

@@ -5,6 +5,8 @@
 #include <algorithm>
 
 #include "robocell/base/error.h"
+#include "robocell/spec/field_places.h"
+#include "robocell/spec/scene_source_spec.h"
 #include "robocell/spec/start_config.h"
 
 namespace robocell::python {
@@ -15,7 +17,10 @@ KindFieldRef RequireKindField(KindFields& fields, const char* noun, const std::s
     if (field.name == name) return std::move(field);
   }
   const std::string place = fmt::format("{} '{}'", noun, kind);
-  throw nb::attribute_error(NoSuchName(place, "field", name, fields.names()).c_str());
+  const bool is_scene = noun == std::string_view(SceneSourceRegistry().noun());
+  const std::string hint =
+      KindKeyHint(is_scene ? "source" : "kind", name) + (is_scene ? "" : StartHint(name));
+  throw nb::attribute_error((NoSuchName(place, "field", name, fields.names()) + hint).c_str());
 }
 
 nb::object GetKindField(const KindFieldRef& field, nb::handle owner) {
@@ -61,7 +66,9 @@ void SetKindFields(KindSpec& spec, const nb::dict& values, const FieldPath& path
       all.insert(all.begin(), key);
       if (!other.empty()) all.push_back(other);
       const std::string place = path.text() + ": " + WithArticle(spec.fields().type_name());
-      throw nb::type_error((NoSuchName(place, "field", name, all) + StartHint(name)).c_str());
+      throw nb::type_error(
+          (NoSuchName(place, "field", name, all) + KindKeyHint(key, name) + StartHint(name))
+              .c_str());
     }
     SetKindField(RequireKindField(spec.fields(), spec.registry().noun(), spec.kind(), name), value,
                  FieldPath(path, name));

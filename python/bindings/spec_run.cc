@@ -11,9 +11,10 @@ void BindRunSpecs(nb::module_& m) {
   auto cameras =
       BindSpecClass<CameraSystemConfig>(m, "The image streams of a run and the size they share.");
   DefYamlFile(cameras);
+  BindSpecClass<ObjectPlace>(m, "A start of an object on, inside or next to something else.");
   BindSpecClass<StartConfig>(m,
-                             "Places of the robot's base around the task's object, and the "
-                             "conditions for beginning an episode.");
+                             "Places of objects and of the robot's base, and the conditions for "
+                             "beginning an episode.");
   BindSpecClass<Rates>(m, "Rates of engine steps, controllers and actions, in ms or in Hz.")
       .def(
           "timestep", [](const Rates& r) { return r.timestep().value(); },

@@ -10,6 +10,7 @@
 #include "body_poses.h"
 #include "features.h"
 #include "rng.h"
+#include "spec_fields.h"
 #include "task_trampolines.h"
 #include "robocell/base/error.h"
 #include "robocell/scenes/catalogue.h"
@@ -17,6 +18,12 @@
 namespace nb = nanobind;
 
 namespace robocell::python {
+
+Map<ObjectPlace> ToPlaces(nb::handle made) {
+  Map<ObjectPlace> places;
+  Convert<Map<ObjectPlace>>::Set(places, made, FieldPath("places"));
+  return places;
+}
 
 using namespace nb::literals;
 
@@ -234,6 +241,13 @@ void BindTaskClass(nb::module_& m) {
       .def(
           "base_range", [](const Task&) { return BaseRange(); },
           "Returns, for runs, where the robot's base may stand around the first of objects().")
+      .def(
+          "places", [](const Task&) { return nb::dict(); },
+          nb::sig("def places(self) -> collections.abc.Mapping[str, ObjectPlace | dict[str, "
+                  "typing.Any]]"),
+          "Returns, for runs, which objects start on top of, inside or next to something: "
+          "{'cube': {'inside': 'tray'}}. start.places of the run comes before it. The others lie "
+          "on the support.")
       .def(
           "signals", [](const Task&) { return nb::dict(); },
           nb::sig("def signals(self) -> collections.abc.Mapping[str, "

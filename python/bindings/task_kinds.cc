@@ -114,10 +114,10 @@ class PythonSceneSourceKind final : public SceneSourceKind {
   explicit PythonSceneSourceKind(std::string kind) : kind_(std::move(kind)) {}
 
   std::shared_ptr<SceneSource> Make(const SceneSourceSpec& spec,
-                                    const std::string& /*directory*/) const override {
+                                    const std::string& directory) const override {
     const nb::gil_scoped_acquire acquire;
     const nb::object maker = Makers(kSources)[kind_.c_str()];
-    const nb::object made = maker(ValuesOf(spec));
+    const nb::object made = maker(ValuesOf(spec), directory);
     if (!nb::isinstance<SceneSource>(made))
       ThrowReturned("the function of scene source '" + kind_ + "'", "a SceneSource", made,
                     PlaceOfCode(maker));
@@ -249,8 +249,17 @@ void BindTaskKinds(nb::module_& m) {
       "scene_source_kinds", [] { return SceneSourceRegistry().kinds(); },
       "Returns the kinds for the `source` of a run's scenes.");
   m.def("sampler_kinds", &SamplerKinds, "Returns the kinds for the `sampler` of a run.");
-  m.def("imports_of_run_file", &ImportsOfRunFile, "path"_a,
-        "Returns the `imports` of a run file; none for a file that cannot be read.");
+  m.def(
+      "imports_of_run_file",
+      [](const std::string& path) {
+        std::vector<std::pair<std::string, std::string>> imports;
+        for (const RunImport& import : ImportsOfRunFile(path))
+          imports.emplace_back(import.name, import.place);
+        return imports;
+      },
+      "path"_a,
+      "Returns the `imports` of a run file, each with its place (\"run.yaml:3:11\"); none for a "
+      "file that cannot be read.");
   m.def("task_kinds", &TaskKinds, "Returns the kinds for the `task` of a configuration.");
   m.def("expert_kinds", &ExpertKinds, "Returns the kinds of experts.");
   m.def(

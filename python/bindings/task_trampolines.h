@@ -26,6 +26,9 @@
 
 namespace robocell::python {
 
+// What Task.places returns; TypeError names what is none.
+Map<ObjectPlace> ToPlaces(nanobind::handle made);
+
 // Calls the Python method when there is one, else `own`. TypeError without either, and
 // for what returned.h cannot convert. `own` is a generic lambda: for abstract classes it is not
 // compiled.
@@ -160,6 +163,11 @@ class PyTaskOf : public Base {
     const nb::object made = self().attr("base_range")();
     if (!nb::isinstance<BaseRange>(made)) ThrowReturned(self(), "base_range", "a BaseRange", made);
     return nb::cast<BaseRange>(made);
+  }
+  Map<ObjectPlace> places() const override {
+    if (!Defines(nb_trampoline, "places")) return Base::places();
+    const nb::gil_scoped_acquire acquire;
+    return ConvertReturned(self(), "places", [&] { return ToPlaces(self().attr("places")()); });
   }
   std::vector<Feature> signals() const override {
     if (!Defines(nb_trampoline, "signals")) return Base::signals();

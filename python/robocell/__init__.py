@@ -77,7 +77,7 @@ from robocell._core import (
     __mujoco_version__,
     __version__,
 )
-from robocell._elsewhere import not_at_the_top
+from robocell._elsewhere import add_hints, not_at_the_top
 from robocell.features import register_feature
 from robocell.tasks import (
     register_expert,
@@ -149,3 +149,6 @@ __all__ = [
 def __getattr__(name: str) -> NoReturn:
     """Says where a name is that is not at the top."""
     raise AttributeError(not_at_the_top(name))
+
+
+add_hints()

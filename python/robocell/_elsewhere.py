@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import difflib
+import functools
 import importlib.util
 import sys
+from collections.abc import Sequence
+from types import ModuleType
+from typing import NoReturn
 
 # In the order in which they are named to a reader.
 TOPICS = (
@@ -44,12 +48,40 @@ def not_at_the_top(name: str) -> str:
         return f"{start}. It is in a module to import: {OF_EXTRAS[name]}.{name}"
     if not name.startswith("_") and importlib.util.find_spec(f"robocell.{name}"):
         return f"{start}. It is a module to import: import robocell.{name}"
-    names = [each.lower() for each in homes]
-    near = difflib.get_close_matches(name.lower(), names, n=1, cutoff=0.75)
-    if near:
-        found = next(full for each, full in homes.items() if each.lower() == near[0])
-        return f"{start}. Did you mean {found}?"
+    if near := _nearest(name, list(homes)):
+        return f"{start}. Did you mean {homes[near]}?"
     return f"{start}. Its topics: {', '.join(TOPICS)}"
+
+
+def not_in(module: str, name: str, names: Sequence[str]) -> str:
+    """What a topic says when it has no such name: what is near in it, or where the name lives."""
+    start = f"module '{module}' has no attribute '{name}'"
+    near = _nearest(name, names)
+    if near:
+        return f"{start}. Did you mean {near}?"
+    homes = _homes()
+    return f"{start}. It is {homes[name]}" if name in homes else start
+
+
+def add_hints() -> None:
+    """Lets each topic without a `__getattr__` of its own say `not_in` of names that it lacks.
+
+    Set from outside, so that type checkers still report such names.
+    """
+    for topic in TOPICS:
+        module = sys.modules[f"robocell.{topic}"]
+        if "__getattr__" not in vars(module):
+            vars(module)["__getattr__"] = functools.partial(_refuse, module)
+
+
+def _refuse(module: ModuleType, name: str) -> NoReturn:
+    raise AttributeError(not_in(module.__name__, name, module.__all__))
+
+
+def _nearest(name: str, names: Sequence[str]) -> str:
+    lower = {each.lower(): each for each in names}
+    near = difflib.get_close_matches(name.lower(), lower, n=1, cutoff=0.75)
+    return lower[near[0]] if near else ""
 
 
 def _homes() -> dict[str, str]:

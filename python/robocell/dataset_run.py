@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -33,7 +34,7 @@ def run_of_dataset(source: str | Path) -> RunConfig:
             f"'{folder}' was recorded from {what}, not made by a run, so there is no run to go on "
             "with; robocell.envs.from_dataset makes the environment of a recorded one"
         )
-    run = RunConfig.from_yaml(str(metadata["identity"]), str(folder), overrides=['output="unset"'])
+    run = _run_of_text(str(metadata["identity"]), str(folder))
     config = recorded_scene(first).robots[0].config
     if config is None:
         raise ArgumentError(f"'{folder}': the scene of '{first.id}' has no robot configuration")
@@ -57,3 +58,13 @@ def run_of_dataset(source: str | Path) -> RunConfig:
     if files:
         run.scenes.files = files
     return run
+
+
+def _run_of_text(text: str, dataset: str) -> RunConfig:
+    """The run in the metadata of an episode, whose lines and columns nobody can look up."""
+    try:
+        return RunConfig.from_yaml(text, dataset, overrides=['output="unset"'])
+    except SpecError as error:
+        said = re.sub(rf"{re.escape(dataset)}:\d+:\d+: ", "", str(error))
+        said = re.sub(rf"^{re.escape(dataset)} is not valid(: |, )", "", said)
+        raise SpecError(f"the run that made '{dataset}': {said}") from error

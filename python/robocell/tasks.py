@@ -160,9 +160,12 @@ def register_scene_source(
     """Makes a class known as a kind of scene source, for `scenes: {source: ...}` of runs.
 
     It is made as `cls(fields)`, or `cls()` without fields, which are described as for
-    `register_task`; `source` and `houses` are taken. Registering a name again replaces it;
-    robocell's own cannot be replaced (ArgumentError). `files` are what scenes are made from beside
-    the code and the models, such as lists of places: a dataset remembers what they hold.
+    `register_task`; `source` and `houses` are taken. A parameter `directory` gets the folder of the
+    run file, where relative paths of the fields start ("" for a run made in Python).
+
+    Registering a name again replaces it; robocell's own cannot be replaced (ArgumentError). `files`
+    are what scenes are made from beside the code and the models, such as lists of places: a dataset
+    remembers what they hold.
     """
     call = f"register_scene_source({kind!r})"
     _require_name("register_scene_source", kind)
@@ -171,7 +174,9 @@ def register_scene_source(
         _require_maker(call, maker, "SceneSource")
         described = fields if fields is not None else getattr(maker, "Fields", None)
         defaults = _defaults(call, described, ("source", "houses"))
-        _register_scene_source(kind, _maker(maker, described), defaults, code_of(maker, files))
+        _register_scene_source(
+            kind, _source_maker(maker, described), defaults, code_of(maker, files)
+        )
         return maker
 
     return register
@@ -218,6 +223,22 @@ def _maker(maker: Callable[..., Any], fields: type[Any] | None) -> Callable[[dic
         return maker() if fields is None else maker(fields(**values))
 
     return make
+
+
+def _source_maker(
+    maker: Callable[..., Any], fields: type[Any] | None
+) -> Callable[[dict[str, Any], str], Any]:
+    """Like `_maker`, with the folder where relative paths start for those who take it."""
+    try:
+        takes_directory = "directory" in inspect.signature(maker).parameters
+    except (TypeError, ValueError):  # of a callable that has no signature
+        takes_directory = False
+    if not takes_directory:
+        make = _maker(maker, fields)
+        return lambda values, _directory: make(values)
+    return lambda values, directory: _maker(functools.partial(maker, directory=directory), fields)(
+        values
+    )
 
 
 def _defaults(

@@ -135,7 +135,7 @@ def test_what_the_robot_or_the_catalogue_lacks_is_told_before_anything_is_made(
     assert "robot_0/" not in text
     task = {"kind": "pick", "objects": ["box", "mgu"]}
     text = refused("generate", write_run(tmp_path, task=task), option)
-    assert "task.objects[1]: task: no kind 'mgu'" in text
+    assert "task.objects[1]: no kind of object 'mgu'" in text
     assert "Did you mean 'mug'?" in text
     assert not (tmp_path / "out").exists(), "so the corrected file begins a new dataset"
 

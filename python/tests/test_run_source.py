@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import robocell as rc
+from robocell.dataset_run import _run_of_text
 from robocell.generate.run_source import RunSource, import_module, import_named, place_of
 
 MODULE = """
@@ -76,6 +77,50 @@ def test_modules_that_are_nowhere_are_told_with_the_next_step(tmp_path):
         import_module("nowhere.py", tmp_path)
     with pytest.raises(rc.SpecError, match=r"cannot import '.*nothing\.so'"):
         import_named("nothing.so", tmp_path)
+
+
+def test_folders_are_no_modules(tmp_path, monkeypatch):
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    folder = tmp_path / "folder_of_tasks"
+    folder.mkdir()
+    (folder / "stack.py").write_text("")
+    for name in ("folder_of_tasks", "folder_of_tasks/"):
+        with pytest.raises(rc.SpecError) as raised:
+            import_module(name, tmp_path)
+        assert "is a folder without an __init__.py; name a file in it" in str(raised.value)
+        assert str(folder / "stack.py") in str(raised.value)
+        sys.modules.pop("folder_of_tasks", None)
+    (folder / "__init__.py").write_text("")
+    with pytest.raises(rc.SpecError, match="import the package by its name: folder_of_tasks"):
+        import_module("folder_of_tasks/", tmp_path)
+    assert import_module("folder_of_tasks", tmp_path).__name__ == "folder_of_tasks"
+
+
+def test_imports_of_a_run_file_are_told_with_their_place(tmp_path):
+    file = tmp_path / "run.yaml"
+    file.write_text("run: a\nimports:\n  - nowhere.py\n  - gone.so\n")
+    with pytest.raises(rc.SpecError) as raised:
+        RunSource(str(file)).load()
+    path = tmp_path / "nowhere.py"
+    said = f"{file}:3:5: imports: cannot import '{path}': there is no such file"
+    assert str(raised.value) == said
+    file.write_text("run: a\nimports: [gone.so]\n")
+    with pytest.raises(rc.SpecError, match=r"run\.yaml:2:11: imports: cannot import '.*gone\.so'"):
+        RunSource(str(file)).load()
+
+
+def test_the_text_of_a_dataset_has_no_lines_and_columns():
+    robot = rc.models.robot_file("rc7")
+    text = f"run: a\nrobot: {robot}\ntask:\n  kind: stack_of_nobody\nepisods: 3\n"
+    with pytest.raises(rc.SpecError) as raised:
+        _run_of_text(text, "out/folder")
+    said = str(raised.value)
+    assert said.startswith("the run that made 'out/folder': 2 problems:")
+    assert "  task.kind: no task 'stack_of_nobody'" in said
+    assert "name it with --import" in said
+    assert "folder:" not in said
+    with pytest.raises(rc.SpecError, match=r"^the run that made 'out/folder': task\.kind: no task"):
+        _run_of_text(text.replace("episods: 3", ""), "out/folder")
 
 
 def test_another_file_of_the_name_of_a_loaded_module_is_refused(tmp_path):

@@ -84,6 +84,31 @@ def test_a_name_that_is_not_at_the_top_is_shown_the_way(name, told):
     assert result.stdout == f"module 'robocell' has no attribute '{name}'. {told}\n"
 
 
+@pytest.mark.parametrize(
+    ("topic", "name", "told"),
+    [
+        ("tasks", "Refusl", "Did you mean Refusal?"),
+        ("envs", "envbatch", "Did you mean EnvBatch?"),
+        ("data", "EnvRecordr", "Did you mean EnvRecorder?"),
+        ("scenes", "Refusal", "It is robocell.tasks.Refusal"),
+        ("menagerie", "model_pth", "Did you mean model_path?"),
+    ],
+)
+def test_a_name_that_a_topic_lacks_is_told_with_the_nearest(topic, name, told):
+    module = getattr(rc, topic)
+    with pytest.raises(AttributeError) as error:
+        getattr(module, name)
+    assert str(error.value) == f"module 'robocell.{topic}' has no attribute '{name}'. {told}"
+
+
+@pytest.mark.parametrize("topic", _elsewhere.TOPICS)
+def test_every_topic_refuses_what_it_does_not_have(topic):
+    module = importlib.import_module(f"robocell.{topic}")
+    assert not hasattr(module, "zzz")
+    with pytest.raises(AttributeError, match=f"module 'robocell.{topic}' has no attribute 'zzz'$"):
+        module.zzz  # noqa: B018
+
+
 def test_asking_whether_there_is_a_name_is_no_error():
     assert not hasattr(rc, "Nope")
     with pytest.raises(ImportError, match="cannot import name 'Nope' from 'robocell'"):
@@ -122,7 +147,11 @@ def test_a_class_of_an_extra_is_where_the_message_says(name):
     module = _elsewhere.OF_EXTRAS[name]
     with pytest.raises(AttributeError, match=rf"import: {module}\.{name}"):
         getattr(rc, name)
-    # The extra need not be installed: what a module defines is read from its source.
-    source = Path(importlib.util.find_spec(module).origin).read_text()
-    classes = [node.name for node in ast.parse(source).body if isinstance(node, ast.ClassDef)]
-    assert name in classes
+    # The extra need not be installed: what a module has is read from its source.
+    names = set()
+    for node in ast.parse(Path(importlib.util.find_spec(module).origin).read_text()).body:
+        if isinstance(node, ast.ClassDef):
+            names.add(node.name)
+        elif isinstance(node, ast.ImportFrom):
+            names |= {alias.asname or alias.name for alias in node.names}
+    assert name in names

@@ -263,3 +263,17 @@ def test_a_missing_encoder_and_missing_gl_are_told(
     assert message in said
     assert "nstall" in said
     assert not path.exists()
+
+
+@pytest.mark.parametrize("fovy", [float("nan"), float("inf"), -5.0, 0.0, 180.0])
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda fovy: rc.render.FreeCamera(rc.Pose(), fovy=fovy),
+        lambda fovy: rc.render.OrbitCamera(fovy=fovy),
+        lambda fovy: rc.render.TrackingCamera("ball", fovy=fovy),
+    ],
+)
+def test_fields_of_view_that_no_camera_has_are_refused(make, fovy):
+    with pytest.raises(rc.ArgumentError, match=f"fovy is {fovy:g}; it must be above 0 and below"):
+        make(fovy)

@@ -64,7 +64,6 @@
 #include "robocell/rollout/replay.h"
 #include "robocell/rollout/run_env.h"
 #include "robocell/rollout/runner.h"
-#include "robocell/rollout/validate_robot.h"
 #include "robocell/rollout/validate_run.h"
 #include "robocell/scene/scene.h"
 #include "robocell/scene/scene_cache.h"

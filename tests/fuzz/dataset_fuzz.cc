@@ -16,10 +16,10 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/data/checked_json.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_reader.h"
-#include "robocell/data/self_hashed_json.h"
 #include "robocell/data/testing/sample_episode.h"
 #include "robocell/data/verify.h"
 #include "robocell/testing/temp_dir.h"

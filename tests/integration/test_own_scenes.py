@@ -159,3 +159,85 @@ def test_a_camera_has_to_see_the_object(run_file: Path, tmp_path: Path):
     run_file.write_text(run_file.read_text().replace("exo_camera", "exo_camra"))
     said = refusal("generate", run_file, "--output", tmp_path / "no", "--episodes", "2")
     assert "Did you mean 'exo_camera'?" in said
+
+
+class Count(rc.scenes.SceneSource):
+    """Two tables; what is odd about them is set from outside."""
+
+    many: int | None = 2
+    annotated: rc.scenes.SceneAnnotations | None = None
+    random = False
+    made = 0
+    directory = "unset"
+
+    def __init__(self, directory: str):
+        super().__init__()
+        Count.directory = directory
+
+    def size(self) -> int | None:
+        return Count.many
+
+    def make(self, index: int) -> rc.SceneSpec:
+        Count.made += 1
+        base = "tabletop"
+        spec = rc.SceneSpec(base=base, add_floor=True)
+        if Count.random:
+            spec.objects.append(rc.SceneObject(name=f"cube{Count.made}"))
+        return spec
+
+    def annotations(self, index: int) -> rc.scenes.SceneAnnotations | None:
+        return Count.annotated
+
+
+@pytest.fixture
+def counted(tmp_path: Path) -> rc.RunConfig:
+    rc.register_scene_source("count_of_test")(Count)
+    Count.many, Count.annotated, Count.random = 2, None, False
+    file = tmp_path / "count.yaml"
+    file.write_text(
+        f"run: count\nrobot: {RC7}\ntask: {{kind: pick, objects: [box]}}\n"
+        "scenes: {source: count_of_test}\noutput: unset\n"
+    )
+    return rc.RunConfig.load(file)
+
+
+def test_scenes_that_are_not_there_are_told_with_their_number(counted: rc.RunConfig):
+    for index in (5, -1, 2):
+        with pytest.raises(rc.NotFoundError, match=f"no scene {index}; it has 2 \\(0 ... 1\\)"):
+            rc.scenes.base_scene(counted, index)
+    counted.scenes = rc.scenes.FilesScenes(files=["a.xml", "b.xml"])
+    source = rc.scenes.make_scene_source(counted)
+    for call in (source.make, source.annotations):
+        with pytest.raises(rc.NotFoundError, match="no scene 5; it has 2"):
+            call(5)
+
+
+@pytest.mark.parametrize(
+    ("many", "told"), [(-3, "says that it has -3 scenes"), (10**9, "a run takes 1000000 at most")]
+)
+def test_numbers_of_scenes_that_no_run_takes(counted: rc.RunConfig, many: int, told: str):
+    Count.many = many
+    with pytest.raises(rc.SpecError, match=told) as error:
+        rc.diagnose.check_run(counted)
+    assert len(str(error.value)) < 500
+
+
+def test_a_source_gets_the_folder_of_the_run_file(counted: rc.RunConfig, tmp_path: Path):
+    rc.scenes.make_scene_source(counted)
+    assert Path(Count.directory) == tmp_path
+
+
+def test_scenes_that_differ_each_time_are_refused(counted: rc.RunConfig):
+    Count.random = True
+    with pytest.raises(rc.SpecError, match="gave another scene 0 when it was asked again"):
+        rc.diagnose.check_run(counted)
+
+
+def test_annotations_that_are_no_numbers_are_named(counted: rc.RunConfig):
+    room = rc.scenes.Room("kitchen", floor_height=float("nan"))
+    Count.annotated = rc.scenes.SceneAnnotations(rooms=[room])
+    told = r"annotations of scene 0: rooms\[0\].floor_height is nan; it must be finite"
+    with pytest.raises(rc.SpecError, match=told):
+        rc.diagnose.check_run(counted)
+    with pytest.raises(rc.ArgumentError, match="the height of a base placement is inf"):
+        rc.tasks.BasePlacement(0.4, float("inf"))

@@ -21,7 +21,7 @@ from robocell.generate.totals import Totals, Unmade, one_after_the_other, side_b
 
 FORMAT = "robocell-report"
 FORMAT_VERSION = 1
-UNSIGNED = {"json_sha256": "0" * 64}  # becomes the hash, see data/self_hashed_json.h
+UNSIGNED = {"json_sha256": "0" * 64}  # becomes the hash, see data/checked_json.h
 
 
 class DamagedReportError(Exception):

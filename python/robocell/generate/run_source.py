@@ -84,8 +84,11 @@ class RunSource:
 
             return _overridden(run_of_dataset(self.run), self.run, overrides)
         folder = Path(self.run).absolute().parent
-        for module in imports_of_run_file(self.run):
-            import_named(module, folder)
+        for module, place in imports_of_run_file(self.run):
+            try:
+                import_named(module, folder)
+            except SpecError as error:
+                raise SpecError(f"{place}: imports: {error}") from error
         return RunConfig.load(self.run, list(overrides))
 
     def _split(self) -> tuple[str, str] | None:
@@ -154,7 +157,7 @@ def import_module(name: str, folder: Path) -> ModuleType:
             return _import_file(folder / name)
         if str(folder) not in sys.path:
             sys.path.append(str(folder))
-        return importlib.import_module(name)
+        return _require_code(importlib.import_module(name))
     except SpecError:
         raise
     except ModuleNotFoundError as error:
@@ -168,8 +171,26 @@ def import_module(name: str, folder: Path) -> ModuleType:
         raise SpecError(f"cannot import '{name}': {place_of(error)}") from error
 
 
+def _require_code(module: ModuleType) -> ModuleType:
+    """Refuses a folder that only looks like a module: importing it runs nothing."""
+    folders = [] if getattr(module, "__file__", None) else list(getattr(module, "__path__", ()))
+    if folders:
+        raise SpecError(f"cannot import '{module.__name__}': {_what_to_name(Path(folders[0]))}")
+    return module
+
+
+def _what_to_name(folder: Path) -> str:
+    if (folder / "__init__.py").is_file():
+        return f"'{folder}' is a folder; import the package by its name: {folder.name}"
+    files = sorted(file.name for file in folder.glob("*.py"))
+    example = folder / (files[0] if files else "tasks.py")
+    return f"'{folder}' is a folder without an __init__.py; name a file in it, such as {example}"
+
+
 def _import_file(path: Path) -> ModuleType:
     path = path.resolve()
+    if path.is_dir():
+        raise SpecError(f"cannot import '{path}': {_what_to_name(path)}")
     if not path.is_file():
         raise SpecError(f"cannot import '{path}': there is no such file")
     name = path.stem

@@ -1,24 +1,89 @@
 #include "robocell/assets/model_files.h"
 
+#include <strings.h>
 #include <fmt/format.h>
+#include <tinyxml2.h>
 
 #include <algorithm>
 #include <cctype>
 #include <set>
+#include <string>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
-#include "robocell/assets/model_text.h"
 #include "robocell/base/error.h"
 #include "robocell/base/real_file.h"
 
 namespace robocell {
 namespace {
 
+// The file references of one XML file of a model, as the engine's own parser (tinyxml2) reads them.
+
+enum class NameKind { kAsset, kInclude, kModel };
+
+struct FileName {
+  NameKind kind = NameKind::kAsset;
+  std::string name;  // with `/` between folders; the engine takes `\` for the same
+};
+
+struct ModelText {
+  std::string problem;  // why it is no XML; "" when it is
+  std::vector<FileName> names;
+  std::vector<std::string> folders;  // of assets: meshdir, texturedir, assetdir
+  bool strips_paths = false;         // assets are named without their folders
+};
+
+using tinyxml2::XMLElement;
+
+std::string WithSlashes(std::string name) {
+  std::replace(name.begin(), name.end(), '\\', '/');
+  return name;
+}
+
+bool Is(const XMLElement& element, const char* name) {
+  return ::strcasecmp(element.Name(), name) == 0;
+}
+
+NameKind KindOf(const XMLElement& element) {
+  if (Is(element, "include")) return NameKind::kInclude;
+  return Is(element, "model") ? NameKind::kModel : NameKind::kAsset;
+}
+
+// All elements alike: what else may name files in the next engine is found, too.
+void ReadAttributes(const XMLElement& element, ModelText& text) {
+  for (const auto* it = element.FirstAttribute(); it; it = it->Next()) {
+    const std::string_view attribute = it->Name();
+    const std::string value = WithSlashes(it->Value());
+    if (attribute == "meshdir" || attribute == "texturedir" || attribute == "assetdir")
+      text.folders.push_back(value);
+    if (attribute == "strippath") text.strips_paths |= value == "true";
+    if (attribute.starts_with("file") && !value.empty())
+      text.names.push_back({KindOf(element), value});
+  }
+}
+
+void ReadElements(const XMLElement& element, ModelText& text) {
+  ReadAttributes(element, text);
+  for (const auto* child = element.FirstChildElement(); child; child = child->NextSiblingElement())
+    ReadElements(*child, text);
+}
+
+ModelText ReadModelText(std::string_view xml) {
+  ModelText text;
+  tinyxml2::XMLDocument document;
+  if (document.Parse(xml.data(), xml.size()) != tinyxml2::XML_SUCCESS) {
+    text.problem = document.ErrorStr();
+  } else if (const XMLElement* root = document.RootElement()) {
+    text.strips_paths = Is(*root, "robot");  // URDF
+    ReadElements(*root, text);
+  } else {
+    text.problem = "it has no element";
+  }
+  return text;
+}
+
 namespace fs = std::filesystem;
-using assets::FileName;
-using assets::ModelText;
-using assets::NameKind;
 
 constexpr const char* kScheme = "it may be no file at all";
 
@@ -82,7 +147,7 @@ class Walk {
   void ReadDocument(Model& model, const fs::path& document) {
     files_.insert(document);
     if (!model.documents.insert(document).second) return;
-    const ModelText text = assets::ReadModelText(ReadRealFile(document));
+    const ModelText text = ReadModelText(ReadRealFile(document));
     if (!text.problem.empty()) missing_.push_back({document, "", text.problem});
     model.strips_paths |= text.strips_paths;
     for (const std::string& folder : text.folders) {

@@ -18,7 +18,8 @@ namespace robocell {
 
 // Loads a plugin and lets it register, once in a process: the path again does nothing. Returns the
 // file's full path. IoError for a file that is not there or that cannot be loaded; ArgumentError
-// for one that is no plugin or was built for another version; what its function throws.
+// for one that is no plugin, was built for another version, or whose registration failed before in
+// this process, with that failure; what its function throws.
 std::string LoadPlugin(const std::string& path);
 
 // The full path of the plugin that registers on this thread just now; "" outside of LoadPlugin.

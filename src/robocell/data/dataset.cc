@@ -14,11 +14,11 @@
 #include "robocell/base/paths.h"
 #include "robocell/base/real_file.h"
 #include "robocell/base/suggestions.h"
+#include "robocell/data/checked_json.h"
 #include "robocell/data/dataset_folder.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_state.h"
 #include "robocell/data/episode_writer.h"
-#include "robocell/data/self_hashed_json.h"
 
 namespace robocell {
 

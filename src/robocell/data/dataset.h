@@ -85,7 +85,7 @@ class Dataset {
   std::map<std::string, std::string> misnamed_;
 };
 
-// dataset.json: a JSON object as text, kept with a hash of itself (self_hashed_json.h) and replaced in
+// dataset.json: a JSON object as text, kept with a hash of itself (checked_json.h) and replaced in
 // one step. ArgumentError if the text is no JSON object.
 void WriteManifest(const std::filesystem::path& dataset, const std::string& json);
 // With its hash. Unset if there is none; IoError if it is not what was written.

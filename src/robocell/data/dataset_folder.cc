@@ -22,6 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr size_t kShown = 5;  // names in a message
+
 bool Is(const fs::path& path, std::initializer_list<fs::file_type> types) {
   std::error_code ignored;
   const fs::file_type type = fs::symlink_status(path, ignored).type();
@@ -29,6 +31,29 @@ bool Is(const fs::path& path, std::initializer_list<fs::file_type> types) {
     if (type == each) return true;
   }
   return false;
+}
+
+bool IsOfDataset(const fs::path& folder, const std::string& name) {
+  return name == kManifestFile || name == kQuarantineFolder || name == kModelsFolder ||
+         IsReportFile(name) || IsTemporaryName(name) || IsEpisodeFolder(folder / name);
+}
+
+// Finds the dataset that the user may have meant: around the folder, or one below.
+std::string NearestDataset(const fs::path& folder, const std::vector<std::string>& names) {
+  const fs::path path = fs::absolute(folder).lexically_normal();
+  const fs::path around = (path.has_filename() ? path : path.parent_path()).parent_path();
+  if (fs::exists(folder / kEpisodeFile))
+    return fmt::format(". It is an episode of a dataset; give '{}'", around.string());
+  if (fs::exists(around / kManifestFile))
+    return fmt::format(". It is a part of a dataset; give '{}'", around.string());
+  std::vector<std::string> below;
+  for (const std::string& name : names) {
+    if (fs::exists(folder / name / kManifestFile)) below.push_back((folder / name).string());
+  }
+  if (below.empty()) return "";
+  if (below.size() == 1) return fmt::format(". Did you mean '{}'?", below.front());
+  return fmt::format(". It holds {} datasets, give one of them: {}", below.size(),
+                     ListNames(below, kShown));
 }
 
 }  // namespace
@@ -62,37 +87,6 @@ void RequireOwnFolders(const fs::path& dataset) {
   }
 }
 
-namespace {
-
-namespace fs = std::filesystem;
-
-constexpr size_t kShown = 5;
-
-bool IsOfDataset(const fs::path& folder, const std::string& name) {
-  return name == kManifestFile || name == kQuarantineFolder || name == kModelsFolder ||
-         IsReportFile(name) || IsTemporaryName(name) || IsEpisodeFolder(folder / name);
-}
-
-// Finds the dataset that the user may have meant: around the folder, or one below.
-std::string NearestDataset(const fs::path& folder, const std::vector<std::string>& names) {
-  const fs::path path = fs::absolute(folder).lexically_normal();
-  const fs::path around = (path.has_filename() ? path : path.parent_path()).parent_path();
-  if (fs::exists(folder / kEpisodeFile))
-    return fmt::format(". It is an episode of a dataset; give '{}'", around.string());
-  if (fs::exists(around / kManifestFile))
-    return fmt::format(". It is a part of a dataset; give '{}'", around.string());
-  std::vector<std::string> below;
-  for (const std::string& name : names) {
-    if (fs::exists(folder / name / kManifestFile)) below.push_back((folder / name).string());
-  }
-  if (below.empty()) return "";
-  if (below.size() == 1) return fmt::format(". Did you mean '{}'?", below.front());
-  return fmt::format(". It holds {} datasets, give one of them: {}", below.size(),
-                     ListNames(below, kShown));
-}
-
-}  // namespace
-
 void RequireDataset(const fs::path& folder) {
   const std::vector<std::string> names = FolderNames(folder);
   if (std::any_of(names.begin(), names.end(),
@@ -104,8 +98,6 @@ void RequireDataset(const fs::path& folder) {
       fmt::format("'{}' is no dataset: it has neither a dataset.json nor episodes, {}{}",
                   folder.string(), holds, NearestDataset(folder, names)));
 }
-
-namespace fs = std::filesystem;
 
 std::string Quarantine(const fs::path& dataset, const std::string& name) {
   const fs::path folder = dataset / kQuarantineFolder;

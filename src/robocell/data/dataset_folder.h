@@ -30,8 +30,9 @@ void RequireOwnFolders(const std::filesystem::path& dataset);
 // that either leaves behind; it names the dataset that is near. IoError if it cannot be listed.
 void RequireDataset(const std::filesystem::path& folder);
 
-// Nothing that is damaged is deleted. Moves something of the dataset ("s0000_e0017", "models/rc7-0123456789abcdef") into its folder
-// .quarantine, under a name that is free there, and returns that name. IoError.
+// Moves something of the dataset ("s0000_e0017", "models/rc7-0123456789abcdef") into its folder
+// .quarantine, under a name that is free there, and returns that name: nothing that is damaged is
+// deleted. IoError.
 std::string Quarantine(const std::filesystem::path& dataset, const std::string& name);
 
 }  // namespace robocell

@@ -9,10 +9,10 @@
 #include "robocell/base/files.h"
 #include "robocell/base/hash.h"
 #include "robocell/base/real_file.h"
+#include "robocell/data/checked_json.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_state.h"
-#include "robocell/data/self_hashed_json.h"
 
 namespace robocell {
 namespace {
@@ -88,8 +88,6 @@ std::vector<std::string> LostEpisodes(const fs::path& dataset) {
   std::erase_if(told, [&](const std::string& id) { return present.Has(id); });
   return {told.begin(), told.end()};
 }
-
-using nlohmann::json;
 
 std::optional<std::string> OtherRunOf(const std::string& report,
                                       const std::filesystem::path& dataset) try {

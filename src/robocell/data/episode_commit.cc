@@ -13,9 +13,9 @@
 #include "robocell/base/hash.h"
 #include "robocell/base/host.h"
 #include "robocell/base/version.h"
+#include "robocell/data/checked_json.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/hdf5.h"
-#include "robocell/data/self_hashed_json.h"
 #include "robocell/media/ffmpeg.h"
 #include "robocell/media/video_info.h"
 

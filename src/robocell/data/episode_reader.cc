@@ -14,11 +14,10 @@
 #include "robocell/base/paths.h"
 #include "robocell/base/real_file.h"
 #include "robocell/base/suggestions.h"
+#include "robocell/data/checked_json.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/hdf5.h"
-#include "robocell/data/json_count.h"
 #include "robocell/data/model_store.h"
-#include "robocell/data/self_hashed_json.h"
 #include "robocell/media/frame_pool.h"
 
 namespace robocell {
@@ -171,6 +170,7 @@ struct Episode::Impl {
                               "versions", "run"}) {
         json.at(key);  // asked for later, without a check
       }
+      for (const auto& [name, table] : json["tables"].items()) JsonCount<int64_t>(table.at("rows"));
       if (json.contains("features")) features = FeatureSchema::FromJson(json["features"].dump());
       RequireFiles();
       RequireModels();

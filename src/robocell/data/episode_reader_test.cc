@@ -14,7 +14,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
-#include "robocell/data/self_hashed_json.h"
+#include "robocell/data/checked_json.h"
 #include "robocell/data/testing/sample_episode.h"
 #include "robocell/media/testing/videos.h"
 #include "robocell/testing/expect_throw.h"

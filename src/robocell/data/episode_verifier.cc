@@ -12,11 +12,10 @@
 #include "robocell/base/io_error.h"
 #include "robocell/base/paths.h"
 #include "robocell/base/real_file.h"
+#include "robocell/data/checked_json.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_reader.h"
 #include "robocell/data/isolated_reader.h"
-#include "robocell/data/json_count.h"
-#include "robocell/data/self_hashed_json.h"
 #include "robocell/media/video_info.h"
 
 namespace robocell {

@@ -54,7 +54,10 @@ struct EpisodeWriter::Impl {
   Json features;  // what the columns are
   Json versions;
   std::unique_ptr<StepsFile> steps;
-  std::vector<CameraFiles> videos;  // by the camera's number
+  // By the camera's number.
+  std::unique_ptr<std::vector<CameraFiles>> owned_videos =
+      std::make_unique<std::vector<CameraFiles>>();
+  std::vector<CameraFiles>& videos = *owned_videos;
   std::vector<std::string> extra_files;
   Json models = Json::object();
   std::vector<FileSet> model_files;  // of these
@@ -69,8 +72,7 @@ struct EpisodeWriter::Impl {
   void Abandon() noexcept {
     (void)steps.release();
     (void)work.release();
-    for (CameraFiles& files : videos) (void)new CameraFiles(std::move(files));
-    videos.clear();
+    (void)owned_videos.release();
   }
 
   void Remove() noexcept {

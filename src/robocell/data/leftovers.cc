@@ -47,11 +47,21 @@ std::vector<std::string> ModelsThatCanBeListed(const fs::path& dataset) {
   }
 }
 
+bool IsOfModel(const std::string& name) {
+  return name.starts_with(std::string(kModelsFolder) + "/");
+}
+
 bool IsOf(const DeadWriter& writer, const std::string& name) {
   const auto parsed = TemporaryName::Parse(fs::path(name).filename().string());
-  const bool is_model = name.starts_with(std::string(kModelsFolder) + "/");
   return parsed->process == writer.process &&
-         (is_model || parsed->name.starts_with(writer.episode));
+         (IsOfModel(name) || parsed->name.starts_with(writer.episode));
+}
+
+// "<prefix>-000017"; names of other prefixes may begin with this one too.
+bool IsOfNumbering(const std::string& prefix, const std::string& name) {
+  const std::string episode = TemporaryName::Parse(name)->name;
+  return episode.starts_with(prefix + "-") &&
+         episode.find_first_not_of("0123456789", prefix.size() + 1) == std::string::npos;
 }
 
 // Under its lock. The lock goes last and the folder only when it is empty then: between the two
@@ -124,6 +134,13 @@ std::vector<std::string> RemoveLeftovers(const fs::path& dataset,
 
 std::vector<std::string> RemoveLeftoverFolders(const fs::path& dataset) {
   return RemoveThose(dataset, [&](const std::string& name) { return IsFolder(dataset / name); });
+}
+
+std::vector<std::string> RemoveLeftoversOfNumbering(const fs::path& dataset,
+                                                    const std::string& prefix) {
+  return RemoveThose(dataset, [&](const std::string& name) {
+    return IsFolder(dataset / name) && (IsOfModel(name) || IsOfNumbering(prefix, name));
+  });
 }
 
 }  // namespace robocell

@@ -33,5 +33,9 @@ std::vector<std::string> RemoveLeftovers(const std::filesystem::path& dataset,
                                          const std::optional<DeadWriter>& writer = {});
 // The same of folders only, for anybody: beside other shards, say.
 std::vector<std::string> RemoveLeftoverFolders(const std::filesystem::path& dataset);
+// Of those only the ones of episodes "<prefix>-000017" and so on, and of models: for whoever numbers
+// its episodes in this way (DatasetLock::Numbering).
+std::vector<std::string> RemoveLeftoversOfNumbering(const std::filesystem::path& dataset,
+                                                    const std::string& prefix);
 
 }  // namespace robocell

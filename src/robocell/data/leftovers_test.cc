@@ -55,6 +55,23 @@ TEST(RemoveLeftovers, OfADeadWriterAreItsAttemptsAndItsModels) {
               ElementsAre(".e1.8.1.partial", ".e2.7.1.partial", "models/.rc7-0123.8.3.partial"));
 }
 
+TEST(RemoveLeftovers, OfANumberingLeaveOtherPrefixesFilesAndTheLiving) {
+  TempDir temp;
+  const SampleEpisode sample(0, false);
+  EpisodeWriter writer(temp.path(), "e-000004", sample.schema);
+  fs::create_directories(temp / "models/.rc7-0123.7.3.partial/content");
+  for (const char* name :
+       {".e-000003.7.1.partial", ".e-000004.8.1.partial", ".e-left-000003.7.1.partial",
+        ".ee-000003.7.1.partial", ".e000003.7.1.partial"})
+    fs::create_directory(temp / name);
+  AtomicWrite(temp / ".e-000005.7.1.partial", "a file");
+  EXPECT_THAT(RemoveLeftoversOfNumbering(temp.path(), "e"),
+              ElementsAre(".e-000003.7.1.partial", ".e-000004.8.1.partial",
+                          "models/.rc7-0123.7.3.partial"));
+  EXPECT_EQ(UnfinishedIn(temp.path()).size(), 5u);
+  EXPECT_EQ(Verify(temp.path()).being_written.size(), 1u);
+}
+
 TEST(RemoveLeftovers, LeavesWhatALivingWriterIsAt) {
   TempDir temp;
   const SampleEpisode sample(0, false);

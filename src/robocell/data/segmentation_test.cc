@@ -9,9 +9,9 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/data/checked_json.h"
 #include "robocell/data/episode_reader.h"
 #include "robocell/data/episode_writer.h"
-#include "robocell/data/self_hashed_json.h"
 #include "robocell/data/verify.h"
 #include "robocell/media/testing/frames.h"
 #include "robocell/testing/expect_throw.h"

@@ -13,6 +13,7 @@
 #include "robocell/base/io_error.h"
 #include "robocell/base/real_file.h"
 #include "robocell/base/suggestions.h"
+#include "robocell/data/checked_json.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/dataset_folder.h"
 #include "robocell/data/dataset_lock.h"
@@ -24,7 +25,6 @@
 #include "robocell/data/episode_writer.h"
 #include "robocell/data/leftovers.h"
 #include "robocell/data/model_store.h"
-#include "robocell/data/self_hashed_json.h"
 #include "robocell/media/ffmpeg.h"
 
 namespace robocell {

@@ -6,16 +6,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <tuple>
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/hash.h"
+#include "robocell/data/checked_json.h"
 #include "robocell/data/dataset.h"
-#include "robocell/data/dataset_reports.h"
-#include "robocell/data/episode_verifier.h"
-#include "robocell/data/self_hashed_json.h"
+#include "robocell/data/testing/dataset_of_three.h"
 #include "robocell/data/testing/sample_episode.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
@@ -30,44 +28,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::StartsWith;
 
-// Without the flush to the disk of AtomicWrite: hundreds of times.
-void Store(const fs::path& path, const std::string& bytes) {
-  std::ofstream(path, std::ios::binary)
-      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-}
-
-// A dataset of three episodes; `b` is the one that gets damaged.
-class VerifyTest : public ::testing::Test {
- protected:
-  VerifyTest() { fs::copy(Original().path(), folder_.path(), fs::copy_options::recursive); }
-
-  // Written once: encoders take their time to start.
-  static const TempDir& Original() {
-    static const TempDir folder;
-    static const bool written = [] {
-      for (const char* id : {"a", "b", "c"})
-        SampleEpisode(id[0], true, true).Write(folder.path(), id, 10);
-      return true;
-    }();
-    (void)written;
-    return folder;
-  }
-
-  fs::path B(const std::string& file) const { return folder_ / "b" / file; }
-
-  // The one problem there is, as text, after checking that the other episodes are still good and
-  // readable.
-  std::string OnlyProblem() {
-    const VerifyResult result = Verify(folder_.path());
-    EXPECT_THAT(result.good, ElementsAre("a", "c"));
-    EXPECT_THAT(result.bad, ElementsAre("b"));
-    EXPECT_EQ(result.problems.size(), 1u) << result.Text();
-    EXPECT_EQ(Dataset(folder_.path()).Open("c").Read<double>("time").size(), 10u);
-    return result.problems.empty() ? "" : result.problems[0].Text();
-  }
-
-  TempDir folder_;
-};
+class VerifyTest : public DatasetOfThree {};
 
 TEST_F(VerifyTest, AnIntactDatasetHasNoProblems) {
   WriteManifest(folder_.path(), "{}");
@@ -78,44 +39,6 @@ TEST_F(VerifyTest, AnIntactDatasetHasNoProblems) {
   fs::remove_all(folder_ / "a");
   fs::remove_all(folder_ / "b");
   EXPECT_EQ(Verify(folder_.path()).Text(), "1 episode good, 0 bad\n");
-}
-
-TEST_F(VerifyTest, AFlippedBitIsFoundAnywhereInEveryFile) {
-  for (const std::string file : {"steps.h5", "wrist.mp4", "episode.json", "scene.mjb"}) {
-    const std::string whole = ReadFile(B(file));
-    for (int part = 0; part < 25; ++part) {
-      std::string flipped = whole;
-      const size_t at = whole.size() * part / 25;
-      flipped[at] ^= static_cast<char>(1 << part % 8);
-      Store(B(file), flipped);
-      const std::vector<VerifyProblem> problems = EpisodeVerifier(false).Verify(folder_ / "b");
-      ASSERT_EQ(problems.size(), 1u) << file << " byte " << at;
-      EXPECT_EQ(problems[0].file, file);
-      EXPECT_THAT(problems[0].reason, HasSubstr("hash does not fit"));
-    }
-    Store(B(file), whole);
-  }
-  EXPECT_TRUE(Verify(folder_.path()).ok());
-}
-
-TEST_F(VerifyTest, ATruncatedFileIsFoundAtEveryLength) {
-  for (const std::string file : {"steps.h5", "wrist.mp4", "episode.json", "scene.mjb"}) {
-    const std::string whole = ReadFile(B(file));
-    for (int part = 0; part < 20; ++part) {
-      Store(B(file), whole.substr(0, whole.size() * part / 20));
-      const std::vector<VerifyProblem> problems = EpisodeVerifier(false).Verify(folder_ / "b");
-      ASSERT_EQ(problems.size(), 1u) << file << " part " << part;
-      EXPECT_EQ(problems[0].file, file);
-    }
-    Store(B(file), whole);
-  }
-  fs::resize_file(B("steps.h5"), 4096);
-  EXPECT_THAT(OnlyProblem(), HasSubstr("b/steps.h5: it is cut short: 4096 of "));
-}
-
-TEST_F(VerifyTest, AMissingFileIsNamed) {
-  fs::remove(B("wrist.mp4"));
-  EXPECT_EQ(OnlyProblem(), "b/wrist.mp4: it is missing");
 }
 
 TEST_F(VerifyTest, AMissingDescriptionIsNamed) {
@@ -243,50 +166,6 @@ TEST_F(VerifyTest, ACircleOfLinksIsNoEpisodeAndHidesNone) {
   EXPECT_EQ(Dataset(folder_.path()).ids().size(), 3u);
 }
 
-TEST_F(VerifyTest, EpisodesThatAReportKnowsAndThatAreGoneAreNamed) {
-  const auto report_of = [](const std::string& episodes) {
-    return InsertSelfHash("{\"episodes\": [" + episodes + "], \"json_sha256\": \"" +
-                          std::string(kHashPlaceholder) + "\"}");
-  };
-  Store(folder_ / "report.json",
-        report_of(R"({"id": "a", "success": true}, {"id": "d", "success": true},
-                     {"id": "e", "success": false}, {"id": "b", "success": true})"));
-  EXPECT_EQ(Verify(folder_.path()).problems.size(), 1u);
-  EXPECT_EQ(Verify(folder_.path()).problems[0].Text(),
-            "d: a report says that it was made, and it is gone. `robocell generate` with the run's "
-            "file makes it again");
-  EXPECT_EQ(Repair(folder_.path()).remaining.size(), 1u);
-  fs::rename(folder_ / "b", folder_ / "b_a02");  // one of its attempts, kept beside others
-  EXPECT_THAT(LostEpisodes(folder_.path()), ElementsAre("d"));
-  fs::resize_file(folder_ / "b_a02" / "steps.h5", 10);
-  fs::create_directory(folder_ / ".quarantine");
-  fs::rename(folder_ / "b_a02", folder_ / ".quarantine" / "b_a02.1");
-  EXPECT_THAT(LostEpisodes(folder_.path()), ElementsAre("d")) << "it is known where b is";
-}
-
-// As a cache of downloads is laid out: all files are links to blobs beside the dataset.
-TEST_F(VerifyTest, FilesMayBeLinksToFiles) {
-  TempDir blobs;
-  for (const char* file : {"episode.json", "steps.h5", "scene.mjb"}) {
-    fs::copy(B(file), blobs / file);
-    fs::remove(B(file));
-    fs::create_symlink(blobs / file, B(file));
-  }
-  const VerifyResult result = Verify(folder_.path());
-  EXPECT_TRUE(result.problems.empty()) << result.Text();
-  EXPECT_GT(Episode(folder_ / "b").rows(), 0);
-  std::string bytes = ReadFile(blobs / "scene.mjb");
-  bytes[10] ^= 1;
-  Store(blobs / "scene.mjb", bytes);
-  EXPECT_THAT(OnlyProblem(), HasSubstr("b/scene.mjb: its bytes are not what was written"));
-  fs::remove(blobs / "scene.mjb");
-  EXPECT_EQ(OnlyProblem(), fmt::format("b/scene.mjb: it is a link to '{}', where there is nothing, "
-                                       "not a file",
-                                       (blobs / "scene.mjb").string()));
-  EXPECT_THAT(Repair(folder_.path()).moved, ElementsAre("b"));
-  EXPECT_TRUE(fs::exists(blobs / "steps.h5")) << "the links were moved, not what they lead to";
-}
-
 TEST_F(VerifyTest, ARenamedEpisodeIsNamed) {
   fs::rename(folder_ / "b", folder_ / "d");
   const VerifyResult result = Verify(folder_.path());
@@ -294,49 +173,6 @@ TEST_F(VerifyTest, ARenamedEpisodeIsNamed) {
   EXPECT_EQ(result.problems[0].Text(),
             "d/episode.json: it describes episode 'b': the folder was copied or renamed, and does "
             "not count. Remove the copy, or give the folder its name back");
-}
-
-TEST_F(VerifyTest, DamagedDepthIsNamedAndWholeDepthDecodes) {
-  EXPECT_TRUE(Verify(folder_.path(), {.decode_videos = true}).ok());
-  std::string bytes = ReadFile(B("wrist.depth.mov"));
-  bytes[bytes.size() / 2] ^= 1;
-  Store(B("wrist.depth.mov"), bytes);
-  EXPECT_THAT(OnlyProblem(), HasSubstr("b/wrist.depth.mov: its bytes are not what was written"));
-}
-
-TEST_F(VerifyTest, SwappedVideosOfTwoEpisodesAreFound) {
-  fs::rename(B("wrist.mp4"), folder_ / "x");
-  fs::rename(folder_ / "a" / "wrist.mp4", B("wrist.mp4"));
-  fs::rename(folder_ / "x", folder_ / "a" / "wrist.mp4");
-  EXPECT_THAT(Verify(folder_.path()).bad, ElementsAre("a", "b"));
-}
-
-TEST_F(VerifyTest, ADamagedReportIsNamedAndSetAside) {
-  Store(folder_ / "report-0-of-2.json", "{}");
-  const VerifyResult result = Verify(folder_.path());
-  EXPECT_THAT(result.Text(), HasSubstr("report-0-of-2.json: it carries no hash of itself"));
-  EXPECT_THAT(Repair(folder_.path()).moved, ElementsAre("report-0-of-2.json"));
-  EXPECT_TRUE(Verify(folder_.path()).ok());
-}
-
-// A report.json that was copied from another dataset.
-TEST_F(VerifyTest, AReportOfAnotherRunIsNamedAndNotBelieved) {
-  WriteManifest(folder_.path(), R"({"identity": "seed: 0"})");
-  const auto account = [](const std::string& identity) {
-    return InsertSelfHash(fmt::format(R"({{"run": "pick", "identity": "{}", "episodes": )"
-                                      R"([{{"id": "z", "success": true}}], "json_sha256": "{}"}})",
-                                      Sha256(identity), kHashPlaceholder));
-  };
-  Store(folder_ / "report.json", account("seed: 0"));
-  EXPECT_THAT(LostEpisodes(folder_.path()), ElementsAre("z"));
-  Store(folder_ / "report.json", account("seed: 7"));
-  EXPECT_THAT(LostEpisodes(folder_.path()), IsEmpty());
-  const VerifyResult result = Verify(folder_.path());
-  ASSERT_EQ(result.problems.size(), 1u) << result.Text();
-  EXPECT_EQ(result.problems[0].Text(),
-            "report.json: it is of another run ('pick'): nothing in it counts");
-  EXPECT_THAT(Repair(folder_.path()).moved, ElementsAre("report.json"));
-  EXPECT_TRUE(Verify(folder_.path()).ok());
 }
 
 TEST_F(VerifyTest, LeftoversAndForeignFoldersAreToldButAreNoProblem) {

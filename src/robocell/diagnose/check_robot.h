@@ -8,7 +8,7 @@
 //   //  should hold home ...: its servo 'drive' pushes with all it may, 2 N m, and gravity ..."
 //
 // Values of its model that are probably not meant are warnings of every compile
-// (CompiledScene::warnings). What makes a robot unusable is not advice: rollout/validate_robot.h.
+// (CompiledScene::warnings). What makes a robot unusable is not advice: rollout/validate_run.h.
 #pragma once
 
 #include <vector>

@@ -8,13 +8,14 @@
 #include "robocell/scene/robot_inspection.h"
 
 // Looks at a robot's compiled model. These run at every compile: they allocate little and step
-// nothing. Each stands in the file that is called like it (CheckFingers in fingers.cc).
+// nothing. Each stands in the file that is called like it (CheckFingers in fingers.cc). The scale
+// comes first: in a robot of millimetres, what the others find follows from it.
 #define ROBOCELL_MODEL_CHECKS(CHECK) \
+  CHECK(CheckScale)                  \
   CHECK(CheckFingers)                \
   CHECK(CheckRanges)                 \
   CHECK(CheckServos)                 \
   CHECK(CheckTendons)                \
-  CHECK(CheckScale)                  \
   CHECK(CheckInertia)                \
   CHECK(CheckCameraPlaces)           \
   CHECK(CheckPedestals)

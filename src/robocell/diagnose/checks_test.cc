@@ -17,7 +17,7 @@ using ::testing::NotNull;
 TEST(Checks, AreAllListed) {
   EXPECT_THAT(ModelChecks(), Each(NotNull()));
   EXPECT_THAT(RobotTrials(), Each(NotNull()));
-  EXPECT_EQ(ModelChecks()[0], &CheckFingers);
+  EXPECT_EQ(ModelChecks()[0], &CheckScale);
   EXPECT_EQ(RobotTrials()[0], &TryFirstArm);
 }
 

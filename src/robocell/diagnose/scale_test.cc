@@ -49,5 +49,18 @@ TEST_F(Scales, ARobotInMillimetresIsToldWithTheScale) {
       << "what it stands on";
 }
 
+// What else is found in such a robot follows from its scale.
+TEST_F(Scales, TheScaleIsToldFirst) {
+  std::string model = With(R"(<geom name="link" type="box" size="15 15 130" mass="1"/>)", "<site");
+  const std::string range = "range=\"";
+  ASSERT_NE(model.find(range), std::string::npos);
+  model.replace(model.find(range),
+                model.find('"', model.find(range) + range.size()) - model.find(range),
+                "range=\"2 -2");
+  const std::vector<std::string> warnings = Compiled(model)->warnings();
+  ASSERT_GT(warnings.size(), 1u);
+  EXPECT_THAT(warnings.front(), ::testing::HasSubstr("Is it in millimetres?"));
+}
+
 }  // namespace
 }  // namespace robocell

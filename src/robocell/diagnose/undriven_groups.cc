@@ -12,7 +12,7 @@
 #include "robocell/diagnose/checks.h"
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
-#include "robocell/robot/idle_actuators.h"
+#include "robocell/robot/unused_groups.h"
 #include "robocell/scene/actuator_kind.h"
 
 namespace robocell {

@@ -8,7 +8,6 @@
 #include "robocell/base/error.h"
 #include "robocell/env/env_scene.h"
 #include "robocell/kinematics/ik_step.h"
-#include "robocell/kinematics/ik_towards.h"
 #include "robocell/math/rotation.h"
 #include "robocell/robot/arm_group.h"
 #include "robocell/robot/arrival.h"

@@ -28,7 +28,11 @@ Quaternion Normalised(std::span<const double> q) {
 
 }  // namespace
 
-bool HasDirection(std::span<const double> quaternion) { return Length(quaternion) >= kShortest; }
+// Of large numbers the length may overflow.
+bool HasDirection(std::span<const double> quaternion) {
+  const auto is_long = [](double x) { return std::abs(x) >= kShortest; };
+  return std::ranges::any_of(quaternion, is_long) || Length(quaternion) >= kShortest;
+}
 
 Pose MovedBy(const Pose& tcp, const Pose& delta) {
   return Pose(tcp.translation() + delta.translation(),

@@ -90,6 +90,9 @@ TEST(ArmTarget, ReadsBothKindsOfCartesianActions) {
   EXPECT_TRUE(PoseOfAction(ControlMode::kCartesianTquat, tquat).is_close(pose, 1e-12, 1e-12));
   EXPECT_FALSE(HasDirection(std::vector<double>{0, 0, 0, 0}));
   EXPECT_TRUE(HasDirection(std::vector<double>{0, 0, 0.01, 0}));
+  constexpr double kMost = std::numeric_limits<double>::max();
+  EXPECT_TRUE(HasDirection(std::vector<double>{kMost, -kMost, kMost, kMost}));
+  EXPECT_TRUE(HasDirection(std::vector<double>(4, 0.9e-6))) << "together they are long enough";
 }
 
 TEST(ArmTarget, QuaternionsOfAnyLengthAreTheSameRotation) {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "robocell/motion/servo_jump.h"
+#include "robocell/motion/timed_path.h"
 #include "robocell/robot/arrival.h"
 
 namespace robocell {

@@ -8,6 +8,9 @@
 
 #include "robocell/expert/expert_kind.h"
 #include "robocell/robot/robot.h"
+#include "robocell/spec/pick_task_config.h"
+#include "robocell/spec/problems.h"
+#include "robocell/task/base_placement.h"
 
 namespace robocell {
 
@@ -23,5 +26,11 @@ bool ValidatePickRobot(const Robot& robot, const SimOptions& options, double tim
 // That as texts, for a robot of which nobody has said what it is for. Empty when pick tasks can use
 // it.
 std::vector<std::string> WhyNoPicks(const Robot& robot);
+
+// Whether the places that a pick run proposes for the robot's base can be in its reach at all: adds
+// problems of start.base_distance, start.base_height_offset and task.lift_height for places
+// and lifts that PickTaskSampler refuses in every start.
+void ValidateReach(const PickRun& task, const BaseRange& base, const Robot& robot,
+                   Problems& problems);
 
 }  // namespace robocell

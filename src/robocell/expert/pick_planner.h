@@ -8,7 +8,7 @@
 // most three times in all. failure() is one of few texts.
 //
 // Nothing is tuned to a robot: what it needs to know of the gripper is measured (gripper_shape.h),
-// and the lift is as slow as the arm's servos need to stay below their force limits (servo_jump.h).
+// and the lift is as slow as the arm's servos need to stay below their force limits (timed_path.h).
 #pragma once
 
 #include <memory>

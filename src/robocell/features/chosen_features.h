@@ -6,8 +6,8 @@
 //   chosen.Read(out);   // their numbers
 //
 // A registered feature (own_features.h) is chosen by its name; all others have the names that
-// datasets have them under, with "*" for any part. What is not chosen is not read; reading
-// allocates for robots only. Errors: NotFoundError with the nearest names; those of the sources.
+// datasets have them under, with "*" for any part. What is not chosen is not read; reading allocates
+// nothing. Errors: NotFoundError with the nearest names; those of the sources.
 #pragma once
 
 #include <memory>

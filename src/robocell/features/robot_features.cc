@@ -148,8 +148,8 @@ void RobotFeatures::RequireSameGroups() const {
   for (const Group& entry : groups_) {
     if (&robot_.group(entry.name) != entry.group.get()) refuse(entry.name, "replaced");
   }
-  const std::vector<std::string> names = robot_.group_names();
-  if (names.size() > groups_.size()) refuse(names.back(), "added");
+  if (robot_.group_count() > static_cast<int>(groups_.size()))
+    refuse(robot_.group_names().back(), "added");
 }
 
 void RobotFeatures::ReadNumbers(std::span<double> out) {

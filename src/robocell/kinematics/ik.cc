@@ -7,7 +7,7 @@
 #include "robocell/base/error.h"
 #include "robocell/kinematics/ik_choice.h"
 #include "robocell/kinematics/ik_task.h"
-#include "robocell/kinematics/lane_search.h"
+#include "robocell/kinematics/lane_solver.h"
 
 namespace robocell {
 

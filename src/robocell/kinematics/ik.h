@@ -22,7 +22,7 @@
 // Nothing is allocated (but by a filter), but for a table of starts that a chain makes once, when a
 // seed is first not near enough to search alone. Method: damped least squares with joints that
 // press on a limit taken out (after T. Sugihara, "Solvability-Unconcerned Inverse Kinematics by the
-// Levenberg-Marquardt Method", 2011), many short tries instead of a few long ones. lane_search.h
+// Levenberg-Marquardt Method", 2011), many short tries instead of a few long ones. lane_solver.h
 // has one question in all lanes, ik_batch.h one question per lane.
 //
 //   IkResult found = Ik(chain, target, {.seed = JointVector(q_now)});

@@ -1,13 +1,13 @@
-// Solves queries for the best of several solutions, or for one that a filter keeps. For ik.cc and
-// ik_batch.cc.
+// Solves queries for the best of several solutions, or for one that a filter keeps. For ik.cc,
+// ik_batch.cc and ik_solutions.cc.
 //
 // Each query has kSearches searches at a time, each with its own starts; their solutions are
 // filtered and compared. If none was kept, the searches continue from their next starts, and when
 // there are no more, begin again with more time for each: many searches with a few starts each do
 // not miss what one search finds after many starts. The result depends on the query alone.
 //
-// Without redundant joints, where the best is one of a few, starts continue after a solution was
-// found until many of them found nothing better.
+// Without redundant joints, where solutions can be counted, starts continue until many of them found
+// nothing better.
 #pragma once
 
 #include <atomic>
@@ -15,11 +15,30 @@
 #include <span>
 
 #include "robocell/kinematics/filter_call.h"
+#include "robocell/kinematics/ik.h"
 #include "robocell/kinematics/ik_preference.h"
 #include "robocell/kinematics/ik_task.h"
 #include "robocell/kinematics/lane_solver.h"
 
 namespace robocell::internal {
+
+// Chains without redundant joints have solutions that can be counted: how long to look for all of
+// them. Who allows fewer starts than these wants to know soon, and gets no more.
+inline constexpr int kFewStarts = 48;
+
+// Whether starts continue beyond max_restarts, until all solutions are most likely known.
+bool LooksForAll(const Chain& chain, const IkTask& task, const IkOptions& options);
+
+// Whether more starts may lead to another (or better) solution, if start `newest` was the first to
+// lead to the last such one and `begun` were tried. The search ends after `quiet` starts in a row
+// without one, and after 2000 more than allowed, because singular poses have infinitely many.
+bool MayFindAnother(const IkOptions& options, int newest, int begun, int quiet);
+
+// In some joint by more than `least`: rad (whole turns are no difference), lengths of the chain.
+bool AreApart(const ChainModel& chain, const JointVector& a, const JointVector& b, double least);
+
+// Nearer solutions count as one; as near as the tolerance of the tip can distinguish; rad.
+inline constexpr double kAnother = 0.05;
 
 // Returns true if these options need a choice between solutions.
 bool IsChosen(const IkOptions& options);

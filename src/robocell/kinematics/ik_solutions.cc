@@ -7,7 +7,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/kinematics/filter_call.h"
-#include "robocell/kinematics/ik_counted.h"
+#include "robocell/kinematics/ik_choice.h"
 #include "robocell/kinematics/ik_parts.h"
 #include "robocell/kinematics/ik_preference.h"
 #include "robocell/kinematics/ik_task.h"

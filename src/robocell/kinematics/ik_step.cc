@@ -1,8 +1,11 @@
 #include "robocell/kinematics/ik_step.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "robocell/kinematics/chain_model.h"
+#include "robocell/kinematics/differential_ik.h"
+#include "robocell/math/rotation.h"
 
 namespace robocell {
 namespace {
@@ -18,6 +21,77 @@ bool IsNear(const ChainModel& chain, std::span<const double> q, std::span<const 
   }
   return true;
 }
+
+// How far the tip goes in one damped step, rad and chain lengths, and how many steps there are.
+constexpr double kDampedStep = 0.02;
+constexpr int kDampedSteps = 60;
+// The share of the pose error that each step, and all of them together, must take away.
+constexpr double kShareOfStep = 1e-3, kShareInAll = 0.02;
+// Where the joints are singular to first order, as in a stretched arm that is to be bent, the
+// search begins beside them: one joint is moved by this, rad or chain lengths.
+constexpr double kAside = 0.05;
+constexpr double kNoRoom = 1e-12;  // the speed of a joint that has gone as far as it may
+
+struct Remaining {
+  Twist twist;      // to the target, in the axes of the base
+  double size = 0;  // rad and chain lengths
+};
+
+Remaining DifferenceTo(const Chain& chain, std::span<const double> q, const Pose& target) {
+  const Pose tip = chain.Fk(q);
+  const Pose turn(Eigen::Vector3d::Zero(),
+                  QuaternionProduct(target.quaternion(), QuaternionInverse(tip.quaternion())));
+  Remaining out;
+  out.twist.linear = target.translation() - tip.translation();
+  out.twist.angular = turn.rotvec();
+  out.size = std::hypot(out.twist.linear.norm() / chain.model().length, out.twist.angular.norm());
+  return out;
+}
+
+class DampedSearch {
+ public:
+  DampedSearch(const Chain& chain, const Pose& target, std::span<const double> from)
+      : chain_(chain),
+        target_(target),
+        from_(from),
+        most_(LargestJointStep(chain, chain.Fk(from), target)) {
+    options_.seconds = 1;
+    options_.max_speed = JointVector(chain.n_joints());
+  }
+
+  // Goes from `q` towards the target as far as the steps bring it nearer.
+  Remaining GoFrom(JointVector& q) {
+    Remaining left = DifferenceTo(chain_, q, target_);
+    JointVector next = q;
+    for (int step = 0; step < kDampedSteps && left.size > 0; ++step) {
+      LimitSpeeds(q);
+      const double share = std::min(1.0, kDampedStep / left.size);
+      const Twist part{left.twist.linear * share, left.twist.angular * share};
+      const DifferentialIkResult moved = DifferentialIk(chain_, q, part, options_);
+      for (int i = 0; i < q.size(); ++i) next[i] = q[i] + moved.velocity[i];
+      const Remaining now = DifferenceTo(chain_, next, target_);
+      if (now.size > left.size * (1 - kShareOfStep)) break;
+      q = next;
+      left = now;
+    }
+    return left;
+  }
+
+ private:
+  // So that the step's second does not lead any joint too far from where it was before.
+  void LimitSpeeds(const JointVector& q) {
+    for (int i = 0; i < q.size(); ++i) {
+      const double most = most_ * UnitOf(chain_.model(), i);
+      options_.max_speed[i] = std::max(most - std::abs(q[i] - from_[i]), kNoRoom);
+    }
+  }
+
+  const Chain& chain_;
+  const Pose& target_;
+  const JointVector from_;
+  const double most_;
+  DifferentialIkOptions options_;
+};
 
 }  // namespace
 
@@ -40,6 +114,30 @@ IkResult IkStep(const Chain& chain, const Pose& tip_in_base, std::span<const dou
   return Ik(
       chain, tip_in_base,
       {.seed = seed, .prefer = IkPrefer::kSeed, .filter = keep_near, .max_restarts = kOtherStarts});
+}
+
+IkResult IkTowards(const Chain& chain, const Pose& tip_in_base, std::span<const double> from) {
+  chain.RequireJointValues("inverse kinematics towards a pose", from);
+  RequireIkTarget(tip_in_base, "inverse kinematics towards a pose");
+  DampedSearch search(chain, tip_in_base, from);
+  const double enough = (1 - kShareInAll) * DifferenceTo(chain, from, tip_in_base).size;
+  IkResult result{.q = JointVector(from)};
+  Remaining left = search.GoFrom(result.q);
+  for (int k = 0; k < 2 * chain.n_joints() && left.size > enough; ++k) {
+    const int joint = k / 2;
+    const JointModel& limits = chain.model().joints[joint];
+    JointVector q(from);
+    q[joint] = std::clamp(q[joint] + (k % 2 ? -kAside : kAside) * UnitOf(chain.model(), joint),
+                          limits.lower, limits.upper);
+    const Remaining now = search.GoFrom(q);
+    if (now.size >= left.size) continue;
+    result.q = q;
+    left = now;
+  }
+  result.success = left.size <= enough;
+  result.position_error = left.twist.linear.norm();
+  result.rotation_error = left.twist.angular.norm();
+  return result;
 }
 
 }  // namespace robocell

@@ -7,6 +7,8 @@
 //
 //   const IkResult next = IkStep(chain, target, commanded);
 //   if (next.success) Command(next.q);
+//
+// A step may have no solution nearby, as beside a singularity: IkTowards goes as far as it can.
 #pragma once
 
 #include <span>
@@ -26,5 +28,15 @@ double LargestJointStep(const Chain& chain, const Pose& from, const Pose& to);
 // The joint values for `tip_in_base` near `from`, the joint values before. Errors as of Ik. Nothing
 // is allocated when the search from there succeeds.
 IkResult IkStep(const Chain& chain, const Pose& tip_in_base, std::span<const double> from);
+
+// Returns joint values near `from` that bring the tip as near to `tip_in_base` as damped
+// differential steps (differential_ik.h) can, while no joint moves farther than LargestJointStep
+// from `from`. `success` says that at least a fiftieth of the pose error is gone; the errors are
+// the rest. Angles are weighed against lengths by the chain's length. Errors as in Ik. No
+// allocation; less than a millisecond.
+//
+//   const IkResult next = IkTowards(chain, target, commanded);
+//   if (next.success) Command(next.q);  // next.position_error is what is left
+IkResult IkTowards(const Chain& chain, const Pose& tip_in_base, std::span<const double> from);
 
 }  // namespace robocell

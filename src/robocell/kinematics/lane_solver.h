@@ -2,7 +2,7 @@
 //
 // A lane whose query is solved takes the next one at once, so that hard queries do not delay
 // others. A lane that makes no progress starts again elsewhere. The result depends on the query
-// alone.
+// alone. A query that comes alone has all lanes for itself (SearchInLanes).
 #pragma once
 
 #include <span>
@@ -41,5 +41,17 @@ class LaneQueue {
 // meaning here. With a preference, redundant joints go to its goal after arrival. Starts are those
 // of lane_starts.h.
 void SolveLanes(const Chain& chain, const IkOptions& options, LaneQueue* queue);
+
+// Solves one query in all lanes: each searches from its own start.
+//
+// A seed near the target searches alone for its first steps, because one lane is cheaper than
+// several. If it is far or slow, others join it, but a solution from the seed takes precedence
+// until the seed is given up. Otherwise the first lane to arrive has the solution (of several, the
+// one that began first). The same query has the same solution on the same instruction set.
+//
+// options.prefer and options.filter have no meaning here. iterations: steps, each of all lanes at
+// once. `poll` may be empty; it is called every so many starts.
+IkResult SearchInLanes(const Chain& chain, const Transform& tip_in_base, const IkOptions& options,
+                       const std::function<void()>& poll);
 
 }  // namespace robocell::internal

@@ -2,9 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdio>
 #include <fstream>
-#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -14,7 +12,6 @@
 #include "robocell/media/testing/videos.h"
 #include "robocell/media/video_writer.h"
 #include "robocell/testing/expect_throw.h"
-#include "robocell/testing/skip.h"
 #include "robocell/testing/temp_dir.h"
 
 namespace robocell {
@@ -24,11 +21,6 @@ namespace fs = std::filesystem;
 
 constexpr VideoOptions kClosely{
     .width = 96, .height = 64, .fps_num = 500, .fps_den = 33, .keyframe_interval = 10};
-
-void Store(const fs::path& path, const std::string& bytes) {
-  std::ofstream(path, std::ios::binary | std::ios::trunc)
-      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-}
 
 int64_t CountFrames(const fs::path& path) {
   VideoReader video(path);
@@ -170,42 +162,6 @@ TEST(VideoReader, AFlippedByteNeverChangesTheNumberOfFramesSilently) {
     }
   }
   EXPECT_GT(found, 5);
-}
-
-std::string Answer(const std::string& command) {
-  FILE* pipe = popen(command.c_str(), "r");
-  char text[200] = "";
-  const bool got = fgets(text, sizeof text, pipe) != nullptr;
-  pclose(pipe);
-  return got ? text : "";
-}
-
-TEST(VideoInfo, AgreesWithFfprobe) {
-  if (Answer("command -v ffprobe").empty()) SKIP_OR_FAIL("ffprobe is not installed");
-  TempDir folder;
-  for (const auto& [num, den] : {std::pair{30, 1}, {30000, 1001}, {500, 33}, {1, 3}}) {
-    VideoOptions options{.width = 64, .height = 48, .fps_num = num, .fps_den = den};
-    WriteVideo(folder / "a.mp4", 7, options);
-    const VideoInfo info = ReadVideoInfo(folder / "a.mp4");
-    const std::string probed = Answer(
-        "ffprobe -v error -count_frames -show_entries "
-        "stream=width,height,r_frame_rate,nb_read_frames -of csv=p=0 " +
-        (folder / "a.mp4").string());
-    EXPECT_EQ(probed, std::to_string(info.width) + "," + std::to_string(info.height) + "," +
-                          std::to_string(info.fps_num) + "/" + std::to_string(info.fps_den) + "," +
-                          std::to_string(info.frames) + "\n");
-    EXPECT_TRUE(info.constant_rate);
-  }
-}
-
-TEST(VideoInfo, OtherFilesAreRefusedWithTheReason) {
-  TempDir folder;
-  Store(folder / "a.mp4", "");
-  ExpectThrow<IoError>([&] { ReadVideoInfo(folder / "a.mp4"); }, "it is empty");
-  Store(folder / "a.mp4", "this is a text, not a video, and long enough");
-  ExpectThrow<IoError>([&] { ReadVideoInfo(folder / "a.mp4"); },
-                       "it does not begin like an mp4 file");
-  ExpectThrow<IoError>([] { ReadVideoInfo("/dev/zero"); }, "'/dev/zero': it is a device");
 }
 
 }  // namespace

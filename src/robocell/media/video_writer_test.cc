@@ -9,15 +9,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cerrno>
-#include <fstream>
 #include <iterator>
 #include <thread>
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/temporary_name.h"
-#include "robocell/media/ffmpeg.h"
+#include "robocell/media/testing/fake_ffmpeg.h"
 #include "robocell/media/testing/frames.h"
 #include "robocell/media/testing/videos.h"
 #include "robocell/media/video_reader.h"
@@ -35,31 +33,6 @@ constexpr VideoOptions kSmall{.width = 96, .height = 64, .fps_num = 500, .fps_de
 
 // Nothing at all in the folder, hidden files included.
 void ExpectEmpty(const TempDir& folder) { EXPECT_TRUE(fs::is_empty(folder.path())); }
-
-// Runs `body` in a process of its own and gives its exit code.
-template <typename Body>
-int InOwnProcess(Body body) {
-  const pid_t pid = fork();
-  if (pid == 0) _exit(body());
-  int status = 0;
-  waitpid(pid, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
-}
-
-// A program that takes ffmpeg's place while the object lives.
-class FakeFfmpeg {
- public:
-  explicit FakeFfmpeg(const std::string& script) {
-    const fs::path program = folder_ / "ffmpeg";
-    std::ofstream(program) << "#!/bin/sh\n" << script << "\n";
-    chmod(program.c_str(), 0755);
-    setenv("ROBOCELL_FFMPEG", program.c_str(), 1);
-  }
-  ~FakeFfmpeg() { unsetenv("ROBOCELL_FFMPEG"); }
-
- private:
-  TempDir folder_;
-};
 
 TEST(VideoWriter, FramesComeBackInNumberRateAndLooks) {
   TempDir folder;
@@ -305,54 +278,6 @@ TEST(VideoWriter, ManyVideosLeaveNoDescriptorsOpen) {
   const auto before = open_descriptors();
   for (int i = 0; i < 5; ++i) WriteVideo(folder / "a.mp4", 2, kSmall);
   EXPECT_EQ(open_descriptors(), before);
-}
-
-TEST(Ffmpeg, TheVersionIsItsFirstLine) {
-  EXPECT_THAT(FfmpegVersion(), StartsWith("ffmpeg version "));
-}
-
-std::string TextOf(const fs::path& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
-TEST(Ffmpeg, IsNotAskedAgainAboutAFileThatAParentHasAsked) {
-  TempDir folder;
-  const fs::path asked = folder / "asked", answer = folder / "answer";
-  const std::string count = "echo once >> " + asked.string() + "; echo 'ffmpeg version ";
-  {
-    const FakeFfmpeg fake(count + "1 Copyright nobody'");
-    EXPECT_EQ(InOwnProcess([&] {  // this process has not asked
-                FfmpegVersion();
-                std::ofstream(answer) << FfmpegAnswer();
-                return FfmpegVersion() == "ffmpeg version 1" ? 0 : 1;
-              }),
-              0);
-    setenv("ROBOCELL_FFMPEG_ANSWER", TextOf(answer).c_str(), 1);
-    EXPECT_EQ(FfmpegVersion(), "ffmpeg version 1");
-    EXPECT_EQ(FfmpegAnswer(), TextOf(answer));
-    EXPECT_EQ(TextOf(asked), "once\n");
-  }
-  const FakeFfmpeg other(count + "2 Copyright nobody'");
-  EXPECT_EQ(FfmpegVersion(), "ffmpeg version 2");
-  EXPECT_NE(FfmpegAnswer(), TextOf(answer));
-  EXPECT_EQ(TextOf(asked), "once\nonce\n");
-  unsetenv("ROBOCELL_FFMPEG_ANSWER");
-}
-
-TEST(Ffmpeg, AWrongChoiceOrNoneIsExplained) {
-  setenv("ROBOCELL_FFMPEG", "/no/ffmpeg", 1);
-  ExpectThrow<IoError>([] { FindFfmpeg(); },
-                       "ROBOCELL_FFMPEG is '/no/ffmpeg', which is not an executable file");
-  unsetenv("ROBOCELL_FFMPEG");
-  const std::string path = getenv("PATH");
-  setenv("PATH", "/nowhere", 1);
-  ExpectThrow<IoError>([] { FindFfmpeg(); }, "apt install ffmpeg");
-  setenv("IMAGEIO_FFMPEG_EXE", "/bin/true", 1);
-  EXPECT_EQ(FindFfmpeg(), "/bin/true");
-  ExpectThrow<IoError>([] { FfmpegVersion("/bin/true"); }, "is not ffmpeg");
-  unsetenv("IMAGEIO_FFMPEG_EXE");
-  setenv("PATH", path.c_str(), 1);
 }
 
 }  // namespace

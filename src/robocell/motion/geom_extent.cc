@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <Eigen/Geometry>
 
 #include "robocell/mujoco/tree.h"
 
@@ -75,6 +76,25 @@ std::vector<int> CollisionGeomsOf(const mjModel* m, int body) {
     if (IsCollisionGeom(m, g) && IsInSubtree(m, m->geom_bodyid[g], body)) geoms.push_back(g);
   }
   return geoms;
+}
+
+RayHit CastRay(const mjModel* m, const mjData* d, const std::vector<int>& geoms,
+               const Eigen::Vector3d& from, const Eigen::Vector3d& direction) {
+  RayHit nearest{std::numeric_limits<double>::infinity(), Eigen::Vector3d::Zero()};
+  for (const int g : geoms) {
+    // Past the bounding sphere: the rays of one object mostly miss most of its parts.
+    const Eigen::Vector3d to = Eigen::Vector3d(d->geom_xpos + 3 * g) - from;
+    const bool bounded = m->geom_rbound[g] > 0;  // not a plane
+    if (bounded && to.cross(direction).norm() > m->geom_rbound[g] + 1e-6) continue;
+    Eigen::Vector3d normal;
+    const double distance =
+        m->geom_type[g] == mjGEOM_MESH
+            ? mj_rayMesh(m, d, g, from.data(), direction.data(), normal.data())
+            : mju_rayGeom(d->geom_xpos + 3 * g, d->geom_xmat + 9 * g, m->geom_size + 3 * g,
+                          from.data(), direction.data(), m->geom_type[g], normal.data());
+    if (distance >= 0 && distance < nearest.distance) nearest = {distance, normal};
+  }
+  return nearest;
 }
 
 }  // namespace robocell

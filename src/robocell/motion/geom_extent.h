@@ -20,4 +20,13 @@ bool IsCollisionGeom(const mjModel* model, int geom);
 // The collision geoms of a body's subtree.
 std::vector<int> CollisionGeomsOf(const mjModel* model, int body);
 
+// Distance along the unit vector `direction` to the first of these geoms, metres, and the surface's
+// normal there; infinite when there is nothing.
+struct RayHit {
+  double distance;
+  Eigen::Vector3d normal;
+};
+RayHit CastRay(const mjModel* model, const mjData* data, const std::vector<int>& geoms,
+               const Eigen::Vector3d& from, const Eigen::Vector3d& direction);
+
 }  // namespace robocell

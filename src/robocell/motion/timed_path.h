@@ -1,10 +1,13 @@
 // TimedPath: joint targets over time, one per policy tick: legs that start and end at rest
-// (fifth-order time scaling) and pass their way points without stopping.
+// (fifth-order time scaling) and pass their way points without stopping; and how slow a leg must be
+// for the servos that follow it.
 #pragma once
 
 #include <vector>
 
 #include "robocell/motion/joint_path.h"
+#include "robocell/mujoco/forward.h"
+#include "robocell/robot/move_group.h"
 
 namespace robocell {
 
@@ -39,5 +42,20 @@ class TimedPath {
   size_t leg_ = 0;
   int done_ = 0;  // ticks of the present leg
 };
+
+// How far the target of a servo may jump at once before the servo is at its force limit.
+//
+// Targets change once per policy tick. A stiff servo with a low limit answers a large jump with its
+// limit, and with the opposite limit one engine step later: the hand shakes, and what it holds
+// lightly slides out. A motion that must not do that is timed by this.
+//
+// Returns for each joint of an arm, in order, the jump in rad or m that takes its servo from rest
+// to the force limit of actuator or joint. It is infinite without a limit, if it cannot be
+// computed, and for an arm of other actuators.
+std::vector<double> ServoJumps(const mjModel* model, const MoveGroup& arm);
+
+// The least duration in seconds of a leg of a TimedPath through `points` in which no
+// target jumps by more than `jumps`, with a target every `tick` seconds.
+double SecondsForJumps(const JointPath& points, const std::vector<double>& jumps, double tick);
 
 }  // namespace robocell

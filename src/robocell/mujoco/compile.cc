@@ -16,7 +16,6 @@
 #include "robocell/base/real_file.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/mujoco/engine_exception.h"
-#include "robocell/mujoco/finite.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/parse_problem.h"
 #include "robocell/mujoco/warnings.h"

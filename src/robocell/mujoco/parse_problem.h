@@ -2,7 +2,11 @@
 // next step last:
 //
 //   arm.xml:5: <geom>: unrecognized attribute: 'typ'. Did you mean 'type'? Correct it there; ...
+//
+// Finds numbers, too, that the engine accepts and that mean nothing.
 #pragma once
+
+#include <mujoco/mujoco.h>
 
 #include <string>
 
@@ -18,5 +22,12 @@ bool IsAboutNan(const std::string& warning);
 // The same for a NaN: "arm.xml:5: mass="nan" is no number. ...". Without a line where it is in a
 // file that the model includes.
 std::string NanProblem(const std::string& file);
+
+// The first element that is made of a number that is infinite or none at all. The engine compiles
+// many of them, and only the simulation shows it: a body that is nowhere, a mass that is another one.
+// As the engine words its own complaints:
+// "Error: pos is 0 inf 0.1; ...\nElement name 'upper', id 2". "" when all are finite. Ranges, which
+// may be open, user data, and what the engine derives are not looked at.
+std::string NonFiniteElement(const mjModel* model);
 
 }  // namespace robocell

@@ -4,14 +4,11 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
-#include <cmath>
 #include <limits>
 
 #include "robocell/base/error.h"
-#include "robocell/base/log.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/mujoco/guard.h"
-#include "robocell/mujoco/warnings.h"
 #include "robocell/testing/count_allocations.h"
 
 namespace robocell {
@@ -102,18 +99,6 @@ TEST_F(Stepping, AModelThatResetsItselfIsCaughtByItsClock) {
   EXPECT_THAT(result.message,
               HasSubstr("diverged at t=0.1 s: velocity of joint 'free' was a bad number, "
                         "time went to 0.002 s in one step of 0.002 s"));
-}
-
-TEST_F(Stepping, WarningsAreCountedAndReadable) {
-  const EngineWarnings before = ReadWarnings(data_.get());
-  data_->ctrl[0] = kNan;
-  EXPECT_TRUE(Step(model_.get(), data_.get(), 3).ok());
-  const EngineWarnings raised = ReadWarnings(data_.get()) - before;
-  EXPECT_EQ(raised.count(mjWARN_BADCTRL), 3);
-  EXPECT_EQ(raised.total(), 3);
-  EXPECT_EQ(raised.Text(), "3 x bad number in ctrl");
-  EXPECT_STREQ(WarningName(mjWARN_BADCTRL), "bad_ctrl");
-  EXPECT_EQ(EngineWarnings{}.Text(), "");
 }
 
 TEST_F(Stepping, GoodStepsAllocateNothing) {

@@ -21,8 +21,35 @@ void SetCentre(CameraModel& camera) {
   camera.cy = 0.5 * (camera.height - 1);
 }
 
+void RequireFiniteNumber(const char* what, double value) {
+  if (std::isfinite(value)) return;
+  throw ArgumentError(fmt::format("a camera's {} is {}; it must be finite", what, value));
+}
+
+void RequireFovy(double fovy) {
+  if (fovy > 0 && fovy < 180) return;
+  throw ArgumentError(
+      fmt::format("a camera's fovy is {}; it must be above 0 and below 180 degrees", fovy));
+}
+
+void RequireOrbit(double distance, double azimuth, double elevation, double fovy) {
+  RequireFiniteNumber("distance", distance);
+  if (distance < 0)
+    throw ArgumentError(
+        fmt::format("a camera's distance is {}; it must be at least 0 metres", distance));
+  RequireFiniteNumber("azimuth", azimuth);
+  RequireFiniteNumber("elevation", elevation);
+  RequireFovy(fovy);
+}
+
 // Square pixels; the vertical extent is `fovy`: degrees, or metres when orthographic.
 void SetFieldOfView(CameraModel& camera, double fovy) {
+  if (!camera.orthographic) {
+    RequireFovy(fovy);
+  } else if (!(fovy > 0 && std::isfinite(fovy))) {
+    throw ArgumentError(fmt::format(
+        "an orthographic camera's fovy is {}; it must be a finite number of metres above 0", fovy));
+  }
   camera.fy = camera.orthographic ? camera.height / fovy
                                   : 0.5 * camera.height / std::tan(0.5 * fovy * kDegree);
   camera.fx = camera.fy;
@@ -83,6 +110,17 @@ Pose OrbitCamera::camera_in_world() const {
   return FromAxes(lookat - distance * forward, forward.cross(up), up);
 }
 
+void RequireView(const CameraView& view) {
+  if (const auto* free = std::get_if<FreeCamera>(&view)) {
+    RequireFovy(free->fovy);
+  } else if (const auto* orbit = std::get_if<OrbitCamera>(&view)) {
+    for (const double value : orbit->lookat) RequireFiniteNumber("lookat", value);
+    RequireOrbit(orbit->distance, orbit->azimuth, orbit->elevation, orbit->fovy);
+  } else if (const auto* tracking = std::get_if<TrackingCamera>(&view)) {
+    RequireOrbit(tracking->distance, tracking->azimuth, tracking->elevation, tracking->fovy);
+  }
+}
+
 CameraView NamedCamera(const mjModel* model, std::string_view name, std::string_view place) {
   return ModelCamera{RequireId(model, mjOBJ_CAMERA, name, place)};
 }
@@ -138,7 +176,9 @@ bool CameraModel::Contains(const Eigen::Vector3d& point) const {
 CameraModel ComputeCamera(const mjModel* model, const mjData* data, const CameraView& view,
                           int width, int height) {
   if (width < 1 || height < 1)
-    throw ArgumentError(fmt::format("an image of {} x {} pixels", width, height));
+    throw ArgumentError(
+        fmt::format("an image of {} x {} pixels; each side must be at least 1", width, height));
+  RequireView(view);
   CameraModel camera;
   camera.width = width;
   camera.height = height;

@@ -68,6 +68,10 @@ using CameraView = std::variant<ModelCamera, FreeCamera, OrbitCamera, TrackingCa
 // What MuJoCo's viewer shows first: the whole model.
 OrbitCamera InitialView(const mjModel* model);
 
+// Throws ArgumentError, which names the value, for numbers of a view that nothing can be drawn with:
+// not finite, a distance below 0, or a field of view that is not above 0 and below 180 degrees.
+void RequireView(const CameraView& view);
+
 // NotFoundError that lists the model's cameras.
 CameraView NamedCamera(const mjModel* model, std::string_view name, std::string_view place);
 
@@ -95,7 +99,8 @@ struct CameraModel {
   bool Contains(const Eigen::Vector3d& point_in_world) const;
 };
 
-// Throws ArgumentError for a camera or body id that does not exist or an image without pixels.
+// Throws ArgumentError for a camera or body id that does not exist, an image without pixels, and what
+// RequireView refuses.
 CameraModel ComputeCamera(const mjModel* model, const mjData* data, const CameraView& view,
                           int width, int height);
 

@@ -1,5 +1,6 @@
 #include "robocell/render/camera_model.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -210,6 +211,36 @@ TEST_F(Cameras, WrongNamesIdsAndSizesAreErrorsThatTell) {
   ExpectThrow<ArgumentError>(
       [&] { ComputeCamera(model_.get(), data_.get(), OrbitCamera{}, 0, 10); },
       "an image of 0 x 10 pixels");
+}
+
+TEST_F(Cameras, RefuseNumbersThatNothingCanBeDrawnWith) {
+  const double nan = std::nan(""), infinity = HUGE_VAL;
+  const auto draw = [&](const CameraView& view) {
+    ComputeCamera(model_.get(), data_.get(), view, 64, 48);
+  };
+  for (const double fovy : {nan, infinity, -5.0, 0.0, 180.0, 1e30}) {
+    const std::string said =
+        fmt::format("a camera's fovy is {}; it must be above 0 and below 180 degrees", fovy);
+    ExpectThrow<ArgumentError>([&] { draw(FreeCamera{.fovy = fovy}); }, said);
+    ExpectThrow<ArgumentError>([&] { draw(OrbitCamera{.fovy = fovy}); }, said);
+    ExpectThrow<ArgumentError>([&] { draw(TrackingCamera{.fovy = fovy}); }, said);
+    model_->cam_fovy[0] = static_cast<float>(fovy);  // by hand, after the engine has checked it
+    ExpectThrow<ArgumentError>([&] { draw(ModelCamera{0}); }, "a camera's fovy is ");
+  }
+  EXPECT_NO_THROW(draw(FreeCamera{.fovy = 179.9}));
+  EXPECT_NO_THROW(draw(OrbitCamera{.distance = 0}));
+  ExpectThrow<ArgumentError>([&] { draw(OrbitCamera{.distance = -1}); },
+                             "a camera's distance is -1; it must be at least 0 metres");
+  ExpectThrow<ArgumentError>([&] { draw(TrackingCamera{.distance = nan}); },
+                             "a camera's distance is nan; it must be finite");
+  ExpectThrow<ArgumentError>([&] { draw(OrbitCamera{.azimuth = infinity}); },
+                             "a camera's azimuth is inf; it must be finite");
+  ExpectThrow<ArgumentError>([&] { draw(OrbitCamera{.elevation = nan}); }, "elevation is nan");
+  ExpectThrow<ArgumentError>([&] { draw(OrbitCamera{.lookat = {0, nan, 0}}); }, "lookat is nan");
+  model_->cam_fovy[1] = 0;
+  ExpectThrow<ArgumentError>([&] { draw(ModelCamera{1}); },
+                             "an orthographic camera's fovy is 0; it must be a finite number of "
+                             "metres above 0");
 }
 
 TEST_F(Cameras, ClipPlanesAreReadAndSetInMetres) {

@@ -1,7 +1,7 @@
 // EGL without a window: a context on a graphics card, else on Mesa's software device, else on
 // Mesa's surfaceless platform, else on the default display. The few EGL names needed are declared
 // here, so that building needs no GL headers.
-#include "robocell/render/egl_context.h"
+#include "robocell/render/gl_backends.h"
 
 #include <cstdint>
 #include <mutex>
@@ -10,7 +10,6 @@
 
 #include "robocell/base/error.h"
 #include "robocell/render/egl_devices.h"
-#include "robocell/render/gl_library.h"
 
 namespace robocell {
 namespace {

@@ -11,9 +11,8 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
-#include "robocell/render/egl_context.h"
 #include "robocell/render/egl_devices.h"
-#include "robocell/render/osmesa_context.h"
+#include "robocell/render/gl_backends.h"
 
 namespace robocell {
 namespace {

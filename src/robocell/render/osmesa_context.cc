@@ -1,10 +1,9 @@
-#include "robocell/render/osmesa_context.h"
+#include "robocell/render/gl_backends.h"
 
 #include <string>
 #include <vector>
 
 #include "robocell/base/error.h"
-#include "robocell/render/gl_library.h"
 
 namespace robocell {
 namespace {

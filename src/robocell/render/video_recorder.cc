@@ -123,6 +123,7 @@ void VideoRecorder::UseCamera(std::string_view name) {
 
 void VideoRecorder::UseCamera(const CameraView& view) {
   const mjModel* model = Model();
+  RequireView(view);
   view_ = view;
   missing_ = false;
   name_.clear();

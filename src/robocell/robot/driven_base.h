@@ -13,7 +13,7 @@
 
 #include <array>
 
-#include "robocell/robot/held_object.h"
+#include "robocell/robot/base_group.h"
 #include "robocell/robot/joint_group.h"
 #include "robocell/robot/pose_ramp.h"
 #include "robocell/spec/robot_config.h"

@@ -12,7 +12,6 @@
 #include "robocell/robot/base_pose_controller.h"
 #include "robocell/robot/gripper_group.h"
 #include "robocell/robot/joint_group.h"
-#include "robocell/robot/located.h"
 #include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/element_lookup.h"
 

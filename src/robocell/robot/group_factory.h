@@ -1,4 +1,5 @@
-// Private to robot: makes the move groups of a robot from its record in the compiled scene.
+// Private to robot: makes the move groups of a robot from its record in the compiled scene. Errors
+// say where the robot's configuration stands in its file.
 #pragma once
 
 #include <memory>
@@ -6,10 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "robocell/base/error.h"
 #include "robocell/kinematics/chain.h"
 #include "robocell/robot/drives.h"
 #include "robocell/robot/move_group.h"
 #include "robocell/scene/scene.h"
+#include "robocell/spec/locations.h"
+#include "robocell/spec/robot_config.h"
 
 namespace robocell {
 
@@ -35,5 +39,20 @@ MadeGroup MakeImplicitBase(const Scene& scene, const RobotRecord& robot);
 // a configuration. It gets none, and the log says why, unless each joint has one of the kind.
 MadeGroup MakeAdHocArm(const Scene& scene, const RobotRecord& robot,
                        std::vector<std::string> joints, const ChainTip& tip);
+
+// What `f` returns. What it throws begins with the place of `field` in the file, unless it has one.
+template <class F>
+auto Located(const RobotConfig& config, const std::string& field, F&& f) {
+  const auto place = [&](const Error& error) {
+    return WithPlace(config.locations.At(field), error.what());
+  };
+  try {
+    return f();
+  } catch (const ArgumentError& error) {
+    throw ArgumentError(place(error));
+  } catch (const NotFoundError& error) {
+    throw NotFoundError(place(error));
+  }
+}
 
 }  // namespace robocell

@@ -1,11 +1,10 @@
 // Velocity mode of arms that resist: dampers, springs, friction, motors instead of servos, limits.
+#include "robocell/robot/joint_velocity_controller.h"
+
 #include <gtest/gtest.h>
-#include <mujoco/mujoco.h>
 
 #include <cmath>
 
-#include "robocell/mujoco/names.h"
-#include "robocell/robot/joint_resistance.h"
 #include "robocell/robot/testing/robots.h"
 #include "robocell/scene/testing/scenes.h"
 
@@ -119,42 +118,6 @@ TEST_F(VelocityMode, MotorsPushNoHarderThanTheirControlAllows) {
     EXPECT_GE(robot.jnt_trq_msr()[1], -6) << i;
     EXPECT_NEAR(robot.jnt_trq_msr()[0], 12, 0.02) << i;
     EXPECT_NEAR(robot.jnt_trq_msr()[1], -6, 0.02) << i;
-  }
-}
-
-// Of the constraints of joints that keep their speeds, of which friction alone touches these.
-std::vector<double> EngineFriction(const mjModel* m, mjData* d) {
-  std::fill_n(d->qacc, m->nv, 0.0);
-  mj_inverse(m, d);
-  return {d->qfrc_constraint, d->qfrc_constraint + m->nv};
-}
-
-TEST_F(VelocityMode, ResistanceIsWhatTheEngineComputesWithEachPartOnAndOff) {
-  const Robot robot = Build("damping='2 3 5' stiffness='20 5 3' springref='0.4' frictionloss='7'",
-                            "position kp='500' damping='12 2 1' gear='2'", kPosition);
-  Scene scene = robot.scene();
-  mjModel* m = scene.mutable_model();
-  mjData* d = scene.data();
-  const std::vector<int> joints = {RequireId(m, mjOBJ_JOINT, "j1", ""),
-                                   RequireId(m, mjOBJ_JOINT, "j2", "")};
-  const int on = m->opt.disableflags;
-  for (const int off : {0, int{mjDSBL_SPRING}, int{mjDSBL_DAMPER}, mjDSBL_SPRING | mjDSBL_DAMPER,
-                        int{mjDSBL_FRICTIONLOSS}, int{mjDSBL_CONSTRAINT}}) {
-    SCOPED_TRACE(off);
-    m->opt.disableflags = on | off;
-    for (const double x : {-1.3, -0.2, -1e-3, 1e-6, 0.0, 0.6, 2.1}) {
-      const std::vector<double> q = {x, 0.3 - x}, v = {0.5 - x, 1.1 * x};
-      std::copy_n(q.data(), 2, d->qpos);
-      std::copy_n(v.data(), 2, d->qvel);
-      mj_forward(m, d);
-      const std::vector<double> passive(d->qfrc_passive, d->qfrc_passive + 2);
-      const std::vector<double> friction = EngineFriction(m, d);
-      std::vector<double> torque = {10, 20};
-      AddJointResistance(m, joints, q, v, torque);
-      for (int i = 0; i < 2; ++i) {
-        EXPECT_NEAR(torque[i], 10.0 * (i + 1) - passive[i] - friction[i], 1e-9) << x;
-      }
-    }
   }
 }
 

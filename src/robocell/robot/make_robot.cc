@@ -3,7 +3,7 @@
 
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
-#include "robocell/robot/located.h"
+#include "robocell/robot/group_factory.h"
 #include "robocell/robot/robot_state.h"
 #include "robocell/spec/validate.h"
 

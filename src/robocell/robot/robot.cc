@@ -57,6 +57,7 @@ const std::string& Robot::prefix() const { return state_->record.prefix; }
 const RobotConfig& Robot::config() const { return open().record.config; }
 
 std::vector<std::string> Robot::group_names() const { return open().group_names(); }
+int Robot::group_count() const { return static_cast<int>(open().slots.size()); }
 bool Robot::has_group(const std::string& name) const { return open().Find(name) != nullptr; }
 MoveGroup& Robot::group(const std::string& name) const { return *open().Require(name).own->group; }
 std::shared_ptr<MoveGroup> Robot::shared_group(const std::string& name) const {

@@ -75,6 +75,8 @@ class Robot {
   // its own (Controller::UsePort). References to controllers are valid until that is replaced, by
   // any robot that has the arm; shared_group() and shared_controller() keep what they return.
   std::vector<std::string> group_names() const;
+  // How many there are, without their names: for loops that must not allocate.
+  int group_count() const;
   bool has_group(const std::string& name) const;
   MoveGroup& group(const std::string& name) const;
   // The same, keeping the robot and the group alive, in use or not.

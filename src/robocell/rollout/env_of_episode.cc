@@ -17,6 +17,7 @@
 #include "robocell/base/hash.h"
 #include "robocell/base/units.h"
 #include "robocell/data/model_store.h"
+#include "robocell/rollout/episode_reading.h"
 #include "robocell/rollout/recorded_scene.h"
 #include "robocell/rollout/run_inputs.h"
 #include "robocell/rollout/user_code.h"
@@ -31,8 +32,8 @@ std::string PlaceOfEpisode(const Episode& episode) {
   return fmt::format("episode '{}'", episode.folder().string());
 }
 
-Json EnvironmentOf(const Episode& episode) {
-  if (IsOfEnv(episode)) return Json::parse(episode.metadata_json()).at("environment");
+EpisodeJson EnvironmentOf(const Episode& episode) {
+  if (IsOfEnv(episode)) return EpisodeJson::Metadata(episode).At("environment");
   throw ArgumentError(
       fmt::format("{} was not recorded in an environment; generated ones are replayed by "
                   "VerifyReplay, and robocell.envs.from_dataset makes an environment of their run",
@@ -99,17 +100,17 @@ void AlignPose(const Feature& feature, std::span<const double> with, std::span<d
 std::vector<double> RowsOf(const Episode& episode, const FeatureSchema& features) {
   const auto rows = static_cast<size_t>(episode.rows()),
              width = static_cast<size_t>(features.size());
-  std::vector<double> all(rows * width);
+  std::vector<double> all;
   size_t begin = 0;
   for (const Feature& feature : features.features()) {
-    const std::vector<double> column = episode.Read<double>(feature.column.name);
+    const std::vector<double> column = ReadSteps<double>(episode, feature.column.name);
     const auto size = static_cast<size_t>(feature.size());
     if (column.size() != rows * size) {
-      throw IoError(fmt::format(
-          "{}: column '{}' has {} numbers where {} rows of {} need {}; "
-          "`robocell verify` looks at all of it",
-          PlaceOfEpisode(episode), feature.column.name, column.size(), rows, size, rows * size));
+      throw IoError(fmt::format("{}: column '{}' has {} numbers a row, and its feature {}",
+                                PlaceOfEpisode(episode), feature.column.name,
+                                column.size() / std::max<size_t>(rows, 1), size));
     }
+    all.resize(rows * width);  // now that the number of rows is known to be true
     for (size_t row = 0; row < rows; ++row)
       std::copy_n(column.begin() + static_cast<std::ptrdiff_t>(row * size), size,
                   all.begin() + static_cast<std::ptrdiff_t>(row * width + begin));
@@ -121,8 +122,9 @@ std::vector<double> RowsOf(const Episode& episode, const FeatureSchema& features
 // Files of the code here that the episode was not recorded with.
 std::vector<std::string> CodeDifferences(const EnvConfig& config, const Episode& episode) {
   std::set<std::string> hashes;
-  for (const Json& file : EnvironmentOf(episode).value("code", Json::array()))
-    hashes.insert(file.at("sha256").get<std::string>());
+  if (const auto code = EnvironmentOf(episode).Find("code")) {
+    for (const EpisodeJson& file : code->Items()) hashes.insert(file.At("sha256").AsText());
+  }
   return CodeOf(config).Unknown(hashes);
 }
 
@@ -144,9 +146,9 @@ class ActionReplay {
     RequireSameCode(env.config(), episode);
     seen_ = RowsOf(episode, env.layout().observed);
     actions_ = RowsOf(episode, env.layout().commanded);
-    rewards_ = episode.Read<double>("reward");
-    times_ = episode.Read<double>("time");
-    ticks_ = episode.Read<int64_t>(std::string(kControlTickColumn));
+    rewards_ = ReadSteps<double>(episode, "reward");
+    times_ = ReadSteps<double>(episode, "time");
+    ticks_ = ReadSteps<int64_t>(episode, std::string(kControlTickColumn));
     AddFinalObservation();
   }
 
@@ -190,11 +192,14 @@ class ActionReplay {
   }
 
   void AddFinalObservation() {
-    const Json results = Json::parse(episode_.results_json());
-    const auto final = results.find(kFinalObservation);
-    if (final == results.end()) return;
+    const auto final = EpisodeJson::Results(episode_).Find(kFinalObservation);
+    if (!final) return;
     for (const Feature& feature : env_.layout().observed.features()) {
-      for (const double value : final->at(feature.column.name)) seen_.push_back(value);
+      const EpisodeJson part = final->At(feature.column.name);
+      const auto numbers = part.AsNumbers();
+      if (std::ssize(numbers) != feature.size())
+        part.ThrowNot(fmt::format("a list of {} numbers", feature.size()));
+      seen_.insert(seen_.end(), numbers.begin(), numbers.end());
     }
   }
 
@@ -257,8 +262,8 @@ class ActionReplay {
 }  // namespace
 
 bool IsOfEnv(const Episode& episode) {
-  const Json metadata = Json::parse(episode.metadata_json());
-  return metadata.contains("environment") && metadata["environment"].contains("config");
+  const auto environment = EpisodeJson::Metadata(episode).Find("environment");
+  return environment && environment->Find("config");
 }
 
 std::string PortableConfig(const EnvConfig& config) {
@@ -283,17 +288,15 @@ std::vector<std::string> DifferencesFromEpisode(const EnvConfig& config, const E
     same.sim.realtime = same.headless = false;
     return RunInputs{.identity = ToYaml(same), .versions = {}, .files = {}};
   };
-  std::vector<std::string> lines =
-      Differences(identity(EnvironmentOf(episode).at("config").get<std::string>()),
-                  identity(PortableConfig(config)));
+  std::vector<std::string> lines = Differences(
+      identity(EnvironmentOf(episode).At("config").AsText()), identity(PortableConfig(config)));
   for (const std::string& file : CodeDifferences(config, episode))
     lines.push_back(fmt::format("code file {}: not the recorded one", file));
   return lines;
 }
 
 std::unique_ptr<Env> EnvOfEpisode(const Episode& episode, bool images, const DataFactory& factory) {
-  auto config =
-      FromYamlUnchecked<EnvConfig>(EnvironmentOf(episode).at("config").get<std::string>());
+  auto config = EnvironmentOf(episode).At("config").AsSpec<EnvConfig>();
   config.sim.realtime = false;
   config.headless = true;
   if (!images) config.cameras.streams = {};

@@ -3,12 +3,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
+#include "robocell/base/hash.h"
 #include "robocell/base/units.h"
+#include "robocell/data/checked_json.h"
 #include "robocell/data/dataset.h"
+#include "robocell/data/episode_files.h"
 #include "robocell/data/episode_writer.h"
+#include "robocell/data/hdf5.h"
 #include "robocell/env/arm_target.h"
 #include "robocell/env/env_scene.h"
 #include "robocell/env/testing/envs.h"
@@ -71,6 +77,46 @@ class EnvOfEpisodeTest : public ::testing::Test {
     }
     return Episode(
         writer.Commit({.end_reason = from.end_reason(), .results_json = from.results_json()}));
+  }
+
+  // The same episode with another episode.json, whose hash is right.
+  template <class F>
+  Episode Edited(const Episode& from, F&& edit) const {
+    const std::filesystem::path to = folder / ("edited" + std::to_string(++count));
+    std::filesystem::copy(from.folder(), to, std::filesystem::copy_options::recursive);
+    auto json = nlohmann::ordered_json::parse(from.json());
+    edit(json);
+    json["run"][kJsonHash] = kHashPlaceholder;
+    std::ofstream(to / kEpisodeFile) << InsertSelfHash(json.dump(2));
+    return Episode(to);
+  }
+
+  // The same episode whose steps.h5 has a row less of one column.
+  Episode WithShortColumn(const Episode& from, const std::string& column) const {
+    return Edited(from, [&](nlohmann::ordered_json& json) {
+      const std::filesystem::path steps =
+          folder / ("edited" + std::to_string(count)) / std::string(kStepsFile);
+      std::filesystem::remove(steps);
+      hdf5::File file = hdf5::File::Create(steps);
+      for (const ColumnInfo& info : from.columns()) {
+        const ColumnSpec& spec = info.spec;
+        std::vector<std::byte> bytes(from.ValueCount(spec.name) * SizeOf(spec.type));
+        from.ReadBytes(spec.name, {}, spec.type, bytes);
+        hdf5::H5Dataset dataset =
+            info.table.empty() ? file.CreateFixed(spec.name, spec.type, spec.shape)
+                               : file.CreateExtendible(spec.name, spec.type, spec.shape, info.rows);
+        if (info.table.empty()) {
+          dataset.WriteAll(bytes);
+        } else {
+          dataset.SetText("table", info.table);
+          dataset.AppendChunk(info.rows - (spec.name == column ? 1 : 0), bytes);
+        }
+        dataset.Close();
+      }
+      file.Close();
+      json["files"][kStepsFile] = {{"bytes", std::filesystem::file_size(steps)},
+                                   {"sha256", Sha256File(steps)}};
+    });
   }
 
   TempDir folder;
@@ -167,6 +213,88 @@ TEST_F(EnvOfEpisodeTest, IsRefusedForOtherConfigurationsAndEpisodes) {
   ExpectThrow<ArgumentError>([&] { EnvOfEpisode(foreign); }, "was not recorded in an environment");
   ExpectThrow<ArgumentError>([&] { ReplayActions(env, foreign); },
                              "was not recorded in an environment");
+}
+
+TEST_F(EnvOfEpisodeTest, ColumnsHaveARowForEachStep) {
+  const Episode episode = Record(Rc7WithCube());
+  Env env(Rc7WithCube());
+  // 1e15 rows are not allocated before they are compared.
+  for (const int64_t rows : {int64_t{0}, int64_t{2}, int64_t{1000000000000000}}) {
+    const Episode edited =
+        Edited(episode, [&](auto& json) { json["tables"]["steps"]["rows"] = rows; });
+    const std::string said = "has 3 rows in 'steps.h5', where 'episode.json' says " +
+                             std::to_string(rows) + "; `robocell verify ";
+    ExpectThrow<IoError>([&] { ReplayActions(env, edited); }, said);
+    ExpectThrow<IoError>([&] { VerifyReplay(edited); }, said);
+  }
+  for (const auto& rows : {nlohmann::ordered_json(-1), nlohmann::ordered_json(5e81),
+                           nlohmann::ordered_json("three")}) {
+    ExpectThrow<IoError>(
+        [&] { Edited(episode, [&](auto& json) { json["tables"]["steps"]["rows"] = rows; }); },
+        "it does not describe an episode");
+  }
+}
+
+TEST_F(EnvOfEpisodeTest, ColumnsOfAnotherLengthAreNamed) {
+  const Episode episode = Record(Rc7WithCube());
+  Env env(Rc7WithCube());
+  for (const char* column : {"reward", "time", "observation/robot/joints", "action/robot/tquat"}) {
+    ExpectThrow<IoError>([&] { ReplayActions(env, WithShortColumn(episode, column)); },
+                         "column '" + std::string(column) + "' has 2 rows in 'steps.h5'");
+  }
+  ExpectThrow<IoError>(
+      [&] { ReplayActions(env, WithShortColumn(episode, std::string(kControlTickColumn))); },
+      "column 'control_tick' has 2 rows");
+}
+
+TEST_F(EnvOfEpisodeTest, NamesTheFieldThatIsNotAsItWasWritten) {
+  const Episode episode = Record(Rc7WithCube());
+  Env env(Rc7WithCube());
+  const auto edited = [&](const char* pointer, const nlohmann::ordered_json& value) {
+    return Edited(episode, [&](nlohmann::ordered_json& json) {
+      json[nlohmann::ordered_json::json_pointer(pointer)] = value;
+    });
+  };
+  ExpectThrow<IoError>([&] { EnvOfEpisode(edited("/metadata/environment/config", 7)); },
+                       "episode.json': 'metadata.environment.config' is 7, not a text; the "
+                       "episode was edited or is of another program");
+  ExpectThrow<IoError>([&] { EnvOfEpisode(edited("/metadata/environment/config", "robots: 3")); },
+                       "'metadata.environment.config' is \"robots: 3\", not what robocell writes");
+  ExpectThrow<IoError>([&] { EnvOfEpisode(edited("/metadata/scene_spec", false)); },
+                       "'metadata.scene_spec' is false, not a text");
+  ExpectThrow<IoError>([&] { EnvOfEpisode(edited("/metadata/environment/saved_scene", "no")); },
+                       "'metadata.environment.saved_scene' is \"no\", not true or false");
+  ExpectThrow<IoError>([&] { ReplayActions(env, edited("/metadata/environment/code", 1)); },
+                       "'metadata.environment.code' is 1, not a list");
+  ExpectThrow<IoError>(
+      [&] {
+        ReplayActions(env, edited("/metadata/environment/code", {{{"file", "a.py"}}}));
+      },
+      "'metadata.environment.code[0]' has no field 'sha256'");
+  ExpectThrow<IoError>([&] { VerifyReplay(edited("/metadata/environment/variations", 2)); },
+                       "'metadata.environment.variations' is 2, not a text");
+  ExpectThrow<IoError>([&] { VerifyReplay(edited("/versions/mujoco", 4)); },
+                       "'versions.mujoco' is 4, not a text");
+  for (const nlohmann::ordered_json& rate :
+       {nlohmann::ordered_json(0), nlohmann::ordered_json("2")})
+    ExpectThrow<IoError>(
+        [&] { VerifyReplay(edited("/metadata/rates/sim_ms", rate)); },
+        "'metadata.rates.sim_ms' is " + rate.dump() + ", not a number of milliseconds above 0");
+  const std::string final = "/results/final_observation";
+  ExpectThrow<IoError>([&] { ReplayActions(env, edited(final.c_str(), 1)); },
+                       "'results.final_observation' is 1, not an object");
+  const std::string joints = final + "/observation~1robot~1joints";
+  ExpectThrow<IoError>(
+      [&] {
+        ReplayActions(env, edited(joints.c_str(), {1, 2}));
+      },
+      "'results.final_observation.observation/robot/joints' is [1,2], not a list "
+      "of 7 numbers");
+  ExpectThrow<IoError>(
+      [&] {
+        ReplayActions(env, edited(joints.c_str(), {1, "b"}));
+      },
+      "is [1,\"b\"], not a list of numbers");
 }
 
 TEST_F(EnvOfEpisodeTest, OfASavedSceneNeedsItsFile) {

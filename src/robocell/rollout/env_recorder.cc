@@ -19,8 +19,8 @@
 #include "robocell/data/dataset_folder.h"
 #include "robocell/data/dataset_lock.h"
 #include "robocell/data/episode_files.h"
+#include "robocell/data/leftovers.h"
 #include "robocell/features/chosen_features.h"
-#include "robocell/rollout/engine_record.h"
 #include "robocell/rollout/env_of_episode.h"
 #include "robocell/rollout/episode_cameras.h"
 #include "robocell/rollout/episode_columns.h"
@@ -119,7 +119,7 @@ class FrameColumns {
                                            .description = "When the frame was taken, since the "
                                                           "reset: streams with a rate of their own "
                                                           "show one until the next."});
-    streams_.push_back(std::move(stream));
+    streams_.push_back(stream);
   }
 
   std::vector<Stream> streams_;
@@ -414,6 +414,7 @@ struct EnvRecorder::State : public EnvObserver {
     if (options.images) RequireColour(env->config());
     PrepareFolder(dataset, *env);
     lock = DatasetLock::Numbering(dataset, options.prefix);
+    RemoveLeftoversOfNumbering(dataset, options.prefix);
     next = NextNumber(dataset, options.prefix);
     env->AddObserver(this);
   }

@@ -10,8 +10,9 @@
 //   recorder.Close();                 // saves the last one
 //
 // An episode begins with the first step after a reset or after going back to a state, and is saved
-// by the next one, by Save() or by Close(). Until then nothing of it is visible: after Discard(), a
-// crash or the destructor there is no trace of it. A step that an error ended halfway is no row.
+// by the next one, by Save() or by Close(). Until then readers see nothing of it, and Discard() and
+// the destructor remove it. What a killed process leaves half-written is hidden, and the next
+// recorder of the same prefix removes it. A step that an error ended halfway is no row.
 //
 // Columns: the features of the cell, as in generated episodes; what the environment showed
 // (`observation/...`) and was asked (`action/...`), by their paths in its dictionaries; and what
@@ -19,8 +20,9 @@
 // ticks as the steps took: `control_tick` is the first one of each.
 //
 // Errors: ArgumentError for a folder that is no dataset, is a run's, or has episodes of another
-// configuration or of other code of the task and features, and for streams without colour images; IoError when the disk fails, out of Step or Reset too: then the episode is gone, and
-// recording goes on with the next reset. Threads: those of the environment, which must outlive it.
+// configuration or of other code of the task and features, and for streams without colour images;
+// IoError when the disk fails, out of Step or Reset too: then the episode is gone, and recording
+// goes on with the next reset. Threads: those of the environment, which must outlive it.
 #pragma once
 
 #include <filesystem>

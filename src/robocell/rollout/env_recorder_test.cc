@@ -1,9 +1,12 @@
 #include "robocell/rollout/env_recorder.h"
 
+#include <sys/wait.h>
+#include <unistd.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <csignal>
 #include <filesystem>
 #include <numeric>
 #include <nlohmann/json.hpp>
@@ -12,6 +15,8 @@
 #include "robocell/base/files.h"
 #include "robocell/base/units.h"
 #include "robocell/data/dataset.h"
+#include "robocell/data/hdf5.h"
+#include "robocell/data/leftovers.h"
 #include "robocell/data/verify.h"
 #include "robocell/env/arm_target.h"
 #include "robocell/env/env_batch.h"
@@ -340,6 +345,42 @@ TEST(EnvRecorders, CountOnAndKeepToTheirOwn) {
     env.Step(GoingTo({0.45, 0, 0.3}));
     EXPECT_EQ(next.Save(), "episode-000001");
   }
+}
+
+// A recorder in a process of its own, killed in the middle of an episode.
+TEST(EnvRecorders, RemoveWhatAKilledOneOfTheirPrefixLeft) {
+  const TempDir folder;
+  for (const char* prefix : {"episode", "episode-left"}) {
+    const pid_t child = hdf5::Fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      Env env(Rc7WithCube());
+      EnvRecorder recorder(env, folder.path(), {.prefix = prefix});
+      env.Reset({.seed = 5});
+      ActOut(env);
+      kill(getpid(), SIGKILL);
+    }
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    ASSERT_TRUE(WIFSIGNALED(status));
+  }
+  ASSERT_EQ(UnfinishedIn(folder.path()).size(), 2u);
+  Env env(Rc7WithCube()), other(Rc7WithCube());
+  EnvRecorder recorder(env, folder.path());
+  ASSERT_EQ(UnfinishedIn(folder.path()).size(), 1u) << "the other prefix's stays";
+  env.Reset({.seed = 5});
+  env.Step(GoingTo({0.45, 0, 0.3}));
+  // One that writes keeps what it writes.
+  EnvRecorder left(other, folder.path(), {.prefix = "episode-left"});
+  EXPECT_EQ(Verify(folder.path()).being_written.size(), 1u);
+  EXPECT_EQ(UnfinishedIn(folder.path()).size(), 1u);
+  other.Reset({.seed = 6});
+  other.Step(GoingTo({0.45, 0, 0.3}));
+  ExpectThrow<IoError>([&] { EnvRecorder(other, folder.path()); }, "are being written");
+  recorder.Close();
+  left.Close();
+  EXPECT_THAT(UnfinishedIn(folder.path()), IsEmpty());
+  ExpectSound(folder.path(), 2);
 }
 
 TEST(EnvRecorders, RefuseFoldersOfAnotherConfiguration) {

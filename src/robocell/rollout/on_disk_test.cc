@@ -11,7 +11,6 @@
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/data/episode_writer.h"
-#include "robocell/rollout/earlier_attempts.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
 

@@ -1,7 +1,9 @@
 #include "robocell/rollout/recorded_scene.h"
 
 #include <fmt/format.h>
+#include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <set>
@@ -14,7 +16,7 @@
 #include "robocell/base/file_set.h"
 #include "robocell/base/paths.h"
 #include "robocell/data/model_store.h"
-#include "robocell/rollout/engine_record.h"
+#include "robocell/rollout/episode_reading.h"
 #include "robocell/spec/yaml.h"
 
 namespace robocell {
@@ -110,6 +112,43 @@ class Models {
   std::map<std::string, std::string> kept_;
 };
 
+const char* JacobianName(int jacobian) {
+  return jacobian == mjJAC_DENSE ? "dense" : jacobian == mjJAC_SPARSE ? "sparse" : "auto";
+}
+
+const char* SolverName(int solver) {
+  return solver == mjSOL_PGS ? "pgs" : solver == mjSOL_CG ? "cg" : "newton";
+}
+
+// The engine's part of an episode's metadata.
+struct EngineText {
+  std::string jacobian;
+  bool is_guarded = false;
+};
+
+EngineText ReadEngine(const nlohmann::json& engine, const std::string& place) {
+  const auto require = [&](bool good, const char* field, const char* what) {
+    if (good) return;
+    throw SpecError(fmt::format(
+        "{}: metadata.engine{} is not {}; write it as it was recorded, such as {{\"jacobian\": "
+        "\"dense\", \"solver\": \"newton\", \"guards\": [\"sparse_newton\"]}}, or leave engine "
+        "out",
+        place, field, what));
+  };
+  require(engine.is_object(), "", "an object");
+  const auto guards = engine.find("guards");
+  require(guards == engine.end() ||
+              (guards->is_array() &&
+               std::ranges::all_of(*guards, [](const auto& name) { return name.is_string(); })),
+          ".guards", "a list of names");
+  const auto jacobian = engine.find("jacobian");
+  const bool is_known = jacobian == engine.end() || *jacobian == "dense" || *jacobian == "sparse" ||
+                        *jacobian == "auto";
+  require(is_known, ".jacobian", "one of dense, sparse and auto");
+  return {.jacobian = jacobian == engine.end() ? "auto" : jacobian->get<std::string>(),
+          .is_guarded = guards != engine.end() && !guards->empty()};
+}
+
 }  // namespace
 
 PortableScene MakePortable(const SceneSpec& scene) {
@@ -124,26 +163,51 @@ PortableScene MakePortable(const SceneSpec& scene) {
 }
 
 SceneSpec RecordedScene(const Episode& episode) {
-  const auto metadata = nlohmann::json::parse(episode.metadata_json());
-  if (!metadata.contains("scene_spec") || !metadata["scene_spec"].is_string()) {
+  const EpisodeJson metadata = EpisodeJson::Metadata(episode);
+  const auto spec = metadata.Find("scene_spec");
+  if (!spec) {
     throw ArgumentError(fmt::format(
         "episode '{}': its metadata has no scene_spec; episodes that robocell generated "
         "have one",
         episode.folder().string()));
   }
-  if (metadata.contains("environment") && metadata["environment"].value("saved_scene", false)) {
+  const auto environment = metadata.Find("environment");
+  const auto saved = environment ? environment->Find("saved_scene") : std::nullopt;
+  if (saved && saved->AsBool()) {
     throw ArgumentError(fmt::format(
         "episode '{}': its scene was a saved file (saved_scene), which the dataset does not keep; "
         "replay it in an environment of that file: ReplayActions, env.replay(episode), or "
         "`robocell replay --env FILE`",
         episode.folder().string()));
   }
-  SceneSpec scene = FromYamlUnchecked<SceneSpec>(metadata["scene_spec"].get<std::string>());
-  RestoreEngine(metadata, scene, fmt::format("episode '{}'", episode.folder().string()));
+  SceneSpec scene = spec->AsSpec<SceneSpec>();
+  RestoreEngine(metadata.value(), scene, fmt::format("episode '{}'", episode.folder().string()));
   const Models models(episode);
   assets::ForEachModel(scene,
                        [&](std::string& name, const std::string&) { name = models.Find(name); });
   return scene;
+}
+
+nlohmann::json EngineRecord(const Scene& scene) {
+  const mjOption& used = scene.model()->opt;
+  nlohmann::json guards = scene.compiled()->engine_guards();
+  return {{"jacobian", JacobianName(used.jacobian)},
+          {"solver", SolverName(used.solver)},
+          {"guards", guards}};
+}
+
+void RestoreEngine(const nlohmann::json& metadata, SceneSpec& scene, const std::string& place) {
+  const auto engine = metadata.find("engine");
+  const EngineText text =
+      engine == metadata.end() ? EngineText{.jacobian = "auto"} : ReadEngine(*engine, place);
+  if (scene.options.jacobian) return;
+  if (engine == metadata.end()) {
+    scene.options.jacobian = JacobianKind::kAuto;
+  } else if (text.is_guarded || text.jacobian == "dense") {
+    scene.options.jacobian = JacobianKind::kDense;
+  } else if (text.jacobian == "sparse") {
+    scene.options.jacobian = JacobianKind::kSparse;
+  }
 }
 
 }  // namespace robocell

@@ -18,6 +18,7 @@
 #include "robocell/features/feature_source.h"
 #include "robocell/robot/robot.h"
 #include "robocell/rollout/env_of_episode.h"
+#include "robocell/rollout/episode_reading.h"
 #include "robocell/rollout/recorded_scene.h"
 #include "robocell/spec/env_config.h"
 #include "robocell/spec/run_config.h"
@@ -73,25 +74,32 @@ void AlignQuaternion(std::span<double> pose, std::span<const double> with) {
 }
 
 Rates ReadRates(const Episode& episode) {
-  try {
-    const Json rates = Json::parse(episode.metadata_json()).at("rates");
-    return {.policy_ms = rates.value("policy_ms", rates.at("control_ms").get<double>()),
-            .control_ms = rates.at("control_ms"),
-            .sim_ms = rates.at("sim_ms")};
-  } catch (const Json::exception&) {
+  const auto rates = EpisodeJson::Metadata(episode).Find("rates");
+  if (!rates || !rates->Find("control_ms") || !rates->Find("sim_ms")) {
     throw ArgumentError(
         fmt::format("episode '{}' cannot be replayed: its metadata has no rates; episodes that "
                     "robocell generated have them",
                     episode.folder().string()));
   }
+  const auto read = [&](const char* key) {
+    const EpisodeJson value = rates->At(key);
+    if (!value.value().is_number() || !(value.value().get<double>() > 0))
+      value.ThrowNot("a number of milliseconds above 0");
+    return value.value().get<double>();
+  };
+  return {.policy_ms = read(rates->Find("policy_ms") ? "policy_ms" : "control_ms"),
+          .control_ms = read("control_ms"),
+          .sim_ms = read("sim_ms")};
 }
 
 std::string VersionsThatChanged(const Episode& episode) {
-  const Json then = Json::parse(episode.versions_json());
+  const EpisodeJson then = EpisodeJson::Versions(episode);
   const Json now = {{"mujoco", mj_versionString()}, {"robocell", std::string(Version())}};
   std::string text;
   for (const auto& [part, version] : now.items()) {
-    const std::string before = then.value(part, "");
+    const auto recorded = then.Find(part);
+    if (!recorded) continue;
+    const auto before = recorded->AsText();
     if (before.empty() || before == version) continue;
     text += fmt::format("{}recorded with {} {}, this is {}", text.empty() ? "" : "; ", part, before,
                         version.get<std::string>());
@@ -171,8 +179,9 @@ class Replay {
   std::vector<int64_t> FirstTicks() const {
     std::vector<int64_t> first;
     if (Has(kTicks)) {
-      first = episode_.Read<int64_t>(kTicks);
+      first = ReadSteps<int64_t>(episode_, kTicks);
     } else {
+      RequireRowOfEachStep(episode_, "time");
       for (int64_t row = 0; row < episode_.rows(); ++row)
         first.push_back(row * rates_.control_ticks());
     }
@@ -182,17 +191,17 @@ class Replay {
 
   // What an environment drew for the objects of this episode.
   void VaryObjects() {
-    const Json metadata = Json::parse(episode_.metadata_json());
-    const Json environment = metadata.value("environment", Json::object());
-    if (!environment.contains("variations")) return;
-    const auto config = FromYamlUnchecked<EnvConfig>(environment["variations"].get<std::string>());
+    const auto environment = EpisodeJson::Metadata(episode_).Find("environment");
+    const auto variations = environment ? environment->Find("variations") : std::nullopt;
+    if (!variations) return;
+    const auto config = variations->AsSpec<EnvConfig>();
     const std::vector<double> start = episode_.Read<double>(std::string(kEnvStateColumn));
     ObjectVariations(config, scene_).Apply(EnvState::FromNumbers(start).variations);
   }
 
   void Add(Quantity quantity) {
     if (!Has(quantity.column)) return;
-    quantity.recorded = episode_.Read<double>(quantity.column);
+    quantity.recorded = ReadSteps<double>(episode_, quantity.column);
     const ColumnInfo& info = episode_.column(quantity.column);
     quantity.units = info.spec.units;
     quantity.now.resize(static_cast<size_t>(RowValues(info.spec.shape)));

@@ -9,7 +9,6 @@
 #include "robocell/base/log.h"
 #include "robocell/env/stepper.h"
 #include "robocell/mujoco/warnings.h"
-#include "robocell/rollout/engine_record.h"
 #include "robocell/rollout/episode_cameras.h"
 #include "robocell/rollout/episode_columns.h"
 #include "robocell/rollout/recorded_scene.h"

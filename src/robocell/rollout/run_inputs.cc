@@ -6,13 +6,17 @@
 
 #include <filesystem>
 #include <set>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "robocell/assets/model_files.h"
 #include "robocell/assets/resolve.h"
 #include "robocell/assets/scene_models.h"
+#include "robocell/base/error.h"
 #include "robocell/base/file_set.h"
 #include "robocell/base/hash.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/base/version.h"
 #include "robocell/expert/expert_kind.h"
 #include "robocell/features/own_features.h"
@@ -125,6 +129,16 @@ void ForEachDifference(const Texts& then, const Texts& now, F&& f) {
   }
 }
 
+constexpr size_t kShownFiles = 3;
+
+bool IsUnchanged(const std::filesystem::path& path, const std::string& hash) {
+  try {
+    return HashOfFile(path) == hash;
+  } catch (const IoError&) {  // it is gone
+    return false;
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> ModelsOf(const RunConfig& run) {
@@ -184,6 +198,19 @@ std::vector<std::string> Differences(const RunInputs& then, const RunInputs& now
                                                        : "changed since then"));
                     });
   return lines;
+}
+
+void RunFilesWatch::RequireUnchanged(const RunConfig& run) const {
+  std::vector<std::string> changed;
+  for (const auto& [name, path] : inputs_.paths) {
+    if (!IsUnchanged(path, inputs_.files.at(name))) changed.push_back("'" + path.string() + "'");
+  }
+  if (changed.empty()) return;
+  throw IoError(fmt::format(
+      "run '{}': {} changed while the dataset '{}' is being made: what was made with it is not "
+      "kept. Put it back and give the same command again, or give another `output` to start a new "
+      "dataset",
+      run.run, ListNames(changed, kShownFiles), run.output));
 }
 
 }  // namespace robocell

@@ -51,7 +51,7 @@ TEST(ValidateRun, AnUnknownKindIsToldWithTheNearest) {
   RunConfig run = Demo();
   run.task.As<PickTaskConfig>().objects.names = {"box", "mgu"};
   const std::string text =
-      ExpectThrow<SpecError>([&] { ValidateRun(run); }, "task.objects[1]: task: no kind 'mgu'");
+      ExpectThrow<SpecError>([&] { ValidateRun(run); }, "task.objects[1]: no kind of object 'mgu'");
   EXPECT_THAT(text, HasSubstr("Did you mean 'mug'?"));
 }
 

@@ -5,20 +5,74 @@
 
 #include <algorithm>
 #include <set>
+#include <string>
 #include <utility>
 
 #include "robocell/base/suggestions.h"
 #include "robocell/mujoco/guard.h"
-#include "robocell/scene/prefixed_config.h"
 #include "robocell/scene/robot_base.h"
 #include "robocell/scene/robot_parts.h"
 #include "robocell/scene/spec_tree.h"
 #include "robocell/scene/validate_model_file.h"
 #include "robocell/spec/fields.h"
+#include "robocell/spec/robot_config.h"
 #include "robocell/spec/shared_parts.h"
 
 namespace robocell {
 namespace {
+
+// Puts a robot's prefix in front of the names that its elements have in a model of several robots.
+class Prefixer {
+ public:
+  explicit Prefixer(const std::string& prefix) : prefix_(prefix) {}
+
+  void Add(std::string& name) const {
+    if (!name.empty()) name.insert(0, prefix_);
+  }
+  void Add(NameList& list) const {
+    for (std::string& name : list.names) Add(name);
+  }
+  void Add(ElementRef& ref) const {
+    Add(ref.name);
+    Add(ref.body);
+  }
+  void Add(std::vector<ElementRef>& refs) const {
+    for (ElementRef& ref : refs) Add(ref);
+  }
+  template <class T>
+  void Add(std::optional<T>& name) const {
+    if (name) Add(*name);
+  }
+  void Add(MoveGroupConfig& group) const {
+    Add(group.joints);
+    Add(group.actuators);
+    Add(group.root);
+    Add(group.leaf);
+    Add(group.fingers);
+  }
+  // The sensor keeps its own name, which is no element's.
+  void Add(ForceTorqueSensorSpec& sensor) const {
+    sensor.force_sensor = prefix_ + sensor.force();
+    sensor.torque_sensor = prefix_ + sensor.torque();
+    Add(sensor.frame_site);
+  }
+
+ private:
+  const std::string& prefix_;
+};
+
+// `prefix` in front of every name of an element: root body, groups, sites, geoms, sensors. Edits,
+// attachments and cameras stay as they are.
+RobotConfig WithPrefix(RobotConfig config, const std::string& prefix) {
+  if (prefix.empty()) return config;
+  const Prefixer prefixer(prefix);
+  prefixer.Add(config.root_body);
+  for (const auto& [name, group] : config.move_groups.entries()) prefixer.Add(*group);
+  prefixer.Add(config.attachment_site);
+  prefixer.Add(config.collision_geoms);
+  for (ForceTorqueSensorSpec& sensor : config.ft_sensors) prefixer.Add(sensor);
+  return config;
+}
 
 constexpr const char* kRootLabel = "root_body";
 

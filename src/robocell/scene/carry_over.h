@@ -4,9 +4,29 @@
 // user data, buffers of delays, states of plugins, the engine's counts of warnings.
 #pragma once
 
-#include "robocell/scene/element_match.h"
+#include <mujoco/mujoco.h>
+
+#include <map>
+#include <string>
+#include <vector>
 
 namespace robocell {
+
+// Matches the elements of the two models: by name, and unnamed ones by their parent and their number
+// there: "the second unnamed joint of body 'door'".
+class ElementMatch {
+ public:
+  ElementMatch(const mjModel* from, const mjModel* to);
+
+  const mjModel* from() const { return from_; }
+  const mjModel* to() const { return to_; }
+  // For each element of `to` its id in `from`, or -1. Elements whose types differ are different.
+  const std::vector<int>& of(mjtObj kind) const { return ids_.at(kind); }
+
+ private:
+  const mjModel *from_, *to_;
+  std::map<mjtObj, std::vector<int>> ids_;
+};
 
 // Copies the state of everything that is in both models, and the time. What is new keeps what is in
 // `to`.

@@ -1,17 +1,16 @@
 #include "robocell/scene/edit_values.h"
 
 #include <fmt/format.h>
+#include <mujoco/mujoco.h>
 
 #include <algorithm>
 #include <cmath>
 #include <string_view>
 #include <vector>
-#include <mujoco/mujoco.h>
 
 #include "robocell/base/units.h"
 #include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/add_camera.h"
-#include "robocell/scene/servo_gains.h"
 #include "robocell/scene/spec_tree.h"
 
 namespace robocell {
@@ -206,14 +205,6 @@ class ValueEditor {
   CompileLog& log_;
 };
 
-}  // namespace
-
-void SetEdited(const Edit& edit, mjsElement* element, const std::string& place, CompileLog& log) {
-  ValueEditor(edit, element, place, log).Apply();
-}
-
-namespace {
-
 bool IsFromGeoms(mjsBody* body) {
   const mjtInertiaFromGeom from = mjs_getCompiler(body->element)->inertiafromgeom;
   return from == mjINERTIAFROMGEOM_TRUE ||
@@ -276,7 +267,17 @@ void SetMassOfInertial(mjsBody* body, double mass) {
   body->mass = mass;
 }
 
+// Position servos, and those that integrate their control to a position.
+bool HoldsPosition(const mjsActuator* actuator) {
+  return actuator->gaintype == mjGAIN_FIXED && actuator->gainprm[0] != 0 &&
+         actuator->biastype == mjBIAS_AFFINE && actuator->biasprm[1] < 0;
+}
+
 }  // namespace
+
+void SetEdited(const Edit& edit, mjsElement* element, const std::string& place, CompileLog& log) {
+  ValueEditor(edit, element, place, log).Apply();
+}
 
 std::optional<std::string> SetBodyMass(mjsBody* body, double mass) {
   if (const double least = mjs_getCompiler(body->element)->boundmass; mass < least) {
@@ -312,6 +313,20 @@ std::optional<std::string> SetGeomMass(mjsGeom* geom, double mass) {
   }
   geom->mass = mass;
   return std::nullopt;
+}
+
+bool SetServoGains(const ServoGains& gains, mjsActuator* actuator) {
+  const bool of_velocity = ActuatorKind(actuator) == CtrlMode::kVelocity;
+  if (!HoldsPosition(actuator) && (gains.kp || !of_velocity)) return false;
+  if (gains.kp) {
+    const double authored = -actuator->biasprm[1];  // first, so that a ratio of one stays exact
+    actuator->gainprm[0] = *gains.kp * (actuator->gainprm[0] / authored);
+    actuator->biasprm[0] = *gains.kp * (actuator->biasprm[0] / authored);
+    actuator->biasprm[1] = -*gains.kp;
+  }
+  if (gains.kv) actuator->biasprm[2] = -*gains.kv;
+  if (gains.kv && of_velocity) actuator->gainprm[0] = *gains.kv;
+  return true;
 }
 
 }  // namespace robocell

@@ -4,7 +4,6 @@
 
 #include "robocell/base/suggestions.h"
 #include "robocell/mujoco/names.h"
-#include "robocell/scene/rig.h"
 #include "robocell/scene/spec_tree.h"
 
 namespace robocell {

@@ -1,5 +1,5 @@
 // Private to scene: turns an AttachTarget into the body that something is put on and the pose in
-// it.
+// it. The frames of the rig, which several robots share, are here too.
 #pragma once
 
 #include <mujoco/mujoco.h>
@@ -43,5 +43,17 @@ std::optional<Placement> Place(const AttachTarget& target, const Pose& pose, mjS
 std::optional<Placement> PlaceInWorld(const Placement& placement, const AttachTarget& target,
                                       const std::string& why, const std::string& place,
                                       CompileLog& log);
+
+// The frames of the rig. Every part of robocell that needs them asks here.
+//
+//   world - root_frame_to_world -> root - shared_base_frame_to_root_frame -> shared base
+//         - robot_to_shared_base_frame[r] -> base of robot r
+//
+// Names read backwards: root_frame_to_world is X_WR, the pose of the root frame in the world.
+inline Pose RootFrameToWorld(const SceneSpec& spec) { return spec.root_frame_to_world; }
+
+inline Pose SharedBaseFrameToWorld(const SceneSpec& spec) {
+  return spec.root_frame_to_world * spec.shared_base_frame_to_root_frame;
+}
 
 }  // namespace robocell

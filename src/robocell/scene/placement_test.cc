@@ -11,7 +11,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/rng.h"
-#include "robocell/scene/rig.h"
+#include "robocell/scene/placement.h"
 #include "robocell/scene/scene.h"
 #include "robocell/scene/testing/pedestal.h"
 #include "robocell/scene/testing/scenes.h"

@@ -5,8 +5,8 @@
 #include "robocell/base/suggestions.h"
 #include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/control_modes.h"
+#include "robocell/scene/edit_values.h"
 #include "robocell/scene/robot_parts.h"
-#include "robocell/scene/servo_gains.h"
 #include "robocell/scene/spec_tree.h"
 
 namespace robocell {

@@ -9,7 +9,7 @@
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/owners.h"
 #include "robocell/mujoco/step.h"
-#include "robocell/scene/rig.h"
+#include "robocell/scene/placement.h"
 #include "robocell/scene/scene_state.h"
 
 namespace robocell {

@@ -1,4 +1,6 @@
 // The keyframes of parts' own models in a scene, and what a reset makes of them.
+#include "robocell/scene/scene_keys.h"
+
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +13,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/scene.h"
 #include "robocell/scene/scene_cache.h"
-#include "robocell/scene/testing/robots.h"
+#include "robocell/scene/testing/keyed_arms.h"
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/expect_throw.h"
 
@@ -25,27 +27,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-// kTwoJointArm with other keyframes.
-std::string ArmWithKeys(const std::string& keys) {
-  std::string arm = kTwoJointArm;
-  arm.resize(arm.find("<keyframe>"));
-  return arm + "<keyframe>" + keys + "</keyframe>";
-}
-
-constexpr const char* kHomeAndRetract =
-    R"(<key name="home" qpos="0.3 -0.4" ctrl="0.3 -0.4"/>
-       <key name="retract" qpos="1 -1.5" ctrl="1 -1.5"/>)";
-
-class SceneKeys : public ::testing::Test {
- protected:
-  void AddArm(const std::string& keys, const std::string& prefix = "", double y = 0) {
-    const std::string model = folder.Write("arm" + prefix, ArmWithKeys(keys));
-    spec.robots.push_back({.config = ArmConfig(model), .prefix = prefix, .pos = {0, y, 0}});
-  }
-
-  ModelFolder folder;
-  SceneSpec spec = EmptyScene();
-};
+class SceneKeys : public KeyedArms {};
 
 TEST_F(SceneKeys, OfAModelAreTakenByNumberAndByName) {
   AddArm(kHomeAndRetract);
@@ -193,103 +175,6 @@ TEST_F(SceneKeys, StayWhenObjectsComeAndGo) {
   EXPECT_NEAR(scene.body_pose("cube").translation().z(), 1, 1e-12);
 }
 
-TEST_F(SceneKeys, OfRobotAndToolThatAreCalledAlikeAreOne) {
-  AddArm(kHomeAndRetract);
-  const std::string tool = folder.Write(
-      "tool",
-      R"(<worldbody><body name="tool"><joint name="t" axis="0 0 1"/><geom size="0.01"/></body></worldbody>
-         <keyframe><key name="retract" qpos="0.7"/><key name="out" qpos="0.2"/></keyframe>)");
-  spec.robots[0].attachments.push_back({.mjcf_path = tool, .attach_to = Site("flange")});
-  Scene scene = Scene::Build(spec);
-  EXPECT_THAT(scene.keyframes(), ElementsAre("home", "retract", "out"));
-  scene.Reset({.keyframe = "retract"});
-  EXPECT_EQ(scene.joint_pos("elbow"), -1.5);
-  EXPECT_EQ(scene.joint_pos("t"), 0.7);
-}
-
-TEST_F(SceneKeys, WithoutANameAreCalledByTheirNumberInTheFile) {
-  AddArm(R"(<key name="home" qpos="0 0"/><key qpos="0.5 0.5"/>)");
-  Scene scene = Scene::Build(spec);
-  EXPECT_THAT(scene.keyframes(), ElementsAre("home", "key1"));
-}
-
-TEST_F(SceneKeys, AreDeletedByEditsAndFollowNewNames) {
-  AddArm(kHomeAndRetract);
-  const auto edit = [&](const std::string& text) {
-    SceneSpec edited = spec;
-    edited.robots[0].config->edits.push_back(FromYamlUnchecked<Edit>(text));
-    return Scene::Build(edited);
-  };
-  EXPECT_THAT(edit("{delete: {key: retract}}").keyframes(), ElementsAre("home"));
-  Scene renamed = Scene::Build([&] {
-    spec.robots[0].config->move_groups.clear();
-    SceneSpec edited = spec;
-    edited.robots[0].config->edits.push_back(FromYamlUnchecked<Edit>("{joint: elbow, name: bend}"));
-    return edited;
-  }());
-  renamed.Reset({.keyframe = 1});
-  EXPECT_EQ(renamed.joint_pos("bend"), -1.5);
-}
-
-TEST_F(SceneKeys, OutsideTheLimitsOrOfAnotherSizeAreWarnings) {
-  AddArm(R"(<key name="home" qpos="0 0"/><key name="far" qpos="9 0"/>)");
-  const Scene scene = Scene::Build(spec);
-  EXPECT_THAT(scene.compiled()->warnings(),
-              Contains(HasSubstr("keyframe 'far': 9 is outside the limits -2 to 2 of joint "
-                                 "'shoulder'")));
-}
-
-// Compares with the engine's result for a key of the part's model, alone in an empty world.
-void ExpectAsTheEngine(const Scene& scene, const std::string& file, const std::string& key) {
-  const ModelPtr alone = Compile(ParseXmlFile(file).get());
-  const mjModel* m = scene.model();
-  const int own = FindId(alone.get(), mjOBJ_KEY, key), row = FindId(m, mjOBJ_KEY, key);
-  ASSERT_GE(own, 0);
-  ASSERT_GE(row, 0);
-  ASSERT_EQ(m->nq, alone->nq);
-  ASSERT_EQ(m->na, alone->na);
-  const auto equal = [&](const mjtNum* ours, const mjtNum* theirs, mjtSize n) {
-    for (mjtSize i = 0; i < n; ++i)
-      EXPECT_NEAR(ours[row * n + i], theirs[own * n + i], 1e-12) << key << " " << i;
-  };
-  equal(m->key_qpos, alone->key_qpos, m->nq);
-  equal(m->key_qvel, alone->key_qvel, m->nv);
-  equal(m->key_act, alone->key_act, m->na);
-  equal(m->key_ctrl, alone->key_ctrl, m->nu);
-  equal(m->key_mpos, alone->key_mpos, 3 * m->nmocap);
-  equal(m->key_mquat, alone->key_mquat, 4 * m->nmocap);
-}
-
-// Everything that a key holds: of servos that integrate, motors with a filter, mocap bodies.
-constexpr const char* kRich = R"(
-  <compiler angle="radian"/>
-  <worldbody>
-    <body name="target" mocap="true" pos="0.5 0 0.5"><geom size="0.01" contype="0" conaffinity="0"/></body>
-    <body name="base"><geom size="0.05"/>
-      <body name="a" pos="0 0 0.2"><joint name="ball" type="ball"/><geom size="0.02" fromto="0 0 0 0 0 0.2" type="capsule"/>
-        <body name="b" pos="0 0 0.2"><joint name="j1" axis="0 1 0"/><geom size="0.02" fromto="0 0 0 0 0 0.2" type="capsule"/>
-          <body name="c" pos="0 0 0.2"><joint name="j2" axis="0 1 0"/><geom size="0.02" fromto="0 0 0 0 0 0.2" type="capsule"/></body>
-        </body></body></body>
-  </worldbody>
-  <actuator>
-    <intvelocity name="m1" joint="j1" kp="500" kv="20" actrange="-2 2" ctrlrange="-1 1"/>
-    <general name="m2" joint="j2" dyntype="filter" dynprm="0.1" gainprm="3"/>
-  </actuator>
-  <keyframe>
-    <key name="home" qpos="1 0 0 0 0.5 0.2" qvel="0.1 0.2 0.3 0.4 0.5" act="0.5 0.25" ctrl="0 0.5"
-         mpos="0.1 0.2 0.3" mquat="0.6 0 0.8 0"/>
-    <key name="up" qpos="0.6 0 0 0.8 1 -0.2" qvel="0 0 0 -0.4 0.1" act="1 -1" ctrl="0 -2"
-         mpos="1 2 3" mquat="0 1 0 0"/>
-  </keyframe>)";
-
-TEST_F(SceneKeys, CarryAllThatTheEnginesKeysHold) {
-  const std::string file = folder.Write("rich", kRich);
-  spec.base = file;
-  const Scene scene = Scene::Build(spec);
-  ExpectAsTheEngine(scene, file, "home");
-  ExpectAsTheEngine(scene, file, "up");
-}
-
 TEST_F(SceneKeys, OfActuatorsWithSeveralInputsGoToTheRightOnes) {
   const std::string file = folder.Write("ball_arm", TwoJointArmWithABall());
   spec.robots.push_back({.path = file});
@@ -321,7 +206,7 @@ double Swing(const Scene& built, const ResetOptions& options = {}, bool with_wei
   return most;
 }
 
-class KeyControls : public SceneKeys {};
+class KeyControls : public KeyedArms {};
 
 TEST_F(KeyControls, ThatDoNotHoldAreReplacedAndTold) {
   AddArm(R"(<key name="home" qpos="0.3 -0.4" ctrl="1.2 -0.4"/>

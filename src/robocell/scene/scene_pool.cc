@@ -9,7 +9,6 @@
 #include "robocell/base/suggestions.h"
 #include "robocell/mujoco/step.h"
 #include "robocell/scene/placement.h"
-#include "robocell/scene/rig.h"
 #include "robocell/scene/scene_state.h"
 
 namespace robocell {

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "robocell/motion/geom_extent.h"
+#include "robocell/mujoco/tree.h"
 
 namespace robocell {
 namespace {
@@ -126,6 +127,15 @@ std::optional<Hollow> FindHollow(const Scene& scene, int body) {
     }
   }
   return best;
+}
+
+std::vector<HollowOfBody> FindHollows(const Scene& scene, int root) {
+  std::vector<HollowOfBody> found;
+  for (int body = root; body < scene.model()->nbody; ++body) {
+    if (!IsInSubtree(scene.model(), body, root)) continue;
+    if (const auto hollow = FindHollow(scene, body)) found.push_back({body, *hollow});
+  }
+  return found;
 }
 
 }  // namespace robocell

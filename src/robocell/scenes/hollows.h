@@ -21,4 +21,11 @@ struct Hollow {
 // Unset for a body without one. Poses of the scene are up to date.
 std::optional<Hollow> FindHollow(const Scene& scene, int body);
 
+struct HollowOfBody {
+  int body;
+  Hollow hollow;
+};
+// Those of a body and of what hangs on it.
+std::vector<HollowOfBody> FindHollows(const Scene& scene, int root);
+
 }  // namespace robocell

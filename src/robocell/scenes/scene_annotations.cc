@@ -11,6 +11,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/scene/scene.h"
+#include "robocell/scenes/free_floor.h"
 #include "robocell/scenes/hollows.h"
 
 namespace robocell {
@@ -51,6 +52,7 @@ class Derivation {
     for (const SceneObject& object : scene_.compiled()->spec().objects)
       found.objects.push_back(WordsOf(object));
     for (int light = 0; light < m_->nlight; ++light) found.lights.push_back(LightOf(light));
+    found.free_floor = internal::FindFreeFloor(scene_, of_robots_);
     return found;
   }
 

@@ -92,8 +92,12 @@ struct SceneAnnotations {
 
 // What follows from the geometry of a scene: level faces of boxes, hollows of bodies, joints of the
 // surroundings with the geoms that are named handles or knobs, its objects by their models or
-// shapes, and its lights. Rooms and free floor do not. The scene is compiled; its errors are those
+// shapes, its lights, and rectangles of free floor. Rooms do not. The scene is compiled; its errors are those
 // of Scene::Build.
 SceneAnnotations DeriveAnnotations(const SceneSpec& spec);
+
+// Throws ArgumentError, which begins with `place` and names the field, for numbers that are not
+// finite (a range may be infinite) and for negative sizes.
+void RequireSound(const SceneAnnotations& annotations, const std::string& place);
 
 }  // namespace robocell

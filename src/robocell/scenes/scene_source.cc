@@ -10,6 +10,7 @@
 #include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
+#include "robocell/spec/spec_bytes.h"
 
 namespace robocell {
 namespace {
@@ -31,6 +32,7 @@ class FilesSource final : public SceneSource {
 
   std::optional<int> size() const override { return static_cast<int>(files_.size()); }
   SceneSpec Make(int index) override {
+    RequireScene(*this, index, "scene source 'files'");
     return {.base = assets::Resolve(files_.at(static_cast<size_t>(index)), root_)};
   }
 
@@ -62,6 +64,23 @@ struct SourceRegistry {
       {FilesScenes::kKind, std::make_shared<FilesKind>()}};
 };
 
+constexpr int kMostScenes = 1'000'000;  // of a run: each is made once before it begins
+
+// "" if a run can take that many scenes of its source, or takes only some of them.
+std::string ProblemOfSize(const RunConfig& run, int size) {
+  if (size < 0)
+    return fmt::format(
+        "source '{}' says that it has {} scenes; give a number from 1 on, or none for "
+        "a source without end",
+        run.scenes.kind(), size);
+  if (size == 0) return fmt::format("source '{}' has no scenes", run.scenes.kind());
+  if (size <= kMostScenes || !run.scenes.houses.empty()) return "";
+  return fmt::format(
+      "source '{}' has {} scenes, and a run takes {} at most; name those that it shall "
+      "use: `houses: 0..99`",
+      run.scenes.kind(), size, kMostScenes);
+}
+
 SourceRegistry& SourceKinds() {
   static SourceRegistry registry;
   return registry;
@@ -69,8 +88,14 @@ SourceRegistry& SourceKinds() {
 
 }  // namespace
 
+std::optional<SceneAnnotations> SceneSource::CheckedAnnotations(int index) {
+  std::optional<SceneAnnotations> known = KnownAnnotations(index);
+  if (known) RequireSound(*known, fmt::format("annotations of scene {}", index));
+  return known;
+}
+
 SceneAnnotations SceneSource::Annotations(int index) {
-  if (auto known = KnownAnnotations(index)) return std::move(*known);
+  if (auto known = CheckedAnnotations(index)) return std::move(*known);
   return Derive(index);
 }
 
@@ -104,13 +129,18 @@ std::shared_ptr<SceneSource> MakeSceneSource(const RunConfig& run) {
   return FindSceneSourceKind(run.scenes.kind())->Make(run.scenes, run.source_dir);
 }
 
-SceneSpec MakeBaseScene(const RunConfig& run, SceneSource& source, int index) {
+void RequireScene(const SceneSource& source, int index, const std::string& place) {
   const std::optional<int> size = source.size();
-  if (index < 0 || (size && index >= *size)) {
-    throw ArgumentError(fmt::format("run '{}': scenes: there is no scene {} in source '{}'{}",
-                                    run.run, index, run.scenes.kind(),
-                                    size ? fmt::format(", which has {}", *size) : ""));
-  }
+  if (index >= 0 && (!size || index < *size)) return;
+  const std::string which = !size       ? "any from 0 on"
+                            : *size < 1 ? "none"
+                                        : fmt::format("{} (0 ... {})", *size, *size - 1);
+  throw NotFoundError(fmt::format("{}: no scene {}; it has {}", place, index, which));
+}
+
+SceneSpec MakeBaseScene(const RunConfig& run, SceneSource& source, int index) {
+  RequireScene(source, index,
+               fmt::format("run '{}': scenes: source '{}'", run.run, run.scenes.kind()));
   SceneSpec spec = source.Make(index);
   spec.name = run.run;
   spec.timestep = run.rates.timestep().value();
@@ -122,13 +152,26 @@ SceneSpec MakeBaseScene(const RunConfig& run, int index) {
   return MakeBaseScene(run, *MakeSceneSource(run), index);
 }
 
+void RequireSameAgain(const RunConfig& run, SceneSource& source, int index,
+                      const SceneSpec& scene) {
+  const std::string bytes = SpecBytes(scene);
+  const auto require = [&](SceneSource& of, const char* when) {
+    if (SpecBytes(MakeBaseScene(run, of, index)) == bytes) return;
+    throw SpecError(fmt::format(
+        "run '{}': scenes: source '{}' gave another scene {} {}; a scene must follow from its "
+        "index "
+        "and the fields alone, so draw random numbers from a generator seeded with the index",
+        run.run, run.scenes.kind(), index, when));
+  };
+  require(source, "when it was asked again");
+  require(*MakeSceneSource(run), "when it was made again");
+}
+
 std::vector<int> SceneIndices(const RunConfig& run) {
   if (!run.scenes.houses.empty()) return run.scenes.houses.values;
   const auto count = MakeSceneSource(run)->size().value_or(1);
-  if (count <= 0) {
-    throw SpecError(
-        fmt::format("run '{}': scenes: source '{}' has no scenes", run.run, run.scenes.kind()));
-  }
+  if (const std::string problem = ProblemOfSize(run, count); !problem.empty())
+    throw SpecError(fmt::format("run '{}': scenes: {}", run.run, problem));
   std::vector<int> all(static_cast<size_t>(count));
   std::iota(all.begin(), all.end(), 0);
   return all;
@@ -138,7 +181,8 @@ void ValidateHouses(const RunConfig& run, Problems& problems) {
   const Problems::Scope scope(problems, "scenes");
   const std::optional<int> size = MakeSceneSource(run)->size();
   if (!size) return;
-  if (*size <= 0) problems.Add(fmt::format("source '{}' has no scenes", run.scenes.kind()));
+  if (const std::string problem = ProblemOfSize(run, *size); !problem.empty())
+    return problems.Add(problem);
   for (const int house : run.scenes.houses.values) {
     if (house < *size) continue;
     problems.AddAt("houses", fmt::format("{} is outside the {} scenes of source '{}' (they count "
@@ -148,7 +192,7 @@ void ValidateHouses(const RunConfig& run, Problems& problems) {
 }
 
 std::vector<Support> SupportsOf(SceneSource& source, int index, const SceneSpec& scene) {
-  if (const std::optional<SceneAnnotations> known = source.KnownAnnotations(index)) {
+  if (const std::optional<SceneAnnotations> known = source.CheckedAnnotations(index)) {
     std::vector<Support> supports;
     for (const SupportFace& support : known->supports) supports.push_back(support.face);
     if (!supports.empty()) return supports;

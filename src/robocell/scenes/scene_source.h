@@ -13,6 +13,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "robocell/scenes/scene_annotations.h"
@@ -33,7 +34,9 @@ class SceneSource {
   virtual SceneSpec Make(int index) = 0;
   // What the source knows of a scene; unset: all follows from its geometry.
   virtual std::optional<SceneAnnotations> KnownAnnotations(int /*index*/) { return std::nullopt; }
-  // What it knows, else what is derived.
+  // The same, whose numbers were checked: ArgumentError names scene and field (RequireSound).
+  std::optional<SceneAnnotations> CheckedAnnotations(int index);
+  // What it knows, checked, else what is derived.
   SceneAnnotations Annotations(int index);
   // All that follows from the geometry of a scene, which is compiled (DeriveAnnotations).
   SceneAnnotations Derive(int index);
@@ -50,17 +53,21 @@ class SceneSourceKind {
 };
 
 // Makes a kind known on all threads, from now on. `fields` are its defaults. ArgumentError for a
-// name that is taken, unless `replace` allows it.
+// name that is taken, unless `replace` allows it, and without fields or source.
 void RegisterSceneSource(const std::string& kind, std::shared_ptr<const KindFields> fields,
                          std::shared_ptr<const SceneSourceKind> source, bool replace = false);
 
-// A kind whose sources are made as T(const Config&).
+// A kind whose sources are made as T(const Config&, const std::string& directory), where there is
+// such a constructor, else as T(const Config&). `directory` is where relative paths start.
 template <NamesItsKind Config, class T>
 class SceneSourceKindOf : public SceneSourceKind {
  public:
   std::shared_ptr<SceneSource> Make(const SceneSourceSpec& spec,
-                                    const std::string& /*directory*/) const override {
-    return std::make_shared<T>(spec.As<Config>());
+                                    [[maybe_unused]] const std::string& directory) const override {
+    if constexpr (std::is_constructible_v<T, const Config&, const std::string&>)
+      return std::make_shared<T>(spec.As<Config>(), directory);
+    else
+      return std::make_shared<T>(spec.As<Config>());
   }
 };
 template <NamesItsKind Config>
@@ -73,11 +80,18 @@ std::shared_ptr<const SceneSourceKind> FindSceneSourceKind(const std::string& ki
 
 // The source of a run's scenes.
 std::shared_ptr<SceneSource> MakeSceneSource(const RunConfig& run);
-// Scene `index` of it, with the run's name, timestep and options. NotFoundError for a file that is
-// not there.
+// NotFoundError, which begins with `place` and says how many there are, unless the source has scene
+// `index`.
+void RequireScene(const SceneSource& source, int index, const std::string& place);
+// Scene `index` of it, with the run's name, timestep and options. NotFoundError for a scene or file
+// that is not there.
 SceneSpec MakeBaseScene(const RunConfig& run, SceneSource& source, int index);
 SceneSpec MakeBaseScene(const RunConfig& run, int index);
-// The scenes of a run by their numbers in the source, in the order of `scenes.houses`.
+// Throws SpecError unless the source, and another one that is made of the same fields, give the same
+// scene `index` as `scene`: otherwise neither resuming nor a second worker makes the same episodes.
+void RequireSameAgain(const RunConfig& run, SceneSource& source, int index, const SceneSpec& scene);
+// The scenes of a run by their numbers in the source, in the order of `scenes.houses`. SpecError
+// for a source whose size is none, or more than a run can take.
 std::vector<int> SceneIndices(const RunConfig& run);
 // Adds a problem for each of `scenes.houses` that the source does not have.
 void ValidateHouses(const RunConfig& run, Problems& problems);

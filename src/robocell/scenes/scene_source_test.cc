@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "robocell/base/error.h"
 #include "robocell/spec/yaml.h"
 #include "robocell/testing/expect_throw.h"
@@ -86,8 +88,13 @@ TEST(SceneSource, FilesAreFoundInTheirRoot) {
   EXPECT_THAT(SceneIndices(run), ElementsAre(0, 1));
   EXPECT_THAT(*MakeBaseScene(run, 0).base, HasSubstr("models/scenes/tabletop.xml"));
   ExpectThrow<NotFoundError>([&] { MakeBaseScene(run, 1); }, "cell_of_nobody.xml");
-  ExpectThrow<ArgumentError>([&] { MakeBaseScene(run, 2); },
-                             "there is no scene 2 in source 'files', which has 2");
+  ExpectThrow<NotFoundError>([&] { MakeBaseScene(run, 2); },
+                             "run 'demo': scenes: source 'files': no scene 2; it has 2 (0 ... 1)");
+  ExpectThrow<NotFoundError>([&] { MakeBaseScene(run, -1); }, "no scene -1; it has 2 (0 ... 1)");
+  ExpectThrow<NotFoundError>([&] { MakeSceneSource(run)->Make(5); },
+                             "scene source 'files': no scene 5; it has 2 (0 ... 1)");
+  ExpectThrow<NotFoundError>([] { MakeBaseScene(ExampleRun("demo.yaml"), -1); },
+                             "no scene -1; it has any from 0 on");
 }
 
 TEST(SceneSource, OnesOwnIsNamedByARunAndGetsTheRunsSettings) {
@@ -123,6 +130,140 @@ TEST(SceneSource, WhatItKnowsComesBeforeWhatTheGeometrySays) {
               0.41, 1e-9);
   EXPECT_EQ(source->Annotations(2).supports.size(), 2u);
   EXPECT_EQ(source->Annotations(2).objects.size(), 2u);
+}
+
+// Of any number of scenes, of annotations and of scenes that its test chooses.
+struct OddConfig {
+  int count = 1;
+  std::string file = "list.txt";
+  static constexpr const char* kKind = "odd_of_test";
+  static constexpr const char* kTypeName = "OddConfig";
+  template <class V>
+  static void Fields(V&& v) {
+    v("count", &OddConfig::count, "What size() says.");
+    v("file", &OddConfig::file, "A file of its own.");
+  }
+};
+
+class Odd final : public SceneSource {
+ public:
+  Odd(const OddConfig& fields, const std::string& directory) : fields_(fields) {
+    last_directory = directory;
+    number_ = made++;
+  }
+  std::optional<int> size() const override { return fields_.count; }
+  SceneSpec Make(int /*index*/) override {
+    SceneSpec spec{.base = "tabletop", .add_floor = true};
+    if (calls_change_it) spec.objects.push_back({.name = "cube" + std::to_string(calls_++)});
+    if (making_changes_it) spec.objects.push_back({.name = "cube" + std::to_string(number_)});
+    return spec;
+  }
+  std::optional<SceneAnnotations> KnownAnnotations(int /*index*/) override { return known; }
+
+  static inline SceneAnnotations known;
+  static inline std::string last_directory;
+  static inline bool calls_change_it = false, making_changes_it = false;
+  static inline int made = 0;
+
+ private:
+  OddConfig fields_;
+  int calls_ = 0, number_ = 0;
+};
+
+RunConfig OddRun(const OddConfig& fields = {}) {
+  static const bool kRegistered = [] {
+    RegisterSceneSource<OddConfig>(std::make_shared<SceneSourceKindOf<OddConfig, Odd>>());
+    return true;
+  }();
+  (void)kRegistered;
+  RunConfig run = ExampleRun("demo.yaml");
+  run.scenes = fields;
+  return run;
+}
+
+TEST(SceneSource, SizesThatARunCannotTakeAreTold) {
+  const auto problem = [](const RunConfig& run) {
+    Problems problems;
+    ValidateHouses(run, problems);
+    return problems.list().empty() ? "" : problems.list()[0].message;
+  };
+  const std::string negative = "source 'odd_of_test' says that it has -3 scenes";
+  EXPECT_THAT(problem(OddRun({.count = -3})), HasSubstr(negative));
+  ExpectThrow<SpecError>([] { SceneIndices(OddRun({.count = -3})); }, negative);
+  ExpectThrow<SpecError>([] { SceneIndices(OddRun({.count = 0})); }, "has no scenes");
+  RunConfig run = OddRun({.count = 1'000'000'000});
+  const std::string many = "has 1000000000 scenes, and a run takes 1000000 at most; name those";
+  EXPECT_THAT(problem(run), HasSubstr(many));
+  ExpectThrow<SpecError>([&] { SceneIndices(run); }, many);
+  run.scenes.houses.values = {7, 999'999'999};
+  EXPECT_EQ(problem(run), "");
+  EXPECT_THAT(SceneIndices(run), ElementsAre(7, 999'999'999));
+}
+
+TEST(SceneSource, AnnotationsThatAreNoNumbersAreNamed) {
+  const std::shared_ptr<SceneSource> source = MakeSceneSource(OddRun());
+  const double nan = std::nan(""), infinity = HUGE_VAL;
+  const auto expect = [&](const SceneAnnotations& known, const std::string& said) {
+    Odd::known = known;
+    ExpectThrow<ArgumentError>([&] { source->Annotations(4); }, "annotations of scene 4: " + said);
+    ExpectThrow<ArgumentError>([&] { SupportsOf(*source, 4, {}); }, said);
+  };
+  const SupportFace good{.face = {Pose(), 0.3, 0.4, 0.02}};
+  SupportFace bad = good;
+  bad.face.half_x = nan;
+  expect({.supports = {good, bad}}, "supports[1].face.half_x is nan; it must be finite");
+  bad.face.half_x = -1;
+  expect({.supports = {bad}}, "supports[0].face.half_x is -1; it must be at least 0");
+  expect({.containers = {{.body = "tray", .half_extents = {0.1, nan, 0.1}}}},
+         "containers[0].half_extents is nan");
+  expect({.containers = {{.body = "tray", .opening = {0, 0, infinity}}}},
+         "containers[0].opening is inf");
+  expect({.articulations = {{.range = {nan, 1}}}}, "articulations[0].range is nan; it must be a");
+  expect({.articulations = {{.axis = {nan, 0, 0}}}}, "articulations[0].axis is nan");
+  expect({.articulations = {{.anchor = {nan, 0, 0}}}}, "articulations[0].anchor is nan");
+  expect({.articulations = {{.start = infinity}}}, "articulations[0].start is inf");
+  expect({.rooms = {{.name = "a"}, {.name = "b", .outline = {{0, nan}}}}},
+         "rooms[1].outline is nan");
+  expect({.rooms = {{.name = "a", .floor_height = nan}}}, "rooms[0].floor_height is nan");
+  expect({.free_floor = {{.half_y = infinity}}}, "free_floor[0].half_y is inf");
+  expect({.lights = {{.direction = {0, nan, 0}}}}, "lights[0].direction is nan");
+  Odd::known = {.supports = {good}, .articulations = {{.range = {-infinity, infinity}}}};
+  EXPECT_EQ(source->Annotations(4).supports.size(), 1u) << "a joint may have no limits";
+}
+
+TEST(SceneSource, IsMadeWithTheFolderWhereItsPathsStart) {
+  RunConfig run = OddRun();
+  run.source_dir = "/somewhere/runs";
+  MakeSceneSource(run);
+  EXPECT_EQ(Odd::last_directory, "/somewhere/runs");
+}
+
+TEST(SceneSource, ThatGivesAnotherSceneIsRefused) {
+  const RunConfig run = OddRun();
+  const std::shared_ptr<SceneSource> source = MakeSceneSource(run);
+  const auto ask = [&] { RequireSameAgain(run, *source, 0, MakeBaseScene(run, *source, 0)); };
+  EXPECT_NO_THROW(ask());
+  Odd::making_changes_it = true;
+  ExpectThrow<SpecError>(ask, "source 'odd_of_test' gave another scene 0 when it was made again");
+  Odd::making_changes_it = false;
+  Odd::calls_change_it = true;
+  ExpectThrow<SpecError>(ask, "gave another scene 0 when it was asked again; a scene must follow");
+  Odd::calls_change_it = false;
+}
+
+TEST(SceneSource, NeedsFieldsAndSomethingThatMakesIt) {
+  ExpectThrow<ArgumentError>(
+      [] {
+        RegisterSceneSource("bare_of_test", nullptr,
+                            std::make_shared<SceneSourceKindOf<ShelfConfig, Shelf>>());
+      },
+      "scene source 'bare_of_test' is registered without its fields");
+  ExpectThrow<ArgumentError>(
+      [] {
+        RegisterSceneSource("bare_of_test", std::make_shared<KindFieldsOf<ShelfConfig>>(), nullptr);
+      },
+      "scene source 'bare_of_test' needs a SceneSourceKind");
+  ExpectThrow<NotFoundError>([] { FindSceneSourceKind("bare_of_test"); }, "bare_of_test");
 }
 
 TEST(SceneSource, NamesThatAreTakenAndUnknownOnesAreTold) {

@@ -39,8 +39,7 @@ void CameraSpec::Validate(Problems& problems) const {
   if (alone && !pos) problems.AddAt("pos", "is required: where the camera is, [x, y, z] in metres");
   if (alone && !fovy)
     problems.AddAt("fovy", "is required: the vertical field of view in degrees, for example 45");
-  if (fovy && *fovy >= 180)
-    problems.AddAt("fovy", fmt::format("{} degrees is not below 180", *fovy));
+  ValidateFovy(fovy, problems);
   ValidatePlacement(euler, quat, problems);
   if (look_at && (euler != Vec3{} || quat != kIdentityQuat)) {
     problems.AddAt("look_at", "is set together with a rotation; keep one of them");

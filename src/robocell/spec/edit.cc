@@ -102,6 +102,7 @@ std::string Edit::Label() const {
 }
 
 void Edit::Validate(Problems& problems) const {
+  ValidateFovy(fovy, problems);
   std::vector<std::string> targets = SetFields(*this, true);
   if (add_site || add_camera) {
     if (!body)

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "robocell/spec/robot_config.h"
 #include "robocell/spec/testing/messages.h"
 
 namespace robocell {
@@ -13,6 +12,11 @@ using ::testing::HasSubstr;
 using testing::ValidationError;
 
 ElementRef Named(const std::string& name) { return {.name = name}; }
+
+TEST(Edit, AFieldOfViewIsBelowHalfATurn) {
+  EXPECT_THAT(ValidationError(Edit{.camera = Named("a"), .fovy = 180}),
+              HasSubstr("fovy: 180 degrees is not below 180"));
+}
 
 TEST(Edit, ValidOnesPass) {
   EXPECT_EQ(ValidationError(Edit{.body = Named("a"), .pos = Vec3{}}), "");
@@ -77,13 +81,6 @@ TEST(Edit, AGeomWithoutANameNeedsItsIndex) {
                            .friction = Vec3{1, 0, 0}}),
       HasSubstr("geom: is given a body 'pad'; write the geom's name, or {body: name, index: "
                 "0} if it has none"));
-}
-
-TEST(ElementRef, IsDescribedByNameOrPlace) {
-  EXPECT_EQ(Describe({.kind = ElementKind::kSite, .name = "tcp"}), "site 'tcp'");
-  EXPECT_EQ(Describe({.name = "tcp"}), "element 'tcp'");
-  EXPECT_EQ(Describe({.kind = ElementKind::kGeom, .body = "pad", .index = 3}),
-            "geom 3 of body 'pad'");
 }
 
 }  // namespace

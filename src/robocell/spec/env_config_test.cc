@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "robocell/base/units.h"
+#include "robocell/spec/testing/duo_env.h"
 #include "robocell/spec/testing/messages.h"
 #include "robocell/testing/temp_dir.h"
 
@@ -19,35 +20,12 @@ using ::testing::Not;
 using testing::ParseError;
 using testing::ValidationError;
 
-RobotConfig Arm() {
-  RobotConfig arm{.name = "arm", .model = "arm.xml", .attachment_site = "flange"};
-  arm.move_groups["arm"] = {.kind = MoveGroupKind::kArm, .joints = {"j1", "j2"}};
-  return arm;
-}
-
-RobotConfig Hand() {
-  RobotConfig hand{.name = "hand", .model = "hand.xml"};
-  hand.move_groups["gripper"] = {.kind = MoveGroupKind::kGripper, .actuators = {"grip"}};
-  return hand;
-}
-
-// Two arms side by side, each with a gripper.
-EnvConfig Duo() {
-  EnvConfig env;
-  for (const char* side : {"left", "right"}) {
-    env.robots[side] = Arm();
-    env.grippers[side] = Hand();
-  }
-  env.robot_to_shared_base_frame["left"] = Pose(Eigen::Vector3d(0, 0.3, 0));
-  env.robot_to_shared_base_frame["right"] = Pose(Eigen::Vector3d(0, -0.3, 0));
-  return env;
-}
-
-EnvObject Thing() { return {.mjcf_path = "thing.xml"}; }
-
-std::string Message(const EnvConfig& env) { return ValidationError(env); }
-
 TEST(EnvConfig, AValidOnePasses) { EXPECT_EQ(Message(Duo()), ""); }
+
+TEST(EnvConfig, AFieldOfViewIsBelowHalfATurn) {
+  EXPECT_THAT(ValidationError(CameraAdderConfig{.fovy = 200}),
+              ::testing::HasSubstr("fovy: 200 degrees is not below 180"));
+}
 
 TEST(EnvConfig, NeedsARobot) {
   EXPECT_EQ(Message(EnvConfig{}),
@@ -111,41 +89,6 @@ TEST(EnvConfig, AGripperOfTheRobotsOwnStays) {
   EXPECT_EQ(Message(env),
             "it is not valid: gripper_offsets.left: the robot has a gripper of its own, which "
             "stays where it is");
-}
-
-TEST(EnvConfig, AnObjectStandsInOneFrame) {
-  EnvConfig env = Duo();
-  env.world_frame_objects["cube"] = Thing();
-  env.root_frame_objects["cube"] = Thing();
-  EXPECT_EQ(Message(env),
-            "it is not valid: root_frame_objects.cube: is in world_frame_objects too; keep one of "
-            "them (world_frame_objects stay in the room, root_frame_objects move with the rig, "
-            "robot_frame_objects follow a robot's wrist)");
-}
-
-TEST(EnvConfig, WhatFollowsAWristIsNoObjectOfTheRoom) {
-  EnvConfig env = Duo();
-  env.world_frame_objects["left"] = Thing();
-  EXPECT_THAT(Message(env),
-              HasSubstr("world_frame_objects.left: is the name of a robot. What follows its wrist "
-                        "goes into robot_frame_objects: {left: {id: ...}}"));
-}
-
-TEST(EnvConfig, ObjectsByRobotFollowWrists) {
-  EXPECT_THAT(
-      ParseError<EnvConfig>("robots: {left: {name: a, model: b, attachment_site: s}}\n"
-                            "world_frame_objects: {left: {mount: {mjcf_path: mount.xml}}}\n"),
-      HasSubstr(
-          "f.yaml:2:30: world_frame_objects.left.mount: objects by name stand where one object "
-          "is expected; those that follow a robot's wrist go into robot_frame_objects: "
-          "{robot: {id: ...}}, all others are {id: ...} without a robot"));
-}
-
-TEST(EnvConfig, ObjectsAreNotNamedLikePartsOfRobots) {
-  EnvConfig env = Duo();
-  env.root_frame_objects["robotleft"] = Thing();
-  EXPECT_THAT(Message(env), HasSubstr("names of its elements would begin with 'robotleft_', as "
-                                      "those of robot 'left' do; choose another id"));
 }
 
 TEST(EnvConfig, StepsAreLimitedAsTheControlModeHasThem) {

@@ -54,6 +54,7 @@ void ObjectVariation::Validate(Problems& problems) const {
 }
 
 void CameraAdderConfig::Validate(Problems& problems) const {
+  ValidateFovy(fovy, problems);
   if (robot_name.empty() && !attachment_site.empty()) {
     problems.AddAt("attachment_site",
                    "is a site of a robot, but without robot_name the offset is in the root frame; "

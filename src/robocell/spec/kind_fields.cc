@@ -39,6 +39,12 @@ void KindRegistry::Register(const std::string& kind, std::shared_ptr<const KindF
                             bool replace) {
   if (kind.empty())
     throw ArgumentError(fmt::format("a kind of {} that is registered needs a name", noun_));
+  if (!defaults) {
+    throw ArgumentError(fmt::format(
+        "{} '{}' is registered without its fields; give the defaults, such as KindFieldsOf<T>, or "
+        "those of a struct without fields",
+        noun_, kind));
+  }
   const std::lock_guard lock(mutex_);
   const bool is_new = kinds_.try_emplace(kind, defaults).second;
   if (is_new) return;

@@ -1,13 +1,12 @@
 #include "robocell/spec/robot_config.h"
 
-#include <cmath>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "robocell/spec/robot_spec.h"
 #include "robocell/spec/scene_object.h"
 #include "robocell/spec/testing/messages.h"
+#include "robocell/spec/testing/specs.h"
 
 namespace robocell {
 namespace {
@@ -15,19 +14,6 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::ValidationError;
-
-RobotConfig ArmFile() {
-  return {.name = "arm",
-          .model = "arm.xml",
-          .move_groups = {{"arm", {.kind = MoveGroupKind::kArm, .joints = {"a", "b"}}},
-                          {"hand",
-                           {.kind = MoveGroupKind::kGripper,
-                            .joints = {"l", "r"},
-                            .actuators = {"grip"},
-                            .fingers = {{.name = "lf"}, {.name = "rf"}},
-                            .ctrl = GripperCtrl{.open = 0, .closed = 255}}}},
-          .home = {{"arm", {0, 1}}}};
-}
 
 TEST(RobotConfig, AValidOnePasses) { EXPECT_EQ(ValidationError(ArmFile()), ""); }
 
@@ -74,41 +60,6 @@ TEST(RobotConfig, GroupsThatDoNotExistAreNamedWithTheNearest) {
   robot.control["hnad"] = ControlKind::kJointPosition;
   EXPECT_THAT(ValidationError(robot), HasSubstr("control.hnad: no move group 'hnad'. Known move "
                                                 "groups: arm, hand. Did you mean 'hand'?"));
-}
-
-TEST(RobotConfig, AnActuatorIsCommandedByOneGroup) {
-  RobotConfig robot = ArmFile();
-  robot.move_groups["arm"].actuators = {"x", "y"};
-  robot.move_groups["wrist"] = {.joints = {"b"}, .actuators = {"z", "y"}};
-  EXPECT_EQ(ValidationError(robot),
-            "it is not valid: move_groups.wrist.actuators[1]: actuator 'y' is commanded by "
-            "move_groups.arm and move_groups.wrist; leave it out of one");
-  robot.move_groups["wrist"].actuators = {"y", "x"};
-  EXPECT_THAT(ValidationError(robot),
-              HasSubstr("move_groups.wrist.actuators[0]: actuators y, x are commanded by "
-                        "move_groups.arm and move_groups.wrist; leave them out of one"));
-}
-
-TEST(RobotConfig, GroupsThatAreCommandedShareNoJoints) {
-  RobotConfig robot = ArmFile();
-  robot.move_groups["arm"].actuators = {"x", "y"};
-  robot.move_groups["hand"].joints = {"b", "r"};
-  EXPECT_EQ(ValidationError(robot),
-            "it is not valid: move_groups.hand.joints[0]: joint 'b' is listed by move_groups.arm "
-            "and move_groups.hand, which both have actuators; leave it out of one");
-}
-
-TEST(RobotConfig, AGroupWithoutActuatorsSharesJointsAndStartsWhereTheOtherDoes) {
-  RobotConfig robot = ArmFile();
-  robot.move_groups["arm"].actuators = {"x", "y"};
-  robot.move_groups["wrist"] = {.joints = {"b"}};
-  EXPECT_EQ(ValidationError(robot), "");
-  robot.home["wrist"] = {1};
-  EXPECT_EQ(ValidationError(robot), "");
-  robot.home["wrist"] = {0.5};
-  EXPECT_EQ(ValidationError(robot),
-            "it is not valid: home.wrist[0]: is 0.5 for joint 'b', which is 1 in home.arm; give "
-            "both the same, or leave the one group out of `home`");
 }
 
 TEST(RobotConfig, AJointThatIsLeftOutOfANumberedListIsNamed) {
@@ -187,51 +138,6 @@ TEST(RobotConfig, NamesInDatasetsHaveNoSlash) {
             "it is not valid: name: 'a/b'" + why);
   const SceneObject cube{.name = "a/b", .mjcf_path = "cube.xml"};
   EXPECT_EQ(ValidationError(cube), "it is not valid: name: 'a/b'" + why);
-}
-
-TEST(RobotSpec, NeedsAModelOrAConfiguration) {
-  EXPECT_THAT(ValidationError(RobotSpec{}),
-              HasSubstr("path: is empty: give the robot's model file"));
-  EXPECT_THAT(ValidationError(RobotSpec{.path = "a.xml", .config = ArmFile()}),
-              HasSubstr("path: is set together with config"));
-}
-
-TEST(RobotSpec, ReportsWhatIsWrongInItsConfiguration) {
-  RobotSpec spec{.config = ArmFile()};
-  spec.config->reach = 0;
-  EXPECT_EQ(ValidationError(spec), "it is not valid: config.reach: 0 must be greater than 0");
-}
-
-TEST(RobotSpec, ItsOwnBaseComesBeforeTheConfigurations) {
-  RobotSpec spec{.config = ArmFile()};
-  spec.config->base.kind = BaseKind::kFree;
-  EXPECT_EQ(spec.EffectiveBase().kind, BaseKind::kFree);
-  spec.base = BaseConfig{.kind = BaseKind::kMocap};
-  EXPECT_EQ(spec.EffectiveBase().kind, BaseKind::kMocap);
-  EXPECT_EQ(RobotSpec{}.EffectiveBase().kind, BaseKind::kFixed);
-}
-
-TEST(AttachmentSpec, GoesOnABodySiteOrFrame) {
-  const AttachmentSpec spec{.mjcf_path = "hand.xml"};
-  EXPECT_THAT(ValidationError(spec),
-              HasSubstr("attach_to: an attachment needs a body, site or frame "
-                        "of its robot, not 'world'"));
-}
-
-TEST(AttachmentSpec, ListedTwiceIsTold) {
-  RobotConfig robot = ArmFile();
-  const AttachmentSpec hand{
-      .mjcf_path = "hand.xml", .attach_to = {AttachKind::kSite, "flange"}, .prefix = "hand_"};
-  robot.attachments = {hand, hand};
-  EXPECT_EQ(ValidationError(robot),
-            "it is not valid: attachment 'hand_' (attachments[1]): 'hand.xml' is attachments[0] "
-            "too, at the same place: "
-            "is it listed twice? Remove one of them");
-  robot.attachments[1].attach_to.name = "other_flange";
-  EXPECT_THAT(ValidationError(robot), HasSubstr("with the same prefix 'hand_': is it listed "
-                                                "twice? Each needs a prefix of its own"));
-  robot.attachments[1].prefix = "other_";
-  EXPECT_EQ(ValidationError(robot), "") << "two hands";
 }
 
 }  // namespace

@@ -114,8 +114,13 @@ struct RunConfig {
   static RunConfig Load(const std::string& path);
 };
 
+// A module or library that a run file imports, and where the file says so: "run.yaml:3:11".
+struct RunImport {
+  std::string name;
+  std::string place;
+};
 // What `imports` of a run file names, before the rest of it can be read. Nothing of a file that
 // cannot be read: Load says what is wrong with it.
-std::vector<std::string> ImportsOfRunFile(const std::string& path);
+std::vector<RunImport> ImportsOfRunFile(const std::string& path);
 
 }  // namespace robocell

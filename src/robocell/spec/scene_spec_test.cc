@@ -1,11 +1,10 @@
 #include "robocell/spec/scene_spec.h"
 
-#include <numbers>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "robocell/spec/testing/messages.h"
+#include "robocell/spec/testing/specs.h"
 
 namespace robocell {
 namespace {
@@ -15,15 +14,6 @@ using testing::ParseError;
 using testing::ValidationError;
 
 SceneSpec Empty() { return {.timestep = 0.002, .add_floor = true, .add_skybox = true}; }
-
-SceneObject Cube(const std::string& name) {
-  return {.name = name,
-          .shape = Shape::kBox,
-          .size = Vec3{.02, .02, .02},
-          .rgba = Vec4{1, 0, 0, 1},
-          .mass = .1,
-          .friction = Vec3{1, 0, 0}};
-}
 
 TEST(SceneSpec, WithoutABaseTheWorldIsChosenExplicitly) {
   EXPECT_EQ(ValidationError(SceneSpec{}, "scene 'scene'"),
@@ -110,64 +100,6 @@ TEST(SceneSpec, ElementsOfAFilesListsAreToldByTheirNames) {
                                   "[1, 1, 1], rgba: [1, 1, 1, 1], friction: [1, 1, 1]}\n"),
             "f.yaml is not valid: f.yaml:6:24: object 'red_cube' (objects[0]).mass: expected a "
             "number, found 'banana'. Mass, kg.");
-}
-
-TEST(SceneObject, APrimitiveNeedsAllOfItsNumbers) {
-  EXPECT_EQ(ValidationError(SceneObject{.name = "cube", .shape = Shape::kBox}),
-            "it is not valid, 4 problems:\n"
-            "  size: a primitive needs its half sizes, for example [0.02, 0.02, 0.02]\n"
-            "  rgba: a primitive needs a colour, for example [1, 0.5, 0, 1]\n"
-            "  mass: a primitive needs its mass in kg\n"
-            "  friction: a primitive needs its friction, for example [0.8, 0.02, 0.001]");
-}
-
-TEST(SceneObject, EachShapeNeedsItsOwnSizes) {
-  SceneObject object = Cube("a");
-  object.size = Vec3{.02, 0, 0};
-  EXPECT_THAT(ValidationError(object), HasSubstr("size: a box needs 3 sizes above 0"));
-  object.shape = Shape::kCylinder;
-  EXPECT_THAT(ValidationError(object), HasSubstr("size: a cylinder needs 2 sizes above 0"));
-  object.shape = Shape::kSphere;
-  EXPECT_EQ(ValidationError(object), "");
-}
-
-TEST(SceneObject, IsEitherAModelOrAPrimitive) {
-  EXPECT_THAT(ValidationError(SceneObject{.name = "a"}), HasSubstr("needs a shape (box, sphere, "
-                                                                   "cylinder) or an mjcf_path"));
-  SceneObject both = Cube("a");
-  both.mjcf_path = "a.xml";
-  EXPECT_THAT(ValidationError(both), HasSubstr("has both a shape and an mjcf_path"));
-  EXPECT_THAT(ValidationError(SceneObject{.name = "a", .mjcf_path = "a.xml", .mass = 1}),
-              HasSubstr("describe a primitive; a model file has its own"));
-}
-
-TEST(SceneObject, ValuesThatNoEnumHasAreRefused) {
-  SceneObject object = Cube("a");
-  object.shape = static_cast<Shape>(77);
-  EXPECT_THAT(ValidationError(object),
-              HasSubstr("shape: there is no value 77; expected one of box, sphere, cylinder"));
-  object = Cube("a");
-  object.attach_to = {static_cast<AttachKind>(55), "x"};
-  EXPECT_THAT(ValidationError(object),
-              HasSubstr("attach_to: there is no value 55; expected one of world, root"));
-}
-
-TEST(SceneObject, ElementNamesNeedNoScene) {
-  EXPECT_EQ(SceneObjectElementName("table", "table_top"), "table_table_top");
-}
-
-TEST(Placement, EulerIsInDegreesAboutFixedAxes) {
-  const Pose pose = PlacementPose({1, 2, 3}, {10, 20, 30}, kIdentityQuat);
-  const Pose expected =
-      Pose::FromRpy({1, 2, 3}, Eigen::Vector3d(10, 20, 30) * std::numbers::pi / 180);
-  EXPECT_TRUE(pose.is_close(expected, 1e-12, 1e-12));
-}
-
-TEST(Placement, QuatAndEulerExcludeEachOther) {
-  SceneObject object = Cube("a");
-  object.euler = {0, 0, 90};
-  object.quat = {1, 0, 0, 0};
-  EXPECT_THAT(ValidationError(object), HasSubstr("quat: both quat and euler are set; keep one"));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// StartConfig: `start:` of a run file: where the robot's base stands around what an episode is
-// about, and what has to hold before the episode begins. It is the same for all tasks; what the
+// StartConfig: `start:` of a run file: where objects and the robot's base are when an episode
+// begins, and what has to hold before. It is the same for all tasks; what the
 // stages do with it is in task/start_sampler.h and task/base_placement.h.
 //
 //   start: {base_distance: [0.3, 0.6], base_height_offset: -0.25, visible_from: [exo_camera]}
@@ -10,6 +10,7 @@
 
 #include "robocell/spec/containers.h"
 #include "robocell/spec/fields.h"
+#include "robocell/spec/object_place.h"
 #include "robocell/spec/problems.h"
 #include "robocell/spec/types.h"
 
@@ -23,6 +24,7 @@ struct StartConfig {
   double base_clearance = 0.01;
   NameList visible_from = {};
   double visible_share = 0.5;
+  Map<ObjectPlace> places = {};
 
   static constexpr const char* kTypeName = "StartConfig";
   template <class V>
@@ -47,6 +49,9 @@ struct StartConfig {
       "Unset: none.");
     v("visible_share", &StartConfig::visible_share,
       "Share of the object that each camera of visible_from must see unhidden.", Bound::kFraction);
+    v("places", &StartConfig::places,
+      "Objects by name or kind, and where each starts in relation to another object or a body of "
+      "the scene. Others lie on the support. Unset: the task's own.");
   }
   void Validate(Problems& problems) const;
 };

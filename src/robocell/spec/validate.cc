@@ -99,6 +99,11 @@ void ValidateNamePart(const std::string& name, std::string_view field, Problems&
                              name));
 }
 
+void ValidateFovy(const std::optional<double>& fovy, Problems& problems) {
+  if (fovy && *fovy >= 180)
+    problems.AddAt("fovy", fmt::format("{} degrees is not below 180", *fovy));
+}
+
 void ValidateNameList(const NameList& list, Problems& problems) {
   std::set<std::string> seen;
   for (const std::string& name : list) {

@@ -32,6 +32,8 @@ void ValidateAttachTarget(const AttachTarget& target, Problems& problems);
 void ValidateElementRef(const ElementRef& ref, Problems& problems);
 // A name that becomes part of columns' names and of files': without '/' and control characters.
 void ValidateNamePart(const std::string& name, std::string_view field, Problems& problems);
+// Degrees; that it is positive says its field.
+void ValidateFovy(const std::optional<double>& fovy, Problems& problems);
 void ValidateNameList(const NameList& names, Problems& problems);
 
 template <HasFields T>

@@ -1,5 +1,7 @@
 #include "robocell/spec/yaml.h"
 
+#include <fmt/format.h>
+
 #include <filesystem>
 
 #include "robocell/spec/env_config.h"
@@ -101,6 +103,7 @@ ROBOCELL_YAML(PickTaskConfig)
 ROBOCELL_YAML(PickAndPlaceTaskConfig)
 ROBOCELL_YAML(FilesScenes)
 ROBOCELL_YAML(Rates)
+ROBOCELL_YAML(ObjectPlace)
 ROBOCELL_YAML(StartConfig)
 ROBOCELL_YAML(EnvConfig)
 ROBOCELL_YAML(EnvObject)
@@ -113,17 +116,21 @@ ROBOCELL_YAML(WrapperConfig)
 
 RobotConfig RobotConfig::Load(const std::string& path) { return LoadYaml<RobotConfig>(path); }
 SceneSpec SceneSpec::Load(const std::string& path) { return LoadYaml<SceneSpec>(path); }
-std::vector<std::string> ImportsOfRunFile(const std::string& path) {
-  std::vector<std::string> imports;
+std::vector<RunImport> ImportsOfRunFile(const std::string& path) {
+  std::vector<RunImport> imports;
+  const auto add = [&](const YAML::Node& module) {
+    if (!module.IsScalar()) return;
+    const YAML::Mark mark = module.Mark();
+    imports.push_back(
+        {module.Scalar(), fmt::format("{}:{}:{}", path, mark.line + 1, mark.column + 1)});
+  };
   try {
     const YAML::Node root = YAML::LoadFile(path);
     if (!root.IsMap()) return imports;
     const YAML::Node listed = root["imports"];
-    if (listed.IsDefined() && listed.IsScalar()) imports.push_back(listed.Scalar());
+    if (listed.IsDefined() && listed.IsScalar()) add(listed);
     if (!listed.IsDefined() || !listed.IsSequence()) return imports;
-    for (const auto& module : listed) {
-      if (module.IsScalar()) imports.push_back(module.Scalar());
-    }
+    for (const auto& module : listed) add(module);
   } catch (const YAML::Exception&) {
     return {};
   }

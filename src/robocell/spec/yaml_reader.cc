@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "robocell/spec/field_places.h"
 #include "robocell/spec/render_quality.h"
 #include "robocell/spec/spec_file.h"
 
@@ -77,9 +78,26 @@ Reader::Reader(std::string source, std::string directory)
 
 Reader::~Reader() = default;
 
+void Reader::RememberEmpty(const YAML::Node& key, const YAML::Node& value) {
+  constexpr size_t kMost = 64;  // each is read soon
+  if (!value.IsNull() || value.Mark().line == key.Mark().line) return;
+  if (empty_.size() == kMost) empty_.erase(empty_.begin());
+  empty_.emplace_back(value, key.Mark());
+}
+
+// The parser places a value that is not there at whatever comes next in the file.
+YAML::Mark Reader::MarkOf(const YAML::Node& node) const {
+  if (node.IsNull()) {
+    for (auto it = empty_.rbegin(); it != empty_.rend(); ++it)
+      if (it->first.is(node)) return it->second;
+  }
+  return node.Mark();
+}
+
 std::string Reader::At(const YAML::Node& node) const {
   const std::string& path = problems_.path();
-  const bool made_up = node.Mark().is_null();  // stands for what the file does not have
+  const YAML::Mark mark = MarkOf(node);
+  const bool made_up = mark.is_null();  // stands for what the file does not have
   for (auto it = overrides_.rbegin(); it != overrides_.rend(); ++it) {
     // Of an empty file nothing but what was set is there: what else is missing is missing in the file.
     const bool made_for_it = made_up && !path.empty() && IsAtOrBelow(it->path, path);
@@ -88,7 +106,7 @@ std::string Reader::At(const YAML::Node& node) const {
     }
   }
   if (made_up) return source_;
-  return fmt::format("{}:{}:{}", source_, node.Mark().line + 1, node.Mark().column + 1);
+  return fmt::format("{}:{}:{}", source_, mark.line + 1, mark.column + 1);
 }
 
 void Reader::Mark(const YAML::Node& node) {
@@ -133,6 +151,7 @@ void Reader::FailField(const YAML::Node& key, const std::string& name, const YAM
   }
   if (const std::string hint = NoBlankHint(name, names); !hint.empty()) return Fail(key, hint);
   std::string hint = more;
+  if (hint.empty()) hint = PlaceHint(type, name);
   if (hint.empty() && IsOneOf("start", root_fields_)) hint = StartHint(name);
   if (hint.empty()) hint = TopLevelHint(name);
   Fail(key, NoSuchName(WithArticle(type), "field", name, names) + hint);
@@ -191,6 +210,7 @@ void Reader::ForEachKey(const YAML::Node& node, const OnKey& f, const IsStrange&
     }
     last.reset(entry.first);
     stray.SetLast(entry.first, entry.second, problems_.list().size());
+    RememberEmpty(entry.first, entry.second);
     if (seen.insert(name).second) {
       f(entry.first, name, entry.second);
     } else {
@@ -251,8 +271,9 @@ void Reader::ReadKind(const YAML::Node& node, KindSpec& out, const std::string& 
     const auto field = std::ranges::find(refs, name, &KindFieldRef::name);
     if (field == refs.end()) {
       const std::string other = registry.KindWith(name);
-      const std::string hint =
-          other.empty() ? "" : fmt::format(" It is a field of `{}: {}`", key, other);
+      const std::string hint = other.empty()
+                                   ? KindKeyHint(key, name)
+                                   : fmt::format(" It is a field of `{}: {}`", key, other);
       return FailField(at, name, value, fields.type_name().c_str(), known, nullptr, hint);
     }
     std::visit([&](auto* to) { ReadExplainedValue(value, name, field->doc, *to); }, field->value);

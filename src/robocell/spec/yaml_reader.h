@@ -17,6 +17,7 @@
 #include <set>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <yaml-cpp/yaml.h>
@@ -226,6 +227,8 @@ class Reader {
 
   // "file.yaml:3:7" of a node at the current path, or "--set ..." of what replaced it.
   std::string At(const YAML::Node& node) const;
+  void RememberEmpty(const YAML::Node& key, const YAML::Node& value);
+  YAML::Mark MarkOf(const YAML::Node& node) const;
   // Remembers where the current path stands, for the checks that run after reading.
   void Mark(const YAML::Node& node);
   void Fail(const YAML::Node& node, const std::string& message);
@@ -385,6 +388,8 @@ class Reader {
   std::vector<std::string> unread_;  // paths of fields that were misspelt and could not be read
   std::vector<Override> overrides_;
   bool keep_locations_ = true;
+  // Values that are not there ("task:" with nothing), and where their names are.
+  std::vector<std::pair<YAML::Node, YAML::Mark>> empty_;
   size_t values_ = 0;
   size_t indices_ = 0;
 };

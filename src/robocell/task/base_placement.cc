@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "robocell/base/error.h"
 #include "robocell/base/units.h"
 #include "robocell/kinematics/low_discrepancy.h"
 #include "robocell/motion/clearance.h"
@@ -33,6 +34,16 @@ BaseRange BaseRangeOf(const StartConfig& start, const BaseRange& of_task) {
   return {.distance = start.base_distance.value_or(of_task.distance),
           .height_offset = start.base_height_offset.value_or(of_task.height_offset),
           .height_noise = start.base_height_noise.value_or(of_task.height_noise)};
+}
+
+void RequireFinite(const BasePlacement& placement) {
+  const auto require = [](const char* what, double value) {
+    if (std::isfinite(value)) return;
+    throw ArgumentError(
+        fmt::format("the {} of a base placement is {}; it must be finite metres", what, value));
+  };
+  require("distance", placement.distance);
+  require("height", placement.height);
 }
 
 BasePlacement SpreadBasePlacement(const BaseRange& range, uint64_t seed, uint64_t turn, int attempt,

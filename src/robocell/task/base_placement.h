@@ -43,6 +43,8 @@ struct BasePlacement {
   double distance = 0;  // from the target, horizontal
   double height = 0;    // of the base's bottom above the target
 };
+// ArgumentError names the number that is not finite.
+void RequireFinite(const BasePlacement& placement);
 
 // Draws distance and height, the offset with its noise, from a range: turn k
 // has the k-th point of a low-discrepancy sequence that the run's seed shifts (Cranley and

@@ -39,6 +39,14 @@ TEST(BasePlacement, WhatTheRunSaysComesBeforeWhatTheTaskSays) {
   EXPECT_EQ(range.height_offset, Ranges().height_offset);
 }
 
+TEST(BasePlacement, OfNumbersThatAreNotFiniteIsRefused) {
+  EXPECT_NO_THROW(RequireFinite({.distance = 0.4, .height = -0.1}));
+  ExpectThrow<ArgumentError>([] { RequireFinite({.distance = std::nan("")}); },
+                             "the distance of a base placement is nan; it must be finite metres");
+  ExpectThrow<ArgumentError>([] { RequireFinite({.height = HUGE_VAL}); },
+                             "the height of a base placement is inf");
+}
+
 TEST(BasePlacement, EachConditionRefusesForItsReason) {
   PickScene made = MakePickScene(ObjectOnTheTable("box"));
   const Pose target = made.scene.body_pose(made.target_body);

@@ -217,24 +217,6 @@ constexpr double kTurnCost = 0.02;  // per radian
 
 }  // namespace
 
-RayHit CastRay(const mjModel* m, const mjData* d, const std::vector<int>& geoms,
-               const Eigen::Vector3d& from, const Eigen::Vector3d& direction) {
-  RayHit nearest{std::numeric_limits<double>::infinity(), Eigen::Vector3d::Zero()};
-  for (const int g : geoms) {
-    // Past the bounding sphere: the rays of one object mostly miss most of its parts.
-    const Eigen::Vector3d to = Eigen::Vector3d(d->geom_xpos + 3 * g) - from;
-    if (to.cross(direction).norm() > m->geom_rbound[g] + 1e-6) continue;
-    Eigen::Vector3d normal;
-    const double distance =
-        m->geom_type[g] == mjGEOM_MESH
-            ? mj_rayMesh(m, d, g, from.data(), direction.data(), normal.data())
-            : mju_rayGeom(d->geom_xpos + 3 * g, d->geom_xmat + 9 * g, m->geom_size + 3 * g,
-                          from.data(), direction.data(), m->geom_type[g], normal.data());
-    if (distance >= 0 && distance < nearest.distance) nearest = {distance, normal};
-  }
-  return nearest;
-}
-
 std::vector<GraspCandidate> FindGrasps(const mjModel* m, const mjData* d, int object_body,
                                        const GripperShape& shape, const Pose& tcp_now) {
   std::vector<GraspCandidate> grasps = CandidateSearch(m, d, object_body, shape).Run();

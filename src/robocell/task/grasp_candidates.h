@@ -43,13 +43,4 @@ std::string DescribeHeldWidths(double closed_gap, double open_gap);
 std::string SizesForGrasp(const mjModel* model, const mjData* data, int object_body,
                           const GripperShape& shape);
 
-// Distance along the unit vector `direction` to the collision geoms of a body's subtree, and the
-// surface's normal there; infinite when there is nothing.
-struct RayHit {
-  double distance;
-  Eigen::Vector3d normal;
-};
-RayHit CastRay(const mjModel* model, const mjData* data, const std::vector<int>& geoms,
-               const Eigen::Vector3d& from, const Eigen::Vector3d& direction);
-
 }  // namespace robocell

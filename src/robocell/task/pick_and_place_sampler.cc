@@ -57,6 +57,11 @@ StartContents PickAndPlaceSampler::AddContents(const SampleRequest& request, Sce
   return contents;
 }
 
+bool PickAndPlaceSampler::MayHaveObject(const std::string& name) const {
+  const std::vector<std::string> goals = GoalKindsOf(task_);
+  return PickTaskSampler::MayHaveObject(name) || std::ranges::find(goals, name) != goals.end();
+}
+
 std::shared_ptr<Task> PickAndPlaceSampler::MakeTask(const std::string& target,
                                                     const std::string& kind,
                                                     const std::vector<std::string>& objects) {

@@ -35,6 +35,7 @@ class PickAndPlaceSampler final : public PickTaskSampler {
   // Whether the target can be put down at the goal as it was grasped.
   std::optional<Refusal> ValidateGrasp(const Scene& scene, PlanningScene& planning,
                                        const GraspMotion& motion) override;
+  bool MayHaveObject(const std::string& name) const override;
 
  private:
   PickAndPlaceTaskConfig task_;

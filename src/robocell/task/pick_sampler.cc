@@ -21,6 +21,8 @@ constexpr int kMostDistractors = 2;
 constexpr const char* kTarget = "target";  // its name in the scene
 constexpr int kMostGrasps = 4;             // in reach, of which one has to be of use
 
+std::string NameOfDistractor(size_t i) { return fmt::format("object_{}", i); }
+
 PickRun RequirePickRun(const RunConfig& run) {
   if (const auto pick = PickRunOf(run.task)) return *pick;
   throw SpecError(
@@ -68,11 +70,20 @@ StartContents PickTaskSampler::AddContents(const SampleRequest& request, SceneSp
                                            Rng& rng) {
   StartContents contents{.objects = {}, .kinds = ChooseKinds(request, rng)};
   for (size_t i = 0; i < contents.kinds.size(); ++i) {
-    const std::string name = i == 0 ? kTarget : fmt::format("object_{}", i);
+    const std::string name = i == 0 ? kTarget : NameOfDistractor(i);
     contents.objects.push_back(MakeCatalogueObject(contents.kinds[i], name, rng));
     spec.objects.push_back(contents.objects.back());
   }
   return contents;
+}
+
+bool PickTaskSampler::MayHaveObject(const std::string& name) const {
+  const std::vector<std::string> kinds = ObjectKinds();
+  if (std::ranges::find(kinds, name) != kinds.end()) return true;
+  for (size_t i = 1; i <= kMostDistractors; ++i) {
+    if (name == NameOfDistractor(i)) return true;
+  }
+  return false;
 }
 
 std::optional<Refusal> PickTaskSampler::ValidateBasePose(Scene& scene, Robot& robot,
@@ -153,7 +164,7 @@ class KindOfPick : public TaskKindOf<Config, T> {
     for (size_t i = 0; i < chosen.size(); ++i) {
       if (std::ranges::find(known, chosen[i]) != known.end()) continue;
       Problems::Scope item(problems, i);
-      problems.Add(NoSuchName("task", "kind", chosen[i], known));
+      problems.Add(NoSuchName("", "kind of object", chosen[i], known));
     }
   }
 };

@@ -33,6 +33,7 @@ class PickTaskSampler : public StartSampler {
 
  protected:
   const PickRun& pick() const { return pick_; }
+  bool MayHaveObject(const std::string& name) const override;
   // Whether a grasp that is in reach is of use too; the refusal says why not. Of a few grasps one
   // that is has to be among them.
   virtual std::optional<Refusal> ValidateGrasp(const Scene& /*scene*/, PlanningScene& /*planning*/,

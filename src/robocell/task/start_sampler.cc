@@ -11,6 +11,7 @@
 #include "robocell/motion/gripper_shape.h"
 #include "robocell/scene/scene_cache.h"
 #include "robocell/scenes/object_places.h"
+#include "robocell/scenes/related_places.h"
 #include "robocell/scenes/scene_source.h"
 #include "robocell/scenes/settle.h"
 #include "robocell/spec/problems.h"
@@ -24,7 +25,7 @@ namespace {
 // attempt moves on from there.
 constexpr int kArrangements = 8;
 constexpr int kPlaceTries = 60;           // of objects, until a base pose is clear of the support
-constexpr size_t kMostSupports = 64;      // that are remembered
+constexpr size_t kMostScenes = 64;        // whose supports and landmarks are remembered
 constexpr double kSamePlace = 1e-6;       // metres
 const Eigen::Vector3d kParked(20, 0, 1);  // where the robot waits while the objects settle
 
@@ -68,12 +69,13 @@ std::shared_ptr<const GripperShape>& StartSampler::shape() { return measured_->s
 // Many scenes of a run may have the same base, and a subclass may make another one every time, or
 // another file of the same name.
 Support StartSampler::FindSupportOf(const SceneSpec& base, int scene_index, Rng& rng) {
-  if (const auto known = source_->KnownAnnotations(scene_index); known && !known->supports.empty())
+  if (const auto known = source_->CheckedAnnotations(scene_index);
+      known && !known->supports.empty())
     return known->supports[rng.UniformInt(known->supports.size())].face;
   const std::string key = SceneKey(base);
   const auto it = supports_.find(key);
   if (it != supports_.end()) return it->second;
-  if (supports_.size() >= kMostSupports) supports_.clear();
+  if (supports_.size() >= kMostScenes) supports_.clear();
   return supports_[key] = FindSupport(base);
 }
 
@@ -87,6 +89,45 @@ bool StartSampler::PlaceObjects(const Support& support, std::vector<SceneObject>
   std::vector<ObjectSize> own_sizes;
   for (const SceneObject& object : objects) own_sizes.push_back(sizes().Of(object));
   return PlaceOn(support, own_sizes, objects, rng);
+}
+
+// What `start` and the task say of places; unset when neither says anything.
+std::optional<internal::RelatedPlaces> StartSampler::RelationsOf(const SceneSpec& base,
+                                                                 int scene_index,
+                                                                 const StartContents& contents) {
+  Map<ObjectPlace> places = own_places();
+  for (const auto& [object, place] : run_.start.places.entries()) places[object] = *place;
+  if (places.empty()) return std::nullopt;
+  if (landmarks_.size() >= kMostScenes) landmarks_.clear();
+  std::shared_ptr<const internal::Landmarks>& landmarks = landmarks_[SceneKey(base)];
+  if (!landmarks) landmarks = internal::LandmarksOf(base, source_->KnownAnnotations(scene_index));
+  return internal::RelatedPlaces(landmarks, places, contents.objects, contents.kinds,
+                                 [this](const std::string& name) { return MayHaveObject(name); });
+}
+
+std::optional<Refusal> StartSampler::PutObjects(
+    const Support& support, const std::optional<internal::RelatedPlaces>& related,
+    std::vector<SceneObject>& objects, Rng& rng) {
+  const Refusal no_room =
+      Refusal{Refusal::kNoFreePlace, "the objects do not fit beside each other"}.MadeBy(
+          Refusal::kObjectsStage);
+  if (!related) {
+    if (PlaceObjects(support, objects, rng)) return std::nullopt;
+    return no_room;
+  }
+  std::vector<SceneObject> loose;
+  for (size_t i = 0; i < objects.size(); ++i) {
+    if (!related->IsRelated(i)) loose.push_back(objects[i]);
+  }
+  if (!PlaceObjects(support, loose, rng)) return no_room;
+  std::vector<ObjectSize> own_sizes;
+  for (size_t i = 0, next = 0; i < objects.size(); ++i) {
+    own_sizes.push_back(sizes().Of(objects[i]));
+    if (!related->IsRelated(i)) objects[i] = loose[next++];
+  }
+  if (const auto why_not = related->Put(support, own_sizes, objects, rng))
+    return Refusal{Refusal::kNoFreePlace, *why_not}.MadeBy(Refusal::kObjectsStage);
+  return std::nullopt;
 }
 
 std::optional<Pose> StartSampler::ProposeBasePose(const Robot& robot, const Support& support,
@@ -108,6 +149,7 @@ std::optional<Refusal> StartSampler::ValidateCameras(Scene& scene, const std::st
 struct StartSampler::Setup {
   std::shared_ptr<Task> task;
   std::vector<SceneObject> objects;
+  std::optional<internal::RelatedPlaces> related;
   Scene scene;
   Robot robot;
   std::string target_body;  // "" for a task without objects
@@ -125,9 +167,7 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& su
   BodyPoses moved;
   Pose target;
   for (int t = 0; t < kPlaceTries && !base; ++t) {
-    if (!PlaceObjects(support, setup.objects, rng))
-      return Refusal{Refusal::kNoFreePlace, "the objects do not fit beside each other"}.MadeBy(
-          Refusal::kObjectsStage);
+    if (auto refusal = PutObjects(support, setup.related, setup.objects, rng)) return refusal;
     moved = TaskStarts(rng);
     target = setup.objects.empty() ? setup.middle : setup.objects.front().pose();
     for (const auto& [body, pose] : moved) {
@@ -200,6 +240,10 @@ std::optional<Refusal> StartSampler::PrepareStart(Setup& setup, const Support& s
   if (auto why_not = Settle(setup.scene, {&setup.robot, 1}, setup.target_body,
                             {.sim_steps = run_.rates.sim_steps(), .stop = setup.stop}))
     return Refusal{Refusal::kUnsettled, *why_not}.MadeBy(Refusal::kSettlingStage);
+  if (setup.related) {
+    if (const auto why_not = setup.related->WhyNotKept(setup.scene, setup.objects))
+      return Refusal{Refusal::kUnsettled, *why_not}.MadeBy(Refusal::kSettlingStage);
+  }
   if (auto refusal = ValidatePlaced(setup)) return refusal;
   setup.scene.data()->time = 0;
   setup.scene.Forward();
@@ -212,18 +256,18 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
   Rng support_rng = rng.Fork("support");
   const Support support = FindSupportOf(spec, request.scene, support_rng);
   const size_t before = spec.objects.size();
+  const SceneSpec base = spec;
   StartContents contents = AddContents(request, spec, rng);
   const std::vector<std::string>& kinds = contents.kinds;
   const std::string kind = kinds.empty() ? "" : kinds.front();
   const BasePlacement placement = ChooseBasePlacement(request, rng);
+  RequireFinite(placement);
   std::vector<std::string> names;
   for (const SceneObject& object : contents.objects) names.push_back(object.name);
-  if (!PlaceObjects(support, contents.objects, rng)) {
-    return {.start = {},
-            .refusal = {.reason = Refusal::kNoFreePlace,
-                        .detail = "the objects do not fit beside each other",
-                        .object_kind = kind,
-                        .stage = Refusal::kObjectsStage}};
+  const std::optional<internal::RelatedPlaces> related = RelationsOf(base, request.scene, contents);
+  if (auto refusal = PutObjects(support, related, contents.objects, rng)) {
+    refusal->object_kind = kind;
+    return {.start = {}, .refusal = *std::move(refusal)};
   }
   for (size_t i = 0; i < contents.objects.size(); ++i) {
     if (before + i < spec.objects.size())
@@ -246,6 +290,7 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
   });
   Setup setup{task,
               contents.objects,
+              related,
               scene,
               Robot::Of(scene, run_.robot.config.name),
               target.empty() ? "" : scene.compiled()->object(target).root_body,
@@ -294,6 +339,10 @@ std::shared_ptr<Task> TaskStartSampler::MakeTask(const std::string& /*target*/,
 
 BaseRange TaskStartSampler::own_base_range() const {
   return internal::CallHook(*task_, "base_range", [&] { return task_->base_range(); });
+}
+
+Map<ObjectPlace> TaskStartSampler::own_places() const {
+  return internal::CallHook(*task_, "places", [&] { return task_->places(); });
 }
 
 BodyPoses TaskStartSampler::TaskStarts(Rng& rng) {

@@ -1,7 +1,8 @@
 // StartSampler: where the episodes of a run start, stage by stage: a base scene from the run's
-// source, objects that come to rest on its support, what the task does itself, a robot placed
-// beside the first object (base_placement.h), cameras that see it, and settling. Without objects the
-// robot stands beside the middle of the support, and cameras are not looked through. Distances and
+// source, objects that come to rest on its support or where `start.places` puts them, what the task
+// does itself, a robot placed beside the first object (base_placement.h), cameras that see it, and
+// settling. Without objects the robot stands beside the middle of the support, and cameras are not
+// looked through. Distances and
 // heights are spread evenly over the episodes of a run (a low-discrepancy sequence), so that a
 // short run covers the ranges too.
 //
@@ -24,6 +25,10 @@
 
 namespace robocell {
 
+namespace internal {
+class Landmarks;
+class RelatedPlaces;
+}  // namespace internal
 class GripperShape;
 class SceneSource;
 class TaskKind;
@@ -50,6 +55,7 @@ class StartSampler : public TaskSampler {
   // Adds what the episode is about to the base scene and says what was added.
   virtual StartContents AddContents(const SampleRequest& request, SceneSpec& spec, Rng& rng) = 0;
   // Puts the objects that can move on the support without overlap; false when there is no room.
+  // Objects that have a place in relation to something (`start.places`) are not among them.
   virtual bool PlaceObjects(const Support& support, std::vector<SceneObject>& objects, Rng& rng);
   // Distance and height, spread evenly over the ranges by the episode's number.
   virtual BasePlacement ChooseBasePlacement(const SampleRequest& request, Rng& rng);
@@ -71,6 +77,11 @@ class StartSampler : public TaskSampler {
  protected:
   // The task's own range of base poses, where `start` of the run says nothing.
   virtual BaseRange own_base_range() const { return {}; }
+  // Whether an object of another start may have this name or kind, so that `start.places` may name
+  // what this start does not have.
+  virtual bool MayHaveObject(const std::string& /*name*/) const { return false; }
+  // The task's own places of objects in relation to something; those of `start` come before them.
+  virtual Map<ObjectPlace> own_places() const { return {}; }
   // Where the task itself puts bodies of the scene, by their names; asked before the base is placed,
   // each time that objects are.
   virtual BodyPoses TaskStarts(Rng& /*rng*/) { return {}; }
@@ -87,6 +98,11 @@ class StartSampler : public TaskSampler {
   std::optional<Refusal> Arrange(Setup& setup, const Support& support,
                                  const BasePlacement& placement, Rng& rng);
   BaseRange base_range() const { return BaseRangeOf(run_.start, own_base_range()); }
+  std::optional<internal::RelatedPlaces> RelationsOf(const SceneSpec& base, int scene_index,
+                                                     const StartContents& contents);
+  std::optional<Refusal> PutObjects(const Support& support,
+                                    const std::optional<internal::RelatedPlaces>& related,
+                                    std::vector<SceneObject>& objects, Rng& rng);
   std::optional<Refusal> ValidateDistance(const Setup& setup, const Pose& proposed_for) const;
   std::optional<Refusal> ValidatePlaced(Setup& setup);
   std::optional<Refusal> ArrangeOnce(Setup& setup, const Support& support,
@@ -97,7 +113,8 @@ class StartSampler : public TaskSampler {
   RunConfig run_;
   std::shared_ptr<SceneSource> source_;
   std::map<std::string, Support> supports_;  // by the base scene's spec
-  std::unique_ptr<Measured> measured_;       // anew in each Sample
+  std::map<std::string, std::shared_ptr<const internal::Landmarks>> landmarks_;  // the same
+  std::unique_ptr<Measured> measured_;  // anew in each Sample
 };
 
 // Starts of a registered task: Task::Prepare adds the objects, which are put on the support; the
@@ -112,6 +129,7 @@ class TaskStartSampler : public StartSampler {
 
  protected:
   BaseRange own_base_range() const override;
+  Map<ObjectPlace> own_places() const override;
   BodyPoses TaskStarts(Rng& rng) override;
   std::optional<Refusal> ArrangeTask(Scene& scene, Rng& rng) override;
 

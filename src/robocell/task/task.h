@@ -87,6 +87,9 @@ class Task : public DeclaresFeatures {
   // In runs: where the robot's base may stand around the first of objects(), as far as `start` of
   // the run does not say.
   virtual BaseRange base_range() const { return {}; }
+  // In runs: objects that start on, inside or next to something, by their names, as far as
+  // `start.places` of the run does not say. The others lie on the support.
+  virtual Map<ObjectPlace> places() const { return {}; }
   // Why an episode whose expert has finished is no success, in few words for counting. One that ran
   // out of steps counts as "timeout".
   virtual std::string why_not_done() const { return "the task was not done"; }

@@ -1,4 +1,5 @@
-// For tests only: small videos of test frames, and what must not be left of the encoder.
+// For tests only: small videos of test frames, files of any bytes, and what must not be left of the
+// encoder.
 #pragma once
 
 #include <sys/wait.h>
@@ -6,6 +7,8 @@
 
 #include <cerrno>
 #include <filesystem>
+#include <fstream>
+#include <string>
 
 #include "robocell/media/testing/frames.h"
 #include "robocell/media/video_writer.h"
@@ -16,6 +19,12 @@ inline void WriteVideo(const std::filesystem::path& path, int frames, const Vide
   VideoWriter video(path, options);
   for (int i = 0; i < frames; ++i) video.Write(TestFrame(options.width, options.height, i));
   video.Finish();
+}
+
+// Without the flush to the disk of AtomicWrite: hundreds of times.
+inline void Store(const std::filesystem::path& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary)
+      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
 // This process has no child, running or waiting to be asked how it ended.

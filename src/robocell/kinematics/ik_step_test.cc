@@ -1,0 +1,84 @@
+// Damped steps towards a pose: they come nearer, never farther, and no joint swings.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "robocell/kinematics/ik_step.h"
+#include "robocell/kinematics/testing/models.h"
+#include "robocell/math/rotation.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell {
+namespace {
+
+constexpr const char* kStraightArm = R"(<mujoco><compiler angle="radian"/>
+  <worldbody><body name="base"><geom size=".1"/>
+    <body><joint name="a" axis="0 1 0" range="-2 2"/><geom size=".05"/>
+      <body pos=".3 0 0"><joint name="b" axis="0 1 0" range="-2 2"/><geom size=".05"/>
+        <body pos=".3 0 0"><joint name="c" axis="0 1 0" range="-2 2"/><geom size=".05"/>
+          <site name="tip" pos=".1 0 0"/></body></body></body></body></worldbody></mujoco>)";
+
+double ErrorOf(const Chain& chain, std::span<const double> q, const Pose& target) {
+  const Pose tip = chain.Fk(q);
+  return std::hypot((target.translation() - tip.translation()).norm() / chain.model().length,
+                    robocell::AngleBetween(target.quaternion(), tip.quaternion()));
+}
+
+TEST(IkTowards, ComesNearerAndNoJointSwings) {
+  Rng rng = Rng::Stream(3, "ik towards");
+  for (int trial = 0; trial < 50; ++trial) {
+    const TestModel model = TestModel::FromXml(
+        RandomChainXml(&rng, {.joints = 3 + trial % 5, .slide_share = 0.1, .limited_share = 1})
+            .Write());
+    const Chain chain(model.model(), "base", ChainTip::Site("tip"));
+    JointVector from(chain.n_joints());
+    for (int i = 0; i < from.size(); ++i) {
+      const ChainJoint& joint = chain.joints()[i];
+      from[i] = joint.lower + rng.Uniform(0.1, 0.9) * (joint.upper - joint.lower);
+    }
+    const Pose tip = chain.Fk(from);
+    const Pose target = tip * Pose::FromRpy({rng.Uniform(-.05, .05), 0.02, 0}, {0, 0.1, 0});
+    const IkResult near = IkTowards(chain, target, from);
+    const double before = ErrorOf(chain, from, target), after = ErrorOf(chain, near.q, target);
+    EXPECT_LE(after, before);
+    EXPECT_EQ(near.success, after <= 0.98 * before);
+    EXPECT_NEAR(near.position_error, (target.translation() - chain.Fk(near.q).translation()).norm(),
+                1e-12);
+    const double most = LargestJointStep(chain, tip, target) * std::max(1.0, chain.model().length);
+    for (int i = 0; i < from.size(); ++i) {
+      EXPECT_LE(std::abs(near.q[i] - from[i]), most + 1e-9);
+      EXPECT_GE(near.q[i], chain.joints()[i].lower - 1e-9);
+      EXPECT_LE(near.q[i], chain.joints()[i].upper + 1e-9);
+    }
+  }
+}
+
+TEST(IkTowards, BendsAStretchedArmAndFailsOnlyOutwards) {
+  const TestModel model = TestModel::FromXml(kStraightArm);
+  const Chain chain(model.model(), "base", ChainTip::Site("tip"));
+  const JointVector straight(3);
+  const Pose tip = chain.Fk(straight);
+  const auto moved = [&](double x) {
+    return Pose(tip.translation() + Eigen::Vector3d(x, 0, 0), tip.quaternion());
+  };
+  const IkResult in = IkTowards(chain, moved(-0.02), straight);
+  EXPECT_TRUE(in.success);
+  EXPECT_LT(chain.Fk(in.q).translation().x(), tip.translation().x() - 1e-3);
+  const IkResult out = IkTowards(chain, moved(0.02), straight);
+  EXPECT_FALSE(out.success);
+  EXPECT_NEAR(out.position_error, 0.02, 1e-3);
+}
+
+TEST(IkTowards, RejectsWhatIsNotFinite) {
+  const TestModel model = TestModel::FromXml(kStraightArm);
+  const Chain chain(model.model(), "base", ChainTip::Site("tip"));
+  ExpectThrow<ArgumentError>(
+      [&] {
+        (void)IkTowards(chain, Pose(), std::vector<double>{0, NAN, 0});
+      },
+      "inverse kinematics towards a pose: joint 'b' is nan; joint values must be finite");
+}
+
+}  // namespace
+}  // namespace robocell

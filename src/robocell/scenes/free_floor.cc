@@ -1,0 +1,248 @@
+#include "robocell/scenes/free_floor.h"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <Eigen/Geometry>
+
+#include "robocell/motion/geom_extent.h"
+
+namespace robocell::internal {
+namespace {
+
+constexpr double kCell = 0.05;          // metres
+constexpr double kLevelPlane = 0.9998;  // cosine of one degree
+constexpr double kSameFloor = 0.05;     // metres between heights of one floor
+constexpr double kThreshold = 0.02;     // what is lower is no obstacle, metres
+constexpr double kMostHalf = 25;        // of a floor that is looked at, metres
+constexpr double kLeastFloorHalf = 0.5;
+constexpr int kMostAreas = 12;
+
+// The corners of the box around a geom, in the world.
+std::vector<Eigen::Vector3d> CornersOf(const mjModel* m, const mjData* d, int g) {
+  const Pose at = Pose::FromTranslationAndMatrix(d->geom_xpos + 3 * g, d->geom_xmat + 9 * g);
+  const mjtNum* box = m->geom_aabb + 6 * g;
+  std::vector<Eigen::Vector3d> corners;
+  for (int corner = 0; corner < 8; ++corner) {
+    Eigen::Vector3d point(box[0], box[1], box[2]);
+    for (int axis = 0; axis < 3; ++axis)
+      point[axis] += (corner >> axis & 1 ? 1 : -1) * box[3 + axis];
+    corners.push_back(at * point);
+  }
+  return corners;
+}
+
+// A level surface to stand on.
+struct Floor {
+  int geom;
+  Pose frame_to_world;  // the middle, z up
+  double half_x, half_y;
+};
+
+std::optional<Floor> FloorOf(const mjModel* m, const mjData* d, int g) {
+  if (!IsCollisionGeom(m, g)) return std::nullopt;
+  const Pose at = Pose::FromTranslationAndMatrix(d->geom_xpos + 3 * g, d->geom_xmat + 9 * g);
+  const Eigen::Matrix3d axes = at.rotation();
+  const mjtNum* size = m->geom_size + 3 * g;
+  const double yaw = std::atan2(axes(1, 0), axes(0, 0));
+  if (axes(2, 2) < kLevelPlane) return std::nullopt;
+  const Eigen::Vector3d middle = at.translation();
+  if (m->geom_type[g] == mjGEOM_PLANE) {
+    const double endless = std::numeric_limits<double>::infinity();
+    return Floor{g, Pose::FromRpy({middle.x(), middle.y(), middle.z()}, {0, 0, yaw}),
+                 size[0] > 0 ? size[0] : endless, size[1] > 0 ? size[1] : endless};
+  }
+  if (m->geom_type[g] != mjGEOM_BOX || std::min(size[0], size[1]) < kLeastFloorHalf)
+    return std::nullopt;
+  return Floor{g, Pose::FromRpy({middle.x(), middle.y(), middle.z() + size[2]}, {0, 0, yaw}),
+               size[0], size[1]};
+}
+
+// A floor as a grid of cells that are free or not.
+class Grid {
+ public:
+  explicit Grid(const Floor& floor)
+      : floor_(floor),
+        nx_(static_cast<int>(2 * floor.half_x / kCell)),
+        ny_(static_cast<int>(2 * floor.half_y / kCell)),
+        taken_(static_cast<size_t>(nx_) * static_cast<size_t>(ny_), false) {}
+
+  // Marks what is under the box around a geom, by the outline of its corners.
+  void Take(const std::vector<Eigen::Vector3d>& corners) {
+    std::vector<Eigen::Vector2d> points;
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const Eigen::Vector3d& corner : corners) {
+      const Eigen::Vector3d at = floor_.frame_to_world.inverse() * corner;
+      points.emplace_back(at.x(), at.y());
+      low = std::min(low, at.z());
+      high = std::max(high, at.z());
+    }
+    if (high < kThreshold || low > kHeadroom) return;
+    // Cells whose middle is within half a diagonal of the outline.
+    const std::vector<Eigen::Vector2d> hull = ConvexHull(std::move(points));
+    const double reach = kCell * std::sqrt(0.5);
+    Eigen::AlignedBox2d bounds;
+    for (const Eigen::Vector2d& point : hull) bounds.extend(point);
+    for (int i = CellAt(bounds.min().x() - reach, nx_); i <= CellAt(bounds.max().x() + reach, nx_);
+         ++i) {
+      for (int j = CellAt(bounds.min().y() - reach, ny_);
+           j <= CellAt(bounds.max().y() + reach, ny_); ++j) {
+        if (IsNear(hull, Middle(i, j), reach)) taken_[Index(i, j)] = true;
+      }
+    }
+  }
+
+  // The largest free rectangle, which is taken then; unset when none is large enough.
+  std::optional<FloorArea> TakeLargest() {
+    // The classic sweep: per row the heights of free columns, and the largest rectangle under them.
+    std::vector<int> heights(static_cast<size_t>(nx_), 0);
+    int best = 0, best_i = 0, best_j = 0, best_width = 0, best_height = 0;
+    const int least = static_cast<int>(kLeastSide / kCell);
+    for (int j = 0; j < ny_; ++j) {
+      for (int i = 0; i < nx_; ++i) {
+        int& height = heights[static_cast<size_t>(i)];
+        height = taken_[Index(i, j)] ? 0 : height + 1;
+      }
+      std::vector<int> open;  // columns whose rectangle is not closed, by rising height
+      for (int i = 0; i <= nx_; ++i) {
+        const int height = i < nx_ ? heights[static_cast<size_t>(i)] : 0;
+        while (!open.empty() && heights[static_cast<size_t>(open.back())] >= height) {
+          const int top = heights[static_cast<size_t>(open.back())];
+          open.pop_back();
+          const int first = open.empty() ? 0 : open.back() + 1;
+          const int width = i - first;
+          if (std::min(width, top) >= least && width * top > best) {
+            best = width * top;
+            best_i = first;
+            best_j = j - top + 1;
+            best_width = width;
+            best_height = top;
+          }
+        }
+        open.push_back(i);
+      }
+    }
+    if (best == 0) return std::nullopt;
+    for (int i = best_i; i < best_i + best_width; ++i) {
+      for (int j = best_j; j < best_j + best_height; ++j) taken_[Index(i, j)] = true;
+    }
+    const Eigen::Vector2d middle =
+        (Middle(best_i, best_j) + Middle(best_i + best_width - 1, best_j + best_height - 1)) / 2;
+    return FloorArea{
+        .frame_to_world = floor_.frame_to_world * Pose(Eigen::Vector3d(middle.x(), middle.y(), 0)),
+        .half_x = best_width * kCell / 2,
+        .half_y = best_height * kCell / 2};
+  }
+
+ private:
+  size_t Index(int i, int j) const {
+    return static_cast<size_t>(j) * static_cast<size_t>(nx_) + static_cast<size_t>(i);
+  }
+  Eigen::Vector2d Middle(int i, int j) const {
+    return {(i + 0.5) * kCell - nx_ * kCell / 2, (j + 0.5) * kCell - ny_ * kCell / 2};
+  }
+  static int CellAt(double at, int count) {
+    return std::clamp(static_cast<int>(std::floor(at / kCell + count / 2.0)), 0, count - 1);
+  }
+  // Counter-clockwise (Andrew 1979).
+  static std::vector<Eigen::Vector2d> ConvexHull(std::vector<Eigen::Vector2d> points) {
+    std::ranges::sort(points, [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+      return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
+    });
+    std::vector<Eigen::Vector2d> hull;
+    const auto turn = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b,
+                         const Eigen::Vector2d& c) {
+      return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
+    };
+    const auto add = [&](const Eigen::Vector2d& point, size_t least) {
+      while (hull.size() >= least && turn(hull[hull.size() - 2], hull.back(), point) <= 0)
+        hull.pop_back();
+      hull.push_back(point);
+    };
+    for (const Eigen::Vector2d& point : points) add(point, 2);
+    const size_t lower = hull.size() + 1;
+    for (auto point = points.rbegin() + 1; point != points.rend(); ++point) add(*point, lower);
+    hull.pop_back();
+    return hull;
+  }
+  static bool IsNear(const std::vector<Eigen::Vector2d>& hull, const Eigen::Vector2d& at,
+                     double reach) {
+    for (size_t i = 0; i < hull.size(); ++i) {
+      const Eigen::Vector2d from = hull[i], edge = hull[(i + 1) % hull.size()] - from;
+      if (edge.norm() < 1e-9) continue;
+      const double outside =
+          (edge.y() * (at - from).x() - edge.x() * (at - from).y()) / edge.norm();
+      if (outside > reach) return false;
+    }
+    return true;
+  }
+
+  Floor floor_;
+  int nx_, ny_;
+  std::vector<bool> taken_;
+};
+
+// An endless floor ends a little beyond what stands on it.
+void Bound(Floor& floor, const std::vector<std::vector<Eigen::Vector3d>>& boxes) {
+  Eigen::AlignedBox2d content;
+  for (const auto& corners : boxes) {
+    for (const Eigen::Vector3d& corner : corners) {
+      const Eigen::Vector3d at = floor.frame_to_world.inverse() * corner;
+      content.extend(Eigen::Vector2d(at.x(), at.y()));
+    }
+  }
+  if (content.isEmpty()) content.extend(Eigen::Vector2d(0, 0));
+  const Eigen::Vector2d margin(kMargin, kMargin);
+  const Eigen::Vector2d half(floor.half_x, floor.half_y);
+  const Eigen::Vector2d low = (content.min() - margin).cwiseMax(-half).cwiseMax(-kMostHalf);
+  const Eigen::Vector2d high = (content.max() + margin).cwiseMin(half).cwiseMin(kMostHalf);
+  const Eigen::Vector2d middle = (low + high) / 2;
+  floor.frame_to_world = floor.frame_to_world * Pose(Eigen::Vector3d(middle.x(), middle.y(), 0));
+  floor.half_x = std::max(0.0, (high - low).x() / 2);
+  floor.half_y = std::max(0.0, (high - low).y() / 2);
+}
+
+}  // namespace
+
+std::vector<FloorArea> FindFreeFloor(const Scene& scene, const std::vector<bool>& ignored) {
+  const mjModel* m = scene.model();
+  const mjData* d = scene.data();
+  std::vector<Floor> floors;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (int g = 0; g < m->ngeom; ++g) {
+    if (ignored[static_cast<size_t>(m->geom_bodyid[g])]) continue;
+    if (m->body_dofnum[m->body_weldid[m->geom_bodyid[g]]] > 0) continue;
+    const std::optional<Floor> floor = FloorOf(m, d, g);
+    if (!floor) continue;
+    floors.push_back(*floor);
+    lowest = std::min(lowest, floor->frame_to_world.translation().z());
+  }
+  std::erase_if(floors, [&](const Floor& floor) {
+    return floor.frame_to_world.translation().z() > lowest + kSameFloor;
+  });
+  std::vector<FloorArea> areas;
+  for (Floor& floor : floors) {
+    std::vector<std::vector<Eigen::Vector3d>> boxes;
+    for (int g = 0; g < m->ngeom; ++g) {
+      const bool is_thing = m->geom_type[g] != mjGEOM_PLANE && IsCollisionGeom(m, g) &&
+                            !ignored[static_cast<size_t>(m->geom_bodyid[g])];
+      if (is_thing && g != floor.geom) boxes.push_back(CornersOf(m, d, g));
+    }
+    Bound(floor, boxes);
+    Grid grid(floor);
+    for (const auto& corners : boxes) grid.Take(corners);
+    while (const auto area = grid.TakeLargest()) {
+      areas.push_back(*area);
+      if (areas.size() >= kMostAreas) break;
+    }
+  }
+  std::ranges::stable_sort(areas, [](const FloorArea& a, const FloorArea& b) {
+    return a.half_x * a.half_y > b.half_x * b.half_y;
+  });
+  return areas;
+}
+
+}  // namespace robocell::internal

@@ -1,0 +1,104 @@
+#include "robocell/scenes/free_floor.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include "robocell/base/rng.h"
+#include "robocell/motion/geom_extent.h"
+#include "robocell/scene/testing/scenes.h"
+
+namespace robocell::internal {
+namespace {
+
+using ::testing::IsEmpty;
+
+SceneObject FixedBox(const std::string& name, const Vec3& pos, const Vec3& half, double yaw = 0) {
+  SceneObject box = BoxObject(name, pos);
+  box.size = half;
+  box.fixed = true;
+  box.quat = Pose::FromRpy({0, 0, 0}, {0, 0, yaw}).quaternion();
+  return box;
+}
+
+std::vector<FloorArea> FreeFloorOf(const Scene& scene) {
+  return FindFreeFloor(scene, std::vector<bool>(static_cast<size_t>(scene.model()->nbody), false));
+}
+
+// Whether a ray from above ends on something higher than the floor.
+bool IsCovered(const Scene& scene, const Eigen::Vector3d& at) {
+  std::vector<int> geoms;
+  for (int g = 0; g < scene.model()->ngeom; ++g) {
+    if (scene.model()->geom_type[g] != mjGEOM_PLANE) geoms.push_back(g);
+  }
+  const Eigen::Vector3d from(at.x(), at.y(), kHeadroom);
+  return CastRay(scene.model(), scene.data(), geoms, from, -Eigen::Vector3d::UnitZ()).distance <
+         kHeadroom - 0.02;
+}
+
+TEST(FreeFloor, NothingStandsOnIt) {
+  for (int k = 0; k < 20; ++k) {
+    Rng rng = Rng::Stream(7, "free floor", k);
+    SceneSpec spec{.name = "room", .timestep = 0.002, .add_floor = true, .add_skybox = true};
+    for (int i = 0; i < 6; ++i) {
+      spec.objects.push_back(
+          FixedBox("box" + std::to_string(i), {rng.Uniform(-2, 2), rng.Uniform(-2, 2), 0.3},
+                   {rng.Uniform(0.02, 0.6), rng.Uniform(0.02, 0.6), 0.3}, rng.Uniform(-3, 3)));
+    }
+    const Scene scene = Scene::Build(spec);
+    const std::vector<FloorArea> areas = FreeFloorOf(scene);
+    ASSERT_FALSE(areas.empty());
+    for (const FloorArea& area : areas) {
+      EXPECT_GE(2 * std::min(area.half_x, area.half_y), kLeastSide - 1e-9);
+      for (int s = 0; s < 200; ++s) {
+        const Eigen::Vector3d at =
+            area.frame_to_world * Eigen::Vector3d(rng.Uniform(-area.half_x, area.half_x),
+                                                  rng.Uniform(-area.half_y, area.half_y), 0);
+        EXPECT_FALSE(IsCovered(scene, at)) << k << ": " << at.transpose();
+        EXPECT_NEAR(at.z(), 0, 1e-9);
+      }
+    }
+  }
+}
+
+TEST(FreeFloor, ARoomWithWallsIsFreeUpToThem) {
+  SceneSpec spec{.name = "room", .timestep = 0.002, .add_floor = true, .add_skybox = true};
+  spec.objects.push_back(FixedBox("north", {0, 2, 1}, {2, 0.05, 1}));
+  spec.objects.push_back(FixedBox("south", {0, -2, 1}, {2, 0.05, 1}));
+  spec.objects.push_back(FixedBox("east", {2, 0, 1}, {0.05, 2, 1}));
+  spec.objects.push_back(FixedBox("west", {-2, 0, 1}, {0.05, 2, 1}));
+  const std::vector<FloorArea> areas = FreeFloorOf(Scene::Build(spec));
+  ASSERT_FALSE(areas.empty());
+  const FloorArea& inner = areas.front();
+  EXPECT_NEAR(inner.frame_to_world.translation().norm(), 0, 0.06);
+  EXPECT_NEAR(inner.half_x, 1.95, 0.08);
+  EXPECT_NEAR(inner.half_y, 1.95, 0.08);
+}
+
+TEST(FreeFloor, UnderATableIsNotFree) {
+  SceneSpec spec{.name = "table", .timestep = 0.002, .add_floor = true, .add_skybox = true};
+  spec.objects.push_back(FixedBox("top", {0, 0, 0.7}, {0.5, 0.5, 0.02}));
+  for (const FloorArea& area : FreeFloorOf(Scene::Build(spec))) {
+    const Eigen::Vector3d middle = area.frame_to_world.inverse() * Eigen::Vector3d::Zero();
+    EXPECT_FALSE(std::abs(middle.x()) < area.half_x && std::abs(middle.y()) < area.half_y);
+  }
+}
+
+TEST(FreeFloor, AFloorThatIsABoxEndsAtItsEdges) {
+  SceneSpec spec{.name = "slab", .timestep = 0.002, .add_floor = false, .add_skybox = true};
+  spec.objects.push_back(FixedBox("slab", {1, 0, -0.05}, {1.5, 1, 0.05}, 0.4));
+  const std::vector<FloorArea> areas = FreeFloorOf(Scene::Build(spec));
+  ASSERT_EQ(areas.size(), 1u);
+  EXPECT_NEAR(areas[0].frame_to_world.translation().x(), 1, 0.03);
+  EXPECT_NEAR(areas[0].half_x, 1.5, 0.05);
+  EXPECT_NEAR(areas[0].half_y, 1, 0.05);
+}
+
+TEST(FreeFloor, ASceneWithoutAFloorHasNone) {
+  SceneSpec spec{.name = "air", .timestep = 0.002, .add_floor = false, .add_skybox = true};
+  spec.objects.push_back(FixedBox("shelf", {1, 0, 1}, {0.3, 0.2, 0.05}));
+  EXPECT_THAT(FreeFloorOf(Scene::Build(spec)), IsEmpty());
+}
+
+}  // namespace
+}  // namespace robocell::internal

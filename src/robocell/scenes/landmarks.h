@@ -1,0 +1,62 @@
+// Landmarks: what objects are placed on, in or beside: the level tops of a body or object of a
+// scene, the floors of its hollows, how far it reaches, and what it stands on.
+//
+//   const Landmarks landmarks(scene, DeriveAnnotations(spec));
+//   for (const LevelSpot& spot : landmarks.Tops("shelf")) ...   // spot.frame_to_world * (x, y, 0)
+//
+// Names are those of objects and of bodies of the compiled scene; NotFoundError suggests the
+// nearest. Poses are those that the scene has when a Landmarks is made. Metres.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "robocell/math/pose.h"
+#include "robocell/scene/scene.h"
+#include "robocell/scenes/scene_annotations.h"
+
+namespace robocell::internal {
+
+// A level rectangle: its middle with z up, and half extents along its x and y.
+struct LevelSpot {
+  Pose frame_to_world;
+  double half_x = 0, half_y = 0;
+};
+
+// The root body of an object, else the body of this name; -1 without one.
+int FindObjectOrBody(const Scene& scene, const std::string& name);
+// NotFoundError suggests the nearest.
+int RequireObjectOrBody(const Scene& scene, const std::string& name);
+std::vector<std::string> NamesOfObjectsAndBodies(const Scene& scene);
+
+class Landmarks {
+ public:
+  Landmarks(Scene scene, SceneAnnotations annotations);
+
+  bool Has(const std::string& name) const { return FindObjectOrBody(scene_, name) >= 0; }
+  std::vector<std::string> Names() const { return NamesOfObjectsAndBodies(scene_); }
+  // Where something can lie on it: the level faces that the annotations know of it and of what
+  // hangs on it, largest first; else the level part around the middle of its top, which may have no
+  // extent. Empty for what has no shape that collides.
+  std::vector<LevelSpot> Tops(const std::string& name) const;
+  // The floors of its hollows that are level, largest first.
+  std::vector<LevelSpot> Floors(const std::string& name) const;
+  // What it stands on: the annotated face or the floor that is next under its lowest point; a spot
+  // of no extent under it without one.
+  LevelSpot Ground(const std::string& name) const;
+  // Its root body's origin, in the world.
+  Eigen::Vector3d Origin(const std::string& name) const;
+  // How far it reaches from there along a unit vector of the world.
+  double ReachAlong(const std::string& name, const Eigen::Vector3d& direction) const;
+
+ private:
+  int RequireBody(const std::string& name) const { return RequireObjectOrBody(scene_, name); }
+  bool IsPartOf(const std::string& part, int body) const;
+  std::vector<LevelSpot> MiddleOfTop(int body) const;
+  double LowestOf(int body) const;
+
+  Scene scene_;
+  SceneAnnotations annotations_;
+};
+
+}  // namespace robocell::internal

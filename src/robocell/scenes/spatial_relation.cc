@@ -1,0 +1,160 @@
+#include "robocell/scenes/spatial_relation.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "robocell/base/error.h"
+#include "robocell/motion/geom_extent.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/mujoco/tree.h"
+#include "robocell/scene/body_handle.h"
+#include "robocell/scenes/hollows.h"
+#include "robocell/scenes/landmarks.h"
+
+namespace robocell {
+namespace {
+
+constexpr double kBelowRim = 0.005;    // metres that something inside reaches below the rim
+constexpr double kBelowFloor = 0.005;  // by which contacts may press into a hollow's floor
+constexpr double kFromAbove = 0.5;     // least cosine between a contact's normal and the vertical
+
+std::string BodyNameOf(const Scene& scene, const std::string& name) {
+  return ElementName(scene.model(), mjOBJ_BODY, internal::RequireObjectOrBody(scene, name));
+}
+
+// A hollow of one of the reference's bodies.
+struct HollowOf {
+  BodyHandle body;
+  Hollow hollow;
+};
+
+}  // namespace
+
+struct SpatialRelation::Impl {
+  Scene scene;
+  BodyHandle object, reference;
+  Relation relation;
+  double most_gap;
+  std::vector<HollowOf> hollows;
+
+  // What is taller than a tray is in it all the same: it reaches below the rim, with its middle over
+  // the hollow.
+  bool IsInside() const {
+    const Eigen::Vector3d middle(scene.data()->subtree_com + 3 * object.id());
+    return std::ranges::any_of(hollows, [&](const HollowOf& each) {
+      const Pose body = each.body.pose_in_world();
+      const Eigen::Vector3d at = body.inverse() * middle - each.hollow.middle;
+      const Eigen::Vector3d& opening = each.hollow.opening;
+      double depth = 0;  // half
+      for (int axis = 0; axis < 3; ++axis) {
+        const double half = each.hollow.half_extents[static_cast<size_t>(axis)];
+        if (std::abs(opening[axis]) > 0.5)
+          depth = half;
+        else if (std::abs(at[axis]) > half)
+          return false;
+      }
+      const Eigen::Vector3d out = body.rotation() * opening;
+      const double lowest = ExtentOf(object.id(), out).lower - (body * each.hollow.middle).dot(out);
+      return lowest < depth - std::min(kBelowRim, depth) && lowest > -depth - kBelowFloor;
+    });
+  }
+
+  // Contacts between the two whose normal, from the reference to the object, looks up.
+  bool IsOnTop() const {
+    const mjModel* m = scene.model();
+    const mjData* d = scene.data();
+    for (int c = 0; c < d->ncon; ++c) {
+      const mjContact& contact = d->contact[c];
+      if (contact.exclude != 0 || contact.geom[0] < 0 || contact.geom[1] < 0) continue;
+      const int a = m->geom_bodyid[contact.geom[0]], b = m->geom_bodyid[contact.geom[1]];
+      const double up = contact.frame[2];  // from a to b
+      if (IsInSubtree(m, a, reference.id()) && IsInSubtree(m, b, object.id()) && up > kFromAbove)
+        return true;
+      if (IsInSubtree(m, b, reference.id()) && IsInSubtree(m, a, object.id()) && -up > kFromAbove)
+        return true;
+    }
+    return false;
+  }
+
+  bool IsNextTo() const {
+    if (IsInside() || IsOnTop()) return false;
+    const Eigen::Vector3d from(scene.data()->subtree_com + 3 * reference.id());
+    const Eigen::Vector3d to(scene.data()->subtree_com + 3 * object.id());
+    Eigen::Vector3d way = to - from;
+    way.z() = 0;
+    if (way.norm() < mjMINVAL) return false;
+    way.normalize();
+    const Interval near = ExtentOf(reference.id(), way), far = ExtentOf(object.id(), way);
+    if (far.lower - near.upper > most_gap) return false;
+    // Beside each other, not one high above the other.
+    const Interval low = ExtentOf(reference.id(), Eigen::Vector3d::UnitZ());
+    const Interval high = ExtentOf(object.id(), Eigen::Vector3d::UnitZ());
+    return low.lower < high.upper && high.lower < low.upper;
+  }
+
+  Interval ExtentOf(int body, const Eigen::Vector3d& direction) const {
+    Interval all{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+    for (const int g : CollisionGeomsOf(scene.model(), body)) {
+      const Interval extent = GeomExtent(scene.model(), scene.data(), g, direction);
+      all.lower = std::min(all.lower, extent.lower);
+      all.upper = std::max(all.upper, extent.upper);
+    }
+    return all;
+  }
+};
+
+SpatialRelation::SpatialRelation(const Scene& scene, const std::string& object, Relation relation,
+                                 const std::string& reference, double most_gap)
+    : impl_(new Impl{.scene = scene,
+                     .object = BodyHandle(scene, BodyNameOf(scene, object)),
+                     .reference = BodyHandle(scene, BodyNameOf(scene, reference)),
+                     .relation = relation,
+                     .most_gap = most_gap,
+                     .hollows = {}}) {
+  if (!(most_gap >= 0) || !std::isfinite(most_gap)) {
+    throw ArgumentError(
+        fmt::format("SpatialRelation: most_gap is {:g} m, it cannot be negative", most_gap));
+  }
+  const mjModel* m = scene.model();
+  for (const auto& [name, body] :
+       {std::pair(object, impl_->object.id()), std::pair(reference, impl_->reference.id())}) {
+    if (CollisionGeomsOf(m, body).empty()) {
+      throw ArgumentError(fmt::format(
+          "SpatialRelation: '{}' has no shape that collides, so that nothing can be {} it", name,
+          ToString(relation)));
+    }
+  }
+  if (relation == Relation::kOnTopOf) return;
+  for (const HollowOfBody& found : FindHollows(scene, impl_->reference.id()))
+    impl_->hollows.push_back(
+        {BodyHandle(scene, ElementName(m, mjOBJ_BODY, found.body)), found.hollow});
+  if (relation == Relation::kInside && impl_->hollows.empty()) {
+    throw ArgumentError(
+        fmt::format("SpatialRelation: '{}' has no hollow, so that '{}' cannot be inside it",
+                    reference, object));
+  }
+}
+
+SpatialRelation::~SpatialRelation() = default;
+SpatialRelation::SpatialRelation(SpatialRelation&&) noexcept = default;
+SpatialRelation& SpatialRelation::operator=(SpatialRelation&&) noexcept = default;
+
+bool SpatialRelation::Holds() const {
+  switch (impl_->relation) {
+    case Relation::kOnTopOf:
+      return impl_->IsOnTop();
+    case Relation::kInside:
+      return impl_->IsInside();
+    case Relation::kNextTo:
+      break;
+  }
+  return impl_->IsNextTo();
+}
+
+}  // namespace robocell
