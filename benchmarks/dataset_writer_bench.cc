@@ -106,12 +106,12 @@ class Writing {
     episode.Commit({.success = true});
   }
   void EncodeOnly() {
-    std::vector<std::unique_ptr<ChildProcess>> encoders;
+    std::vector<std::unique_ptr<internal::ChildProcess>> encoders;
     for (int c = 0; c < kCameras; ++c) {
       std::vector<std::string> command = command_;
       command.push_back("file:" + (folder_ / File(c)).string());
-      encoders.push_back(
-          std::make_unique<ChildProcess>(command, ChildProcessOptions{.pipe_stdin = true}));
+      encoders.push_back(std::make_unique<internal::ChildProcess>(
+          command, internal::ChildProcessOptions{.pipe_stdin = true}));
     }
     for (size_t i = 0; i < frames_.size(); ++i) encoders[i % kCameras]->Write(frames_[i]);
     for (const auto& encoder : encoders) encoder->CloseStdin();

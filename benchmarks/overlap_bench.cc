@@ -126,7 +126,8 @@ class Making {
     renderer_->SetModel(scene.model());
     std::vector<CameraView> views;
     for (const CameraConfig& stream : run_.cameras.streams)
-      views.push_back(NamedCamera(scene.model(), FindCameraName(scene, stream), stream.name));
+      views.push_back(
+          NamedCamera(scene.model(), internal::FindCameraName(scene, stream), stream.name));
     for (size_t row = 0; row < rollout.states.size(); ++row) {
       rollout.scene.SetState(rollout.states[row]);
       for (size_t s = 0; s < views.size(); ++s) {

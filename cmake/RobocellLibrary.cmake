@@ -75,3 +75,14 @@ set_target_properties(robocell PROPERTIES
   LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}" VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION})
 set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/base/version.cc" PROPERTIES
   COMPILE_DEFINITIONS "ROBOCELL_VERSION=\"${PROJECT_VERSION}\"")
+
+# The same objects, with robocell::internal shown. Tests, and benchmarks of inner parts, link to it in place of librobocell.
+if(ROBOCELL_TESTS OR ROBOCELL_BENCHMARKS)
+  add_library(robocell_for_tests SHARED $<TARGET_OBJECTS:robocell> $<TARGET_OBJECTS:robocell_waiting>)
+  target_include_directories(robocell_for_tests PUBLIC "${PROJECT_SOURCE_DIR}/src")
+  target_compile_features(robocell_for_tests PUBLIC cxx_std_20)
+  target_link_libraries(robocell_for_tests PUBLIC ${ROBOCELL_PUBLIC_LIBRARIES} PRIVATE ${ROBOCELL_PRIVATE_LIBRARIES})
+  target_link_options(robocell_for_tests PRIVATE "LINKER:-Bsymbolic-functions")
+  set_target_properties(robocell_for_tests PROPERTIES LINKER_LANGUAGE CXX BUILD_RPATH "${MUJOCO_DIR}"
+    LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}")
+endif()

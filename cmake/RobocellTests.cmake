@@ -1,15 +1,6 @@
 # One test program per layer, made from every *_test.cc in its folder; new files need no change here.
 find_package(GTest REQUIRED)
 
-# The same objects as librobocell, with robocell::internal shown. Tests link to it in place of librobocell.
-add_library(robocell_for_tests SHARED $<TARGET_OBJECTS:robocell> $<TARGET_OBJECTS:robocell_waiting>)
-target_include_directories(robocell_for_tests PUBLIC "${PROJECT_SOURCE_DIR}/src")
-target_compile_features(robocell_for_tests PUBLIC cxx_std_20)
-target_link_libraries(robocell_for_tests PUBLIC ${ROBOCELL_PUBLIC_LIBRARIES} PRIVATE ${ROBOCELL_PRIVATE_LIBRARIES})
-target_link_options(robocell_for_tests PRIVATE "LINKER:-Bsymbolic-functions")
-set_target_properties(robocell_for_tests PROPERTIES LINKER_LANGUAGE CXX BUILD_RPATH "${MUJOCO_DIR}"
-  LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}")
-
 # What tests share: where the Menagerie is, how a test is skipped. Never part of the library.
 file(GLOB testing_sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/robocell/testing/*.cc")
 list(FILTER testing_sources EXCLUDE REGEX "_test\\.cc$")

@@ -21,7 +21,7 @@ RUN = DOCS.parent / "examples" / "demo.yaml"
 
 def starts(run: rc.RunConfig) -> tuple[np.ndarray, np.ndarray, int]:
     """Base positions relative to the target (n, 3), their headings (n,), and what was refused."""
-    sampler = rc.PickTaskSampler(run)
+    sampler = rc.tasks.PickTaskSampler(run)
     places, headings, refused = [], [], 0
     for episode in range(STARTS):
         start = sampler.sample(

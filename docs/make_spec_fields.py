@@ -18,11 +18,11 @@ PAGE = Path(__file__).parent / "spec_fields.md"
 SCENES = (rc.SceneSpec, rc.RobotSpec, rc.SceneObject, rc.scene.SimOptions)
 RUNS = (
     rc.RunConfig,
-    rc.PickTaskConfig,
+    rc.tasks.PickTaskConfig,
     rc.tasks.PickAndPlaceTaskConfig,
     rc.tasks.StartConfig,
     rc.scenes.ObjectPlace,
-    rc.SceneSourceSpec,
+    rc.scenes.SceneSourceSpec,
     FilesScenes,
     rc.render.CameraSystemConfig,
     rc.render.CameraConfig,
@@ -34,7 +34,7 @@ ENVIRONMENTS = (
     rc.EnvConfig,
     rc.envs.EnvObject,
     rc.envs.ObjectVariation,
-    rc.CameraAdderConfig,
+    rc.envs.CameraAdderConfig,
     rc.envs.SimSettings,
     rc.envs.WrapperConfig,
 )
@@ -59,7 +59,7 @@ def default(value: object) -> str:
         return f"`{str(value).lower()}`"
     if isinstance(value, int | float):
         return f"`{value:g}`"
-    if isinstance(value, rc.AttachTarget):
+    if isinstance(value, rc.robots.AttachTarget):
         return f"`{value.kind.name.lower()}`"
     return f"`{value}`" if isinstance(value, str) and value else ""
 

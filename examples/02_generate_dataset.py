@@ -27,7 +27,7 @@ def main(folder: Path) -> None:
     shutil.rmtree(folder / "dataset", ignore_errors=True)
     run = rc.RunConfig(run="example", episodes_per_scene=2, output=str(folder / "dataset"))
     run.robot = rc.RobotConfig.load(rc.models.robot_file("rc7"))
-    run.task = rc.PickTaskConfig(objects=["box", "mug"])
+    run.task = rc.tasks.PickTaskConfig(objects=["box", "mug"])
     run.start = rc.tasks.StartConfig(base_distance=[0.35, 0.5], base_height_offset=-0.25)
     run.cameras.resolution = [160, 120]
     run.cameras.streams.append(rc.render.CameraConfig(name="wrist", camera="wrist_camera"))

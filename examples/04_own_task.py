@@ -120,7 +120,7 @@ def main(folder: Path) -> None:
     side = rc.render.CameraSpec(
         name="side", pos=[0.6, -0.9, 0.3], look_at=[0.45, 0, -0.12], fovy=40
     )
-    side.attach_to = rc.AttachTarget(rc.AttachKind.Body, "base_link")
+    side.attach_to = rc.robots.AttachTarget(rc.robots.AttachKind.Body, "base_link")
     run.robot.cameras.append(side)
     run.cameras.resolution = [320, 240]
     run.cameras.streams.append(rc.render.CameraConfig(name="side", camera="side"))

@@ -30,7 +30,7 @@ def build() -> rc.Scene:
     config.ft_sensors.append(rc.robots.ForceTorqueSensorSpec(name="wrist_ft", compensate_tool=True))
     spec = rc.SceneSpec(name="compliance", timestep=0.002, add_floor=True, add_skybox=True)
     robot = rc.RobotSpec(name="rc7", config=config, pos=[-0.35, 0, 0])
-    robot.attach_to = rc.AttachTarget(rc.AttachKind.Site, "table_table_top")
+    robot.attach_to = rc.robots.AttachTarget(rc.robots.AttachKind.Site, "table_table_top")
     spec.robots.append(robot)
     spec.objects.append(rc.SceneObject(name="table", mjcf_path="table", pos=[0, 0, 0.7]))
     return rc.Scene.build(spec)

@@ -90,8 +90,8 @@ def describe(steps: Steps) -> rc.EnvConfig:
     check(scene.body_pose("bracket_robotiq_d405_mount"), wrist)
 
     config.camera_adds = {
-        "bird_eye": rc.CameraAdderConfig(offset=at(0.4, 0, 1.6), fovy=60),
-        "wrist": rc.CameraAdderConfig(xml_path="d405", robot_name="left", offset=BESIDE),
+        "bird_eye": rc.envs.CameraAdderConfig(offset=at(0.4, 0, 1.6), fovy=60),
+        "wrist": rc.envs.CameraAdderConfig(xml_path="d405", robot_name="left", offset=BESIDE),
     }
     streams = [{"name": name, "camera": name} for name in config.camera_adds]
     config.cameras = rc.render.CameraSystemConfig(resolution=[64, 48], streams=streams)

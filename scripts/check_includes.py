@@ -4,8 +4,10 @@ Reads the ``#include`` lines of src/robocell and python/bindings and prints ever
 ``file:line: reason``. Exit code 1 when there is any. It does not parse C++; an include inside
 ``#if 0`` counts too.
 
-Installed are the headers that robocell.h reaches (cmake/RobocellHeaders.cmake). Headers of the
-namespace ``robocell::internal`` are not among them: no header outside of it may include one.
+Installed are the headers that robocell.h reaches (cmake/RobocellHeaders.cmake). They define nothing
+in ``robocell::internal``, whose names librobocell does not export: a class of it may be declared
+and then named. All other headers declare their names in ``robocell::internal``, except those that
+the bindings or only tests use.
 """
 
 from __future__ import annotations
@@ -69,9 +71,19 @@ BY_REGISTRY = {
 }
 KNOW_NO_TASK = ("rollout", "diagnose", "viewer")
 KDL_LAYERS = ("kinematics", "bindings")
-# What makes a header one that is not installed.
-HIDDEN = re.compile(r"^namespace robocell::internal\b", re.MULTILINE)
+# What these reach is installed.
+ROOTS = ("robocell/robocell.h", "robocell/kinematics/kdl_bridge.h")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
+# In C++, what is not code, or is none of the compiler's own.
+NO_CODE = re.compile(
+    r'//[^\n]*|/\*.*?\*/|^\s*#(?:[^\n]*\\\n)*[^\n]*|"(?:\\.|[^"\\\n])*"|(?<!\w)\'(?:\\.|[^\'\\\n])+\'',
+    re.DOTALL | re.MULTILINE,
+)
+NAMESPACE = re.compile(r"(?:inline\s+)?namespace\s*([\w:]*)$")
+FORWARD = re.compile(r"(?:class|struct|enum(?: class| struct)?) (\w+)(?: : [\w:]+)?")
+# A class within another, which has to be where the other one is.
+OF_A_CLASS = re.compile(r"(?:class|struct|enum(?: class| struct)?) \w+(?:::\w+)+\b")
+NAMES_INTERNAL = re.compile(r"\binternal::(\w+)")
 
 
 @dataclass(frozen=True)
@@ -152,23 +164,109 @@ def check_file(root: Path, path: Path) -> Iterator[Finding]:
             yield Finding(path, number, reason)
 
 
-def check_public(root: Path) -> Iterator[Finding]:
-    """Headers of the public namespace that include one of robocell::internal."""
-    texts = {file: file.read_text() for file in sorted((root / "src" / "robocell").rglob("*.h"))}
-    hidden = {
-        file.relative_to(root / "src").as_posix()
-        for file, text in texts.items()
-        if HIDDEN.search(text)
+@dataclass(frozen=True)
+class Declaration:
+    """The beginning of something that is declared in a namespace, up to its first brace."""
+
+    line: int
+    namespace: str
+    text: str
+    is_forward: bool
+
+
+def code_of(text: str) -> str:
+    """C++ without comments, preprocessor and strings, line numbers kept."""
+    return NO_CODE.sub(lambda match: "\n" * match.group().count("\n") or " ", text)
+
+
+def declarations(text: str) -> Iterator[Declaration]:
+    """What a header declares in its namespaces, in order; not what is within classes."""
+    scopes: list[str | None] = []  # None for a brace that opens no namespace
+    statement, line = "", 1
+    for number, row in enumerate(code_of(text).split("\n"), start=1):
+        for letter in (*row, "\n"):
+            in_block = bool(scopes) and scopes[-1] is None
+            if letter in "{};" and not in_block:
+                head = " ".join(statement.split())
+                statement = ""
+                space = NAMESPACE.fullmatch(head) if letter == "{" else None
+                if head and not space:
+                    is_forward = letter == ";" and bool(FORWARD.fullmatch(head))
+                    names = [name for name in scopes if name]
+                    yield Declaration(line, "::".join(names), head, is_forward)
+                if letter == "{":
+                    scopes.append(space.group(1) if space else None)
+                elif letter == "}" and scopes:
+                    scopes.pop()
+            elif letter == "{":
+                scopes.append(None)
+            elif letter == "}":
+                scopes.pop()
+            elif not in_block:
+                if not statement.strip():
+                    line = number
+                statement += letter
+
+
+def is_internal(declaration: Declaration) -> bool:
+    """True for a declaration in robocell::internal or in a namespace within it."""
+    return f"{declaration.namespace}::".startswith("robocell::internal::")
+
+
+def check_installed(text: str) -> Iterator[tuple[int, str]]:
+    """Lines of an installed header that declare or name what is internal."""
+    ours = {
+        match.group(1)
+        for declaration in declarations(text)
+        if is_internal(declaration) and (match := FORWARD.fullmatch(declaration.text))
     }
-    for file, text in texts.items():
-        name = file.relative_to(root / "src")
-        if name.as_posix() in hidden or "testing" in name.parts:
+    for declaration in declarations(text):
+        if is_internal(declaration) and not declaration.is_forward:
+            reason = "it is internal, but installed headers include this one"
+            yield declaration.line, f"'{declaration.text}': {reason}"
+    for number, line in enumerate(code_of(text).split("\n"), start=1):
+        for found in NAMES_INTERNAL.findall(line):
+            if found not in ours:
+                yield number, f"'internal::{found}' in an installed header: only what it declares"
+
+
+def check_hidden(text: str) -> Iterator[tuple[int, str]]:
+    """Lines of a header that only robocell itself uses which declare something for everybody."""
+    for declaration in declarations(text):
+        if not declaration.namespace.startswith("robocell") or is_internal(declaration):
             continue
-        for number, line in enumerate(text.splitlines(), start=1):
-            match = INCLUDE.match(line)
-            if match and match.group(1) in hidden:
-                reason = f'"{match.group(1)}" is of robocell::internal and not installed'
-                yield Finding(file.relative_to(root), number, f"{reason}: include it in .cc files")
+        if not declaration.is_forward and not OF_A_CLASS.match(declaration.text):
+            reason = "only robocell itself uses this header: declare it in robocell::internal"
+            yield declaration.line, f"'{declaration.text}': {reason}"
+
+
+def includes_of(file: Path) -> set[str]:
+    """The headers that a file includes."""
+    matches = (INCLUDE.match(line) for line in file.read_text().splitlines())
+    return {match.group(1) for match in matches if match}
+
+
+def check_names(root: Path) -> Iterator[Finding]:
+    """Names in the wrong one of the namespaces robocell and robocell::internal."""
+    src = root / "src"
+    waiting, installed = [name for name in ROOTS if (src / name).is_file()], set[str]()
+    while waiting:
+        name = waiting.pop()
+        if name not in installed and (src / name).is_file():
+            installed.add(name)
+            waiting += [found for found in includes_of(src / name) if found.startswith("robocell/")]
+    bound = set[str]()
+    for file in (root / "python" / "bindings").rglob("*.[ch]*"):
+        bound |= includes_of(file)
+    for file in sorted((src / "robocell").rglob("*.h")):
+        name = file.relative_to(src).as_posix()
+        if name in installed:
+            found = check_installed(file.read_text())
+        elif name in bound or "/testing/" in name:
+            continue
+        else:
+            found = check_hidden(file.read_text())
+        yield from (Finding(file.relative_to(root), line, reason) for line, reason in found)
 
 
 def check(root: Path) -> list[Finding]:
@@ -180,7 +278,7 @@ def check(root: Path) -> list[Finding]:
         for file in sorted((root / folder).rglob(pattern))
     ]
     found = [finding for file in files for finding in check_file(root, file)]
-    return found + list(check_public(root))
+    return found + list(check_names(root))
 
 
 def main() -> int:

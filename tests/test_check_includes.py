@@ -88,17 +88,87 @@ def test_the_line_of_the_include_is_named(tmp_path):
     assert found[0].startswith("src/robocell/base/a.cc:2: ")
 
 
-def test_a_public_header_includes_nothing_of_the_namespace_internal(tmp_path):
+def findings_among(tmp_path: Path, **headers: str) -> list[str]:
+    """Findings where robocell.h includes public.h, and the headers of math/ have these texts."""
     folder = tmp_path / "src" / "robocell" / "math"
     folder.mkdir(parents=True)
-    kernel = "namespace robocell::internal {\nvoid Work();\n}\n"
-    (folder / "kernel.h").write_text(kernel)
-    include = '#include "robocell/math/kernel.h"\n'
-    (folder / "other_kernel.h").write_text(include + kernel)
-    (folder / "public.cc").write_text(include)
+    (folder.parent / "robocell.h").write_text('#include "robocell/math/public.h"\n')
+    for name, text in {"public": "", **headers}.items():
+        (folder / f"{name}.h").write_text(text)
+    return [str(finding) for finding in check_includes.check(tmp_path)]
+
+
+KERNEL = "namespace robocell::internal {\nvoid Work();\n}\n"
+INCLUDE_KERNEL = '#include "robocell/math/kernel.h"\n'
+
+
+def test_a_header_that_is_not_installed_may_include_one_of_the_namespace_internal(tmp_path):
+    (tmp_path / "src/robocell/math").mkdir(parents=True)
+    (tmp_path / "src/robocell/math/public.cc").write_text(INCLUDE_KERNEL)
     assert check_includes.check(tmp_path) == []
-    (folder / "public.h").write_text("#pragma once\n" + include)
-    assert [str(finding) for finding in check_includes.check(tmp_path)] == [
-        'src/robocell/math/public.h:2: "robocell/math/kernel.h" is of robocell::internal and not '
-        "installed: include it in .cc files"
+
+
+def test_what_an_installed_header_includes_must_be_installed_so_it_is_not_internal(tmp_path):
+    found = findings_among(tmp_path, public=INCLUDE_KERNEL, kernel=KERNEL)
+    assert found == [
+        "src/robocell/math/kernel.h:2: 'void Work()': it is internal, but installed headers "
+        "include this one"
     ]
+
+
+PIMPL = """#pragma once
+namespace robocell {
+namespace internal {
+class Work;
+}
+class Public {
+  internal::Work* work = nullptr;  // internal::Other is only a comment
+};
+}
+"""
+
+
+def test_an_installed_header_may_declare_an_internal_class(tmp_path):
+    assert findings_among(tmp_path, public=PIMPL) == []
+
+
+def test_an_installed_header_names_no_other_internal_class(tmp_path):
+    found = findings_among(tmp_path, public=PIMPL.replace("class Work;", "class Other;"))
+    assert len(found) == 1
+    assert found[0].startswith("src/robocell/math/public.h:7: 'internal::Work'")
+
+
+@pytest.mark.parametrize(
+    "declaration",
+    [
+        "void Work();",
+        "class Work {\n int n;\n};",
+        "template <class T>\nvoid Work(T);",
+        "int kWork = 1;",
+    ],
+)
+def test_a_header_that_nobody_else_uses_declares_in_the_namespace_internal(tmp_path, declaration):
+    inside = f"namespace robocell::internal {{\n{declaration}\n}}\n"
+    outside = f"namespace robocell {{\n\n{declaration}\n}}\n"
+    found = findings_among(tmp_path, inside=inside, outside=outside)
+    assert len(found) == 1
+    assert found[0].startswith("src/robocell/math/outside.h:3: ")
+    assert "declare it in robocell::internal" in found[0]
+
+
+def test_it_may_declare_what_is_public_and_define_what_is_within_a_public_class(tmp_path):
+    text = "namespace robocell {\nclass Public;\nstruct Public::State {\n  int n = 0;\n};\n}\n"
+    assert findings_among(tmp_path, state=text + KERNEL) == []
+
+
+def test_headers_of_the_bindings_and_of_tests_stay_in_the_namespace_robocell(tmp_path):
+    bindings = tmp_path / "python" / "bindings"
+    bindings.mkdir(parents=True)
+    (bindings / "math.cc").write_text('#include "robocell/math/bound.h"\n')
+    testing = tmp_path / "src" / "robocell" / "math" / "testing"
+    public = "namespace robocell {\nvoid Work();\n}\n"
+    testing.parent.mkdir(parents=True)
+    testing.mkdir()
+    (testing / "help.h").write_text(public)
+    (testing.parent / "bound.h").write_text(public)
+    assert check_includes.check(tmp_path) == []

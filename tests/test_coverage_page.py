@@ -25,7 +25,8 @@ def named(cell: str) -> list[str]:
         if name.startswith("."):
             name = names[-1].split(".")[0] + name
         elif name.startswith("::"):
-            name = names[-1].rpartition("::")[0] + name
+            before = next(each for each in reversed(names) if "::" in each)
+            name = before.rpartition("::")[0] + name
         names.append(name)
     return names
 
@@ -43,19 +44,22 @@ def cxx_tests() -> set[tuple[str, str]]:
 
 
 def has_test(body: list[ast.stmt], path: list[str]) -> bool:
-    """Whether the function is there, in the very classes that are named."""
-    kind = ast.ClassDef if path[1:] else ast.FunctionDef
+    """Whether the function is there, in the very classes that are named, or the whole class."""
+    kind = ast.ClassDef if path[1:] or path[0].startswith("Test") else ast.FunctionDef
     for node in body:
         if isinstance(node, kind) and node.name == path[0]:
             return not path[1:] or has_test(node.body, path[1:])
     return False
 
 
+def files_of(name: str) -> list[Path]:
+    return [*ROOT.glob(f"python/tests/{name}.py"), *ROOT.glob(f"tests/**/{name}.py")]
+
+
 def exists(name: str) -> bool:
     if "::" in name:
         file, *path = name.split("::")
-        files = [*ROOT.glob(f"python/tests/{file}.py"), *ROOT.glob(f"tests/**/{file}.py")]
-        return any(has_test(parsed(f).body, path) for f in files)
+        return any(has_test(parsed(f).body, path) for f in files_of(file))
     suite, test = name.split(".")
     return any(s == suite and test in ("*", t) for s, t in cxx_tests())
 
@@ -77,3 +81,17 @@ def test_every_test_that_the_page_names_exists():
     names = [name for _, cells in rows() for cell in cells[1:3] for name in named(cell)]
     assert len(names) > 50
     assert [name for name in names if not exists(name)] == []
+
+
+def test_every_test_that_the_text_names_exists():
+    """Beside the table: tests, suites and files of tests."""
+    text = re.sub(r"^\|.*\|$", "", PAGE, flags=re.MULTILINE)
+    names = [name for name in named(text) if name not in ("Suite.Name", "file::test")]
+    cxx = [name for name in names if re.fullmatch(r"(\w+/)?[A-Z]\w+\.(\w+|\*)", name)]
+    python = [name for name in names if name.startswith("test_")]
+    assert len(cxx) > 20
+    assert len(python) > 20
+    missing = [name for name in cxx if not exists(name.rpartition("/")[2])]
+    missing += [name for name in python if "::" in name and not exists(name)]
+    missing += [name for name in python if "::" not in name and not files_of(name)]
+    assert missing == []

@@ -2,10 +2,13 @@
 
 Loading takes tenths of a second, and nothing has been begun then. Only for the command: a program
 that imports robocell keeps its own handling. `__main__` switches back.
+
+The command looks for modules in the working folder last, since it needs many of them itself.
 """
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 from pathlib import Path
@@ -45,5 +48,15 @@ def hear_again() -> None:
         _quiet = False
 
 
+def look_here_last() -> None:
+    """Moves the working folder to the end of the path.
+
+    `python -m robocell` puts it first, where a `random.py` would be taken for Python's.
+    """
+    if sys.path and sys.path[0] in ("", os.getcwd()):
+        sys.path.append(sys.path.pop(0))
+
+
 if is_command(sys.orig_argv):
     be_quiet()
+    look_here_last()

@@ -1,6 +1,6 @@
 """Controllers, commands of a robot, the clock of a control loop, and smooth motions.
 
-    robot.ctrl_mode = robocell.CtrlMode.POSITION
+    robot.ctrl_mode = robocell.control.CtrlMode.POSITION
     robot.apply({"gripper": robocell.control.GroupCommand.opening(1)})
     part = robocell.control.minimum_jerk(0.5, duration=2).position  # of the way, at 0.5 s
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,46 @@ from robocell._core import (
     changed_code,
     recorded_scene,
 )
+
+# What is said of a kind that nobody registered, and what is to be done of the run of a dataset.
+OWN_KIND = re.compile(r"of your own is registered before: .*")
+BY_NAME = (
+    "of your own is in a module, and a dataset imports none by itself: name it with --import "
+    "my_tasks.py on the command line, or with imports=['my_tasks.py'] in Python"
+)
+
+
+def plan_numbers(ids: Sequence[str]) -> list[tuple[int, int]]:
+    """Returns scene and episode of each id, such as (3, 1) of 's0003_e0001'."""
+    found = (re.match(r"s(\d+)_e(\d+)", name) for name in ids)
+    return [(int(match[1]), int(match[2])) for match in found if match]
+
+
+def houses_of_dataset(dataset: Dataset) -> list[int]:
+    """Returns `scenes.houses` of the run that made a dataset; empty for all of its scenes.
+
+    The report has them as the last command was given them. Without one, and for scenes of earlier
+    commands, the episodes say which there are.
+    """
+    seen = list(dict.fromkeys(scene for scene, _ in plan_numbers(dataset.ids)))
+    recorded = _recorded_houses(Path(dataset.folder))
+    if recorded is None:
+        return seen
+    return recorded and [*recorded, *(scene for scene in seen if scene not in recorded)]
+
+
+def _recorded_houses(folder: Path) -> list[int] | None:
+    """Returns what the report says, of several that whose command ended last; None if none does."""
+    from robocell.generate.report import DamagedReportError, RunReport, load, report_paths
+
+    reports: list[RunReport] = []
+    for path in report_paths(folder):
+        try:
+            reports.append(load(path))
+        except (OSError, DamagedReportError):
+            continue
+    known = [report for report in reports if report.houses is not None and report.commands]
+    return max(known, key=lambda report: report.commands[-1].finished).houses if known else None
 
 
 def run_of_dataset(source: str | Path) -> RunConfig:
@@ -44,6 +85,7 @@ def run_of_dataset(source: str | Path) -> RunConfig:
             f"'{folder}' was made with other code: {', '.join(changed)} changed since then, so "
             "that the task may be another one. Bring the code back, or make the dataset anew"
         )
+    run.scenes.houses = houses_of_dataset(dataset)
     # Scenes that are files: as the dataset keeps them, which need not be here any more.
     files = list(run.scenes.files) if run.scenes.source == "files" else []
     missing = set(range(len(files)))
@@ -67,4 +109,5 @@ def _run_of_text(text: str, dataset: str) -> RunConfig:
     except SpecError as error:
         said = re.sub(rf"{re.escape(dataset)}:\d+:\d+: ", "", str(error))
         said = re.sub(rf"^{re.escape(dataset)} is not valid(: |, )", "", said)
+        said = OWN_KIND.sub(BY_NAME, said)
         raise SpecError(f"the run that made '{dataset}': {said}") from error

@@ -36,6 +36,7 @@ from robocell._core import (
     Scene,
     SpecError,
 )
+from robocell.evaluated import ending_at_errors
 from robocell.tasks import register_expert
 
 Observation = dict[str, NDArray[Any]]
@@ -95,11 +96,16 @@ class Policy:
 
 
 class PolicyExpert(Expert):
-    """Lets a policy act in rollouts. The policy gets what a dataset records, not the simulation."""
+    """Lets a policy act in rollouts. The policy gets what a dataset records, not the simulation.
+
+    What the policy raises, and what is wrong with what it returns, is raised here too; the experts
+    of `register_policy` end the rollout with it.
+    """
 
     def __init__(self, run: RunConfig, start: EpisodeStart, policy: Policy) -> None:
         super().__init__()
-        self._run, self._task, self._policy = run, start.task, policy
+        self.policy = policy
+        self._run, self._task = run, start.task
         self._code_of = policy  # messages about act() say where the policy's is written
         self._chunk: deque[dict[str, NDArray[np.float64]]] = deque()
         self._row: Observation = {}
@@ -111,7 +117,7 @@ class PolicyExpert(Expert):
             feature.name: (feature.shape or (1,))[0] for feature in self._features.commanded
         }
         self._chunk.clear()
-        self._policy.reset(
+        self.policy.reset(
             Context(
                 instruction=self._task.instruction(),
                 run=self._run,
@@ -127,12 +133,12 @@ class PolicyExpert(Expert):
     def act(self, scene: Scene, rng: Rng) -> dict[str, dict[str, GroupCommand]]:
         """Returns the next action of the policy's chunk, or of a new chunk."""
         if not self._chunk:
-            self._chunk.extend(self._actions(self._policy.act(self._row)))
+            self._chunk.extend(self._actions(self.policy.act(self._row)))
         return self._features.to_action(dict(self._chunk.popleft()))
 
     def _actions(self, action: Action) -> list[dict[str, NDArray[np.float64]]]:
         """Splits a chunk into single actions."""
-        who = f"{type(self._policy).__name__}.act()"
+        who = f"{type(self.policy).__name__}.act()"
         if not isinstance(action, Mapping) or not action:
             raise TypeError(
                 f"{who} must return a dict of columns 'robots/.../action/...' to numbers, "
@@ -150,7 +156,11 @@ class PolicyExpert(Expert):
                     f"shape {array.shape}"
                 )
             if not np.isfinite(array).all():
-                raise ArgumentError(f"{who}: '{name}' is not finite: {array}")
+                bad = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+                raise ArgumentError(
+                    f"{who}: '{name}' is not finite: entry [{', '.join(map(str, bad))}] is "
+                    f"{array[bad]}"
+                )
             lengths.add(array.shape[0] if array.ndim == 2 else 0)
         if len(lengths) > 1:
             raise ArgumentError(f"{who}: columns of one chunk differ in length: {sorted(lengths)}")
@@ -162,7 +172,7 @@ class PolicyExpert(Expert):
     def _size(self, name: str) -> int:
         if name not in self._sizes:
             raise NotFoundError(
-                f"{type(self._policy).__name__}.act(): no action '{name}'. "
+                f"{type(self.policy).__name__}.act(): no action '{name}'. "
                 f"The actions of this cell: {', '.join(self._sizes)}"
             )
         return self._sizes[name]
@@ -194,14 +204,23 @@ def register_policy(
     """Registers a policy as a kind of expert, for the `expert` of a run.
 
     `make(run)` makes it once in each process; it is reset for each rollout. `files`: files that it
-    uses beside its code, such as weights.
+    uses beside its code, such as weights. An error of the policy ends the rollout as a failure;
+    one of `make` leaves nobody to act, and is raised for each rollout.
     """
     made: list[Policy] = []
+    errors: list[Exception] = []
+    acting = ending_at_errors(lambda run, start: PolicyExpert(run, start, made[0]))
 
     def expert(run: RunConfig, start: EpisodeStart) -> Expert:
+        if errors:
+            raise errors[0]
         if not made:
-            made.append(make(run))
-        return PolicyExpert(run, start, made[0])
+            try:
+                made.append(make(run))
+            except Exception as error:
+                errors.append(error)
+                raise
+        return acting(run, start)
 
     module = getattr(make, "__module__", None)
     expert.__module__ = module or __name__
@@ -261,7 +280,7 @@ def expert_of_policy(policy: str, source: str | Path) -> str:
         register_policy(RANDOM, RandomPolicy)
         return RANDOM
     if policy == REPLAY:
-        replayed_starts(source)
+        replayed_seed(source)
         register_policy(REPLAY, lambda _run: ReplayPolicy(source))
         return REPLAY
     if ":" in policy:
@@ -273,8 +292,8 @@ def expert_of_policy(policy: str, source: str | Path) -> str:
     )
 
 
-def replayed_starts(source: str | Path) -> tuple[int, int]:
-    """Returns the seed of a dataset's run, and its number of episodes."""
+def replayed_seed(source: str | Path) -> int:
+    """Returns the seed of a dataset's run. ArgumentError when there is nothing to replay."""
     folder = Path(source)
     if not (folder / "dataset.json").is_file():
         raise ArgumentError(f"policy '{REPLAY}' needs a dataset whose actions it takes: '{folder}'")
@@ -282,7 +301,7 @@ def replayed_starts(source: str | Path) -> tuple[int, int]:
     if not len(dataset):
         raise ArgumentError(f"policy '{REPLAY}': '{folder}' has no episode to replay")
     metadata: Any = dataset[0].metadata
-    return int(metadata["seed"]), len(dataset)
+    return int(metadata["seed"])
 
 
 class ReplayPolicy(Policy):

@@ -102,7 +102,7 @@ class TestHandles:
         robot.ctrl_mode = "torque"
         robot.jnt_trq_cmd = robot.gravity_torques()
         scene.add_object(cube())
-        assert robot.ctrl_mode == rc.CtrlMode.TORQUE
+        assert robot.ctrl_mode == rc.control.CtrlMode.TORQUE
         assert robot.tcp_in_world.is_close(pose)
         assert list(robot.jnt_trq_cmd) == list(robot.gravity_torques())
         assert len(arm.joint_pos) == 7

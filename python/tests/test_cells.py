@@ -95,8 +95,8 @@ class TestScenes:
 class TestAttachments:
     @pytest.mark.parametrize("kind", ["body", "site"])
     def test_tools_hang_on_bodies_and_sites_with_their_authored_pose(self, probe, kind):
-        target = rc.AttachTarget(
-            rc.AttachKind.Site if kind == "site" else rc.AttachKind.Body,
+        target = rc.robots.AttachTarget(
+            rc.robots.AttachKind.Site if kind == "site" else rc.robots.AttachKind.Body,
             "attachment_site" if kind == "site" else "link7",
         )
         tool = rc.AttachmentSpec(mjcf_path=probe, attach_to=target, prefix="p_")
@@ -111,7 +111,9 @@ class TestAttachments:
             '<frame name="mount" pos="0.1 0.2 0.3" euler="0 0 90"/></body></worldbody></mujoco>'
         )
         on_frame = rc.AttachmentSpec(
-            mjcf_path=probe, attach_to=rc.AttachTarget(rc.AttachKind.Frame, "mount"), prefix="p_"
+            mjcf_path=probe,
+            attach_to=rc.robots.AttachTarget(rc.robots.AttachKind.Frame, "mount"),
+            prefix="p_",
         )
         arm = rc.RobotSpec(path=tmp_path / "hand.xml", attachments=[on_frame], pos=[0, 0, 1])
         scene = rc.Scene.build(empty(robots=[arm]))
@@ -191,7 +193,9 @@ class TestObjects:
     def test_a_robot_stands_on_a_table(self, table):
         mount = rc.scene.scene_object_element_name("table", "table_top")
         assert mount == "table_table_top"
-        robot = bare_rc7(attach_to=rc.AttachTarget(rc.AttachKind.Site, mount), pos=[0, 0.1, 0])
+        robot = bare_rc7(
+            attach_to=rc.robots.AttachTarget(rc.robots.AttachKind.Site, mount), pos=[0, 0.1, 0]
+        )
         on_top = cube("can", attach_to={"site": mount}, fixed=True, pos=[0.1, 0, 0.03])
         scene = rc.Scene.build(empty(robots=[robot], objects=[table, on_top]))
         np.testing.assert_allclose(scene.body_pose("base_link").translation, [0, 0.1, 0.7])
@@ -430,7 +434,7 @@ class TestReset:
         first.set_actuator_ctrl("gripper", 10)
         first.step_n(50)
         assert second.time() == 0
-        assert second.robot("a").ctrl_mode == rc.CtrlMode.POSITION
+        assert second.robot("a").ctrl_mode == rc.control.CtrlMode.POSITION
         assert second.actuator_ctrl("gripper") != 10
         first.save_xml(tmp_path / "episode_start.xml")
         assert (

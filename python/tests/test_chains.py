@@ -23,7 +23,7 @@ def gen3(request: pytest.FixtureRequest) -> rc.Scene:
     arm.attachments.append(
         rc.AttachmentSpec(
             mjcf_path=rc.menagerie.model_path("robotiq_2f85"),
-            attach_to=rc.AttachTarget(rc.AttachKind.Site, "pinch_site"),
+            attach_to=rc.robots.AttachTarget(rc.robots.AttachKind.Site, "pinch_site"),
             prefix="g_",
         )
     )
@@ -34,7 +34,7 @@ def gen3(request: pytest.FixtureRequest) -> rc.Scene:
 @pytest.fixture
 def robot(gen3: rc.Scene) -> rc.Robot:
     gen3.reset()
-    tool = rc.ToolFrameSpec(tool_body="g_base", tcp_site="g_pinch")
+    tool = rc.robots.ToolFrameSpec(tool_body="g_base", tcp_site="g_pinch")
     return rc.Robot.from_scene(gen3, "base_link", "bracelet_link", tool=tool)
 
 
@@ -168,7 +168,8 @@ def test_chains_outlive_the_solvers_that_do_not_keep_them():
     assert robot.kdl_chain() is robot.kdl_chain()
     plate = rc.SceneObject(
         name="plate", shape="box", size=[0.02] * 3, rgba=[1, 0, 0, 1], mass=2, fixed=True,
-        friction=[0.8, 0.02, 0.001], attach_to=rc.AttachTarget(rc.AttachKind.Body, "link7"),
+        friction=[0.8, 0.02, 0.001],
+        attach_to=rc.robots.AttachTarget(rc.robots.AttachKind.Body, "link7"),
     )  # fmt: skip
     bare = robot.kdl_chain()
     scene.add_object(plate)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+import robocell as rc
 from robocell._startup import is_command
 
 CTRL_C_AT_IMPORT = """
@@ -66,3 +67,18 @@ def test_a_program_that_imports_robocell_keeps_its_ctrl_c(tmp_path: Path):
 )
 def test_what_counts_as_the_command(line: str, command: bool):
     assert is_command(line.split()) is command
+
+
+@pytest.mark.parametrize("name", ["json", "random"])
+def test_a_file_that_is_called_as_pythons_own_is_refused(tmp_path: Path, name: str):
+    """Also by `python -m`, which would look for modules in the working folder first."""
+    (tmp_path / f"{name}.py").write_text("raise RuntimeError('not meant')\n")
+    (tmp_path / "run.yaml").write_text("{}\n")
+    command = [sys.executable, "-m", "robocell", "generate", "run.yaml", "--import", f"{name}.py"]
+    environment = {**os.environ, "PYTHONPATH": str(Path(rc.__file__).parents[1])}
+    done = subprocess.run(
+        command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 2, done.stderr
+    assert "Traceback" not in done.stderr
+    assert f"'{name}' is the name of a module of Python itself" in done.stderr

@@ -18,7 +18,7 @@ def gen3(prefix: str = "", y: float = 0) -> rc.RobotSpec:
     arm.attachments.append(
         rc.AttachmentSpec(
             mjcf_path=rc.menagerie.model_path("robotiq_2f85"),
-            attach_to=rc.AttachTarget(rc.AttachKind.Site, "pinch_site"),
+            attach_to=rc.robots.AttachTarget(rc.robots.AttachKind.Site, "pinch_site"),
             prefix="g_",
         )
     )
@@ -32,7 +32,7 @@ def build(*robots: rc.RobotSpec) -> rc.Scene:
 
 
 def arm_of(scene: rc.Scene, prefix: str = "") -> rc.Robot:
-    tool = rc.ToolFrameSpec(tool_body="g_base", tcp_site="g_pinch")
+    tool = rc.robots.ToolFrameSpec(tool_body="g_base", tcp_site="g_pinch")
     return rc.Robot.from_scene(scene, "base_link", "bracelet_link", prefix=prefix, tool=tool)
 
 
@@ -97,14 +97,14 @@ def run(robot: rc.Robot, steps: int) -> None:
 class TestModes:
     def test_gravity_torques_hold_the_arm_with_its_gripper(self, menagerie):
         robot = arm_of(build(gen3()))
-        robot.ctrl_mode = rc.CtrlMode.TORQUE
+        robot.ctrl_mode = rc.control.CtrlMode.TORQUE
         assert drift(500, robot, command=command_gravity_torques) < 1e-3
 
     def test_gravity_torques_hold_two_arms(self, menagerie):
         scene = build(gen3("l_", 0.6), gen3("r_", -0.6))
         robots = [arm_of(scene, "l_"), arm_of(scene, "r_")]
         robots[0].ctrl_mode = "torque"
-        assert robots[1].ctrl_mode == rc.CtrlMode.POSITION
+        assert robots[1].ctrl_mode == rc.control.CtrlMode.POSITION
         robots[1].ctrl_mode = "torque"
         assert drift(500, *robots, command=command_gravity_torques) < 1e-3
 
@@ -130,12 +130,12 @@ class TestModes:
             robot.ctrl_mode = mode
             assert drift(100, robot) < 1e-3, mode
         robot.scene.reset()
-        assert robot.ctrl_mode == rc.CtrlMode.TORQUE
+        assert robot.ctrl_mode == rc.control.CtrlMode.TORQUE
         assert drift(100, robot) < 1e-3
 
     def test_velocity_mode_moves_as_it_is_told(self):
         robot = rc7(gravcomp=False, control_modes=MODES)
-        robot.ctrl_mode = rc.CtrlMode.VELOCITY
+        robot.ctrl_mode = rc.control.CtrlMode.VELOCITY
         before = robot.arm.joint_pos
         robot.jnt_vel_cmd[0] = 0.3
         run(robot, 500)
@@ -183,7 +183,7 @@ class TestModes:
             robot.jnt_vel_cmd = np.zeros(7)
         position = robot.jnt_pos_cmd
         robot.jnt_trq_cmd = [0, 5, 0, 0, 0, 0, 0]
-        assert robot.ctrl_mode == rc.CtrlMode.POSITION
+        assert robot.ctrl_mode == rc.control.CtrlMode.POSITION
         robot.ctrl_mode = "torque"
         assert robot.jnt_trq_cmd.tolist() == [0, 5, 0, 0, 0, 0, 0]
         assert position.tolist() == robot.jnt_pos_cmd.tolist()
@@ -237,14 +237,14 @@ class TestSharedArms:
         first = rc.Robot.from_scene(scene, "base_link", "link7")
         first.ctrl_mode = "torque"
         first.jnt_trq_cmd = [0, 5, 0, 0, 0, 0, 0]
-        tool = rc.ToolFrameSpec(tcp_site="tcp")
+        tool = rc.robots.ToolFrameSpec(tcp_site="tcp")
         second = (
             scene.robot("a")
             if configured
             else rc.Robot.from_scene(scene, "base_link", "link7", tool=tool)
         )
         for robot in (first, second, first):
-            assert robot.ctrl_mode == rc.CtrlMode.TORQUE
+            assert robot.ctrl_mode == rc.control.CtrlMode.TORQUE
             run(robot, 2)
             robot.update()
             np.testing.assert_allclose(robot.jnt_trq_msr, [0, 5, 0, 0, 0, 0, 0], atol=1e-9)
@@ -261,15 +261,15 @@ class TestSharedArms:
         scene.remove_object("cube")
         scene.reset()
         second.ctrl_mode = "position"
-        assert first.ctrl_mode == rc.CtrlMode.POSITION
+        assert first.ctrl_mode == rc.control.CtrlMode.POSITION
         first.ctrl_mode = "torque"
-        assert second.ctrl_mode == rc.CtrlMode.TORQUE
+        assert second.ctrl_mode == rc.control.CtrlMode.TORQUE
 
     def test_the_mode_outlives_its_robots(self):
         scene = build(rc.RobotSpec(path=rc.models.robot_file("rc7").replace(".yaml", ".xml")))
         rc.Robot.from_scene(scene, "base_link", "link7").ctrl_mode = "torque"
         robot = rc.Robot.from_scene(scene, "base_link", "link7")
-        assert robot.ctrl_mode == rc.CtrlMode.TORQUE
+        assert robot.ctrl_mode == rc.control.CtrlMode.TORQUE
         assert robot.jnt_trq_cmd.tolist() == robot.gravity_torques().tolist()
 
     def test_a_part_of_an_arm_is_measured_beside_it_and_not_driven(self):

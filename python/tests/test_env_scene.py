@@ -71,7 +71,7 @@ class TestConfig:
 
     def test_a_yaml_file_is_the_same_configuration(self, duo, box):
         duo.robot_frame_objects = {"left": {"mount": (str(box), at(0, 0, 1))}}
-        duo.camera_adds = {"wrist": rc.CameraAdderConfig(robot_name="left", fovy=50)}
+        duo.camera_adds = {"wrist": rc.envs.CameraAdderConfig(robot_name="left", fovy=50)}
         duo.cameras = {"streams": [{"name": "wrist", "camera": "wrist"}]}
         duo.control_mode = "cartesian_tquat"
         assert rc.EnvConfig.from_yaml(duo.to_yaml()) == duo
@@ -106,14 +106,14 @@ class TestMistakes:
 
     def test_the_frame_of_a_cameras_offset(self, duo):
         duo.cameras = {"streams": [{"name": "eye", "camera": "eye"}]}
-        duo.camera_adds = {"eye": rc.CameraAdderConfig(robot_name="lefft")}
+        duo.camera_adds = {"eye": rc.envs.CameraAdderConfig(robot_name="lefft")}
         assert (
             "camera_adds.eye.robot_name: no robot 'lefft'. Known robots: left, right. Did you mean "
             "'left'? Unset, the camera belongs to the rig, and its offset is in the root frame"
         ) in self.message(duo)
 
     def test_a_camera_without_stream(self, duo):
-        duo.camera_adds = {"bird_eye": rc.CameraAdderConfig()}
+        duo.camera_adds = {"bird_eye": rc.envs.CameraAdderConfig()}
         assert (
             "camera_adds.bird_eye: no stream takes images of this camera; add {name: bird_eye, "
             "camera: bird_eye} to cameras.streams"
@@ -178,8 +178,8 @@ def test_moving_the_root_moves_the_rig_rigidly_and_nothing_else(duo, box):
     duo.root_frame_objects = {"mount": (box, at(0, 0, 0.2))}
     duo.robot_frame_objects = {"left": {"bracket": (box, at(0, 0.1, 0))}}
     duo.camera_adds = {
-        "bird_eye": rc.CameraAdderConfig(offset=at(0.3, 0, 2)),
-        "wrist": rc.CameraAdderConfig(offset=at(0.05, 0, 0), robot_name="right"),
+        "bird_eye": rc.envs.CameraAdderConfig(offset=at(0.3, 0, 2)),
+        "wrist": rc.envs.CameraAdderConfig(offset=at(0.05, 0, 0), robot_name="right"),
     }
     duo.cameras = {"streams": [{"name": n, "camera": n} for n in duo.camera_adds]}
     before = rc.Scene.build(rc.envs.env_scene_spec(duo))
@@ -223,8 +223,8 @@ def test_the_workflow_one_frame_after_the_other(box):
     expected["bracket_box"] = wrist * at(0, 0.05, 0)
 
     config.camera_adds = {
-        "bird_eye": rc.CameraAdderConfig(fovy=60.0, offset=at(0.3, 0, 2)),
-        "wrist": rc.CameraAdderConfig(offset=at(0.05, 0, 0), robot_name="robot"),
+        "bird_eye": rc.envs.CameraAdderConfig(fovy=60.0, offset=at(0.3, 0, 2)),
+        "wrist": rc.envs.CameraAdderConfig(offset=at(0.05, 0, 0), robot_name="robot"),
     }
     config.cameras = {"streams": [{"name": n, "camera": n} for n in config.camera_adds]}
     scene = look()

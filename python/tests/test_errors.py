@@ -116,5 +116,8 @@ def test_a_link_of_the_chain_is_no_tool():
         rc.ArgumentError, match="tool body 'link3' is a link of the chain itself, at or before"
     ):
         rc.Robot.from_scene(
-            scene, "base_link", "link7", tool=rc.ToolFrameSpec(tool_body="link3", tcp_site="tcp")
+            scene,
+            "base_link",
+            "link7",
+            tool=rc.robots.ToolFrameSpec(tool_body="link3", tcp_site="tcp"),
         )

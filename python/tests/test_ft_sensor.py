@@ -11,17 +11,17 @@ from test_kdl_chain import PyKDL, needs_pykdl
 GRAVITY = 9.81
 
 
-def wrist() -> tuple[rc.RobotSpec, rc.ToolFrameSpec]:
+def wrist() -> tuple[rc.RobotSpec, rc.robots.ToolFrameSpec]:
     """The Gen3, a sensor on its site, the 2F-85 on the sensor's."""
     from menagerie import require_menagerie
 
     require_menagerie("kinova_gen3", "robotiq_2f85")
     sensor = rc.AttachmentSpec(mjcf_path="ft_sensor")
-    sensor.attach_to = rc.AttachTarget(rc.AttachKind.Site, "pinch_site")
+    sensor.attach_to = rc.robots.AttachTarget(rc.robots.AttachKind.Site, "pinch_site")
     gripper = rc.AttachmentSpec(mjcf_path="menagerie:robotiq_2f85", prefix="g_")
-    gripper.attach_to = rc.AttachTarget(rc.AttachKind.Site, "wrist_ft_site")
+    gripper.attach_to = rc.robots.AttachTarget(rc.robots.AttachKind.Site, "wrist_ft_site")
     arm = rc.RobotSpec(path="menagerie:kinova_gen3", attachments=[sensor, gripper])
-    tool = rc.ToolFrameSpec(tool_body="ft_sensor", tcp_site="g_pinch")
+    tool = rc.robots.ToolFrameSpec(tool_body="ft_sensor", tcp_site="g_pinch")
     ft = rc.robots.ForceTorqueSensorSpec()
     ft.name = "wrist_ft"
     ft.frame_site = "wrist_ft_site"
@@ -45,7 +45,7 @@ def subtree_mass(scene: rc.Scene, body: str) -> float:
 @pytest.mark.parametrize("q", [[0.0] * 7, [0, 0.5, 3, -2, 1, 1, 1.5], [1, -1, 0, 1.5, 0, 0.7, 0]])
 def test_the_gripper_hangs_from_the_sensor(robot: rc.Robot, q: list[float]):
     robot.set_joint_pos(q)
-    robot.ctrl_mode = rc.CtrlMode.TORQUE
+    robot.ctrl_mode = rc.control.CtrlMode.TORQUE
     for _ in range(300):
         robot.update()
         robot.jnt_trq_cmd = robot.gravity_torques()
@@ -101,7 +101,7 @@ def test_after_a_reset_it_reads_the_new_state_and_can_be_tared(robot: rc.Robot):
 def test_wrong_names_are_told(robot: rc.Robot):
     with pytest.raises(rc.NotFoundError, match=r"no ft sensor 'wrist'.*Did you mean 'wrist_ft'\?"):
         robot.ft_sensor_wrench("wrist")
-    tool = rc.ToolFrameSpec(ft_sensors=[rc.robots.ForceTorqueSensorSpec(name="wrist")])
+    tool = rc.robots.ToolFrameSpec(ft_sensors=[rc.robots.ForceTorqueSensorSpec(name="wrist")])
     with pytest.raises(
         rc.NotFoundError, match=r"no force sensor 'wrist_force'\. Its force sensors"
     ):
@@ -109,5 +109,5 @@ def test_wrong_names_are_told(robot: rc.Robot):
     with pytest.raises(rc.SpecError, match=r"ft_sensors\[0\]\.name"):
         rc.Robot.from_scene(
             robot.scene, "base_link", "bracelet_link",
-            tool=rc.ToolFrameSpec(ft_sensors=[rc.robots.ForceTorqueSensorSpec()]),
+            tool=rc.robots.ToolFrameSpec(ft_sensors=[rc.robots.ForceTorqueSensorSpec()]),
         )  # fmt: skip

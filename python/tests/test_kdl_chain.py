@@ -65,13 +65,13 @@ def test_an_arm_with_a_tool_is_the_same_in_kdl(menagerie):
     arm = rc.RobotSpec(path=rc.menagerie.model_path("kinova_gen3"))
     tool = rc.AttachmentSpec(
         mjcf_path=rc.menagerie.model_path("robotiq_2f85"),
-        attach_to=rc.AttachTarget(rc.AttachKind.Site, "pinch_site"),
+        attach_to=rc.robots.AttachTarget(rc.robots.AttachKind.Site, "pinch_site"),
         prefix="g_",
     )
     arm.attachments.append(tool)
     spec = rc.SceneSpec(timestep=0.002, add_floor=True, add_skybox=False, robots=[arm])
     scene = rc.Scene.build(spec)
-    frame = rc.ToolFrameSpec(tool_body="g_base", tcp_site="g_pinch")
+    frame = rc.robots.ToolFrameSpec(tool_body="g_base", tcp_site="g_pinch")
     check_against_kdl(rc.Robot.from_scene(scene, "base_link", "bracelet_link", tool=frame))
 
 

@@ -59,13 +59,13 @@ def hold_by_torques(robot: rc.Robot) -> float:
 def test_an_arm_of_motors_is_driven_by_torques(tmp_path: Path, modes: list[str] | None):
     robot = bare(model(tmp_path, MOTOR), modes)
     robot.ctrl_mode = "torque"
-    assert robot.ctrl_mode == rc.CtrlMode.TORQUE
+    assert robot.ctrl_mode == rc.control.CtrlMode.TORQUE
     assert hold_by_torques(robot) < 1e-3
 
 
 def test_an_arm_of_velocity_servos_is_driven_by_velocities(tmp_path: Path):
     robot = bare(model(tmp_path, VELOCITY))
-    assert robot.ctrl_mode == rc.CtrlMode.VELOCITY
+    assert robot.ctrl_mode == rc.control.CtrlMode.VELOCITY
     robot.jnt_vel_cmd = [0.2, -0.1]
     for _ in range(500):
         robot.update()
@@ -117,7 +117,7 @@ def test_motors_are_not_sent_to_positions(tmp_path: Path, use: Callable[[rc.Robo
     robot = bare(model(tmp_path, MOTOR))
     with pytest.raises(rc.ArgumentError, match="'m1' is a motor, no position servo"):
         use(robot)
-    assert robot.ctrl_mode == rc.CtrlMode.TORQUE
+    assert robot.ctrl_mode == rc.control.CtrlMode.TORQUE
 
 
 @pytest.mark.parametrize("actuators", ["", ", actuators: [m1, m2]"])

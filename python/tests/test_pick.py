@@ -30,7 +30,7 @@ class Never(rc.tasks.PickTask):
         return "do not " + super().instruction()
 
 
-class Recorder(rc.PickTaskSampler):
+class Recorder(rc.tasks.PickTaskSampler):
     """Overrides every stage and hands on to the one it replaces."""
 
     def __init__(self, run: rc.RunConfig) -> None:
@@ -127,7 +127,7 @@ def test_episodes_carry_the_labels_of_a_subclass_of_pick_task(tmp_path: Path):
 
 
 def test_a_subclass_that_overrides_nothing_changes_nothing(tmp_path: Path):
-    class Same(rc.PickTaskSampler):
+    class Same(rc.tasks.PickTaskSampler):
         pass
 
     run = load(tmp_path)
@@ -141,7 +141,7 @@ def test_a_subclass_that_overrides_nothing_changes_nothing(tmp_path: Path):
 
 
 def test_the_sample_of_a_subclass_runs_and_can_call_the_scripted_one(tmp_path: Path):
-    class Second(rc.PickTaskSampler):
+    class Second(rc.tasks.PickTaskSampler):
         def sample(self, request, rng):
             if request.attempt == 0:
                 return rc.tasks.Refusal(rc.tasks.RefusalReason.CAMERA_CONSTRAINT, "as told")
@@ -154,7 +154,7 @@ def test_the_sample_of_a_subclass_runs_and_can_call_the_scripted_one(tmp_path: P
 
 
 def test_refusals_of_a_stage_are_counted_with_the_places_tried(tmp_path: Path):
-    class Picky(rc.PickTaskSampler):
+    class Picky(rc.tasks.PickTaskSampler):
         def validate_base_pose(self, scene, robot, target_body):
             return rc.tasks.Refusal(rc.tasks.RefusalReason.BASE_IN_COLLISION, "as told")
 
@@ -193,16 +193,16 @@ def test_the_scripted_expert_can_be_extended(tmp_path: Path):
 
 
 def test_what_a_stage_must_not_do_is_told(tmp_path: Path):
-    class NoTask(rc.PickTaskSampler):
+    class NoTask(rc.tasks.PickTaskSampler):
         def make_task(self, target, kind, objects):
             return 7
 
-    class Fewer(rc.PickTaskSampler):
+    class Fewer(rc.tasks.PickTaskSampler):
         def place_objects(self, support, objects, rng):
             objects.clear()
             return True
 
-    class Swapped(rc.PickTaskSampler):
+    class Swapped(rc.tasks.PickTaskSampler):
         def choose_kinds(self, request, rng):
             return ["box", "cylinder"]
 
@@ -221,7 +221,7 @@ def test_what_a_stage_must_not_do_is_told(tmp_path: Path):
 
 
 def test_a_stage_that_returns_nothing_is_named(tmp_path: Path):
-    class Nowhere(rc.PickTaskSampler):
+    class Nowhere(rc.tasks.PickTaskSampler):
         def choose_base_placement(self, request, rng):
             return None
 
@@ -238,7 +238,7 @@ def test_a_stage_that_returns_nothing_is_named(tmp_path: Path):
         rc.generate.Runner(run, sampler=Nowhere).run(rc.generate.make_plan(run)[0])
 
 
-class BesideAPool(rc.PickTaskSampler):
+class BesideAPool(rc.tasks.PickTaskSampler):
     """A second mug and a block as large as the room, both parked."""
 
     def make_base_scene(self, scene_index: int) -> rc.SceneSpec:
@@ -255,7 +255,7 @@ class BesideAPool(rc.PickTaskSampler):
 
 def test_what_is_parked_is_not_sampled_and_in_nobodys_way(tmp_path: Path):
     run = load(tmp_path)
-    start, alone = sample(BesideAPool(run)), sample(rc.PickTaskSampler(run))
+    start, alone = sample(BesideAPool(run)), sample(rc.tasks.PickTaskSampler(run))
     assert start.object_kinds == alone.object_kinds
     assert start.task.objects() == alone.task.objects()
     assert start.scene.parked_objects == ["spare", "block"]

@@ -22,7 +22,7 @@ def pick() -> rc.RunConfig:
 
 
 def first_start(run: rc.RunConfig, seed: int = 3) -> rc.tasks.EpisodeStart:
-    sampler, refusals = rc.PickTaskSampler(run), []
+    sampler, refusals = rc.tasks.PickTaskSampler(run), []
     for attempt in range(30):
         request = rc.tasks.SampleRequest(scene=0, episode=0, attempt=attempt)
         result = sampler.sample(request, rc.tasks.Rng.stream(seed, f"attempt {attempt}"))

@@ -92,7 +92,7 @@ def test_a_method_that_is_missing_is_named(run: rc.RunConfig):
 
 
 def test_an_instance_in_the_place_of_a_factory_is_told(run: rc.RunConfig):
-    class Own(rc.PickTaskSampler):
+    class Own(rc.tasks.PickTaskSampler):
         pass
 
     text = "an instance of {0}; give the function that makes it, such as lambda *_: {0}(...)"
@@ -131,7 +131,7 @@ def test_a_reward_that_is_no_number_is_not_recorded(run: rc.RunConfig, reward: f
         def reward(self, scene: rc.Scene) -> float:
             return reward
 
-    class Sampler(rc.PickTaskSampler):
+    class Sampler(rc.tasks.PickTaskSampler):
         def make_task(self, target: str, kind: str, objects: list[str]) -> rc.tasks.Task:
             return Task(target, kind, objects)
 
@@ -144,7 +144,7 @@ def test_a_forgotten_super_init_is_named(run: rc.RunConfig):
         def __init__(self) -> None:
             pass
 
-    class Sampler(rc.PickTaskSampler):
+    class Sampler(rc.tasks.PickTaskSampler):
         def __init__(self, run: rc.RunConfig) -> None:
             pass
 
@@ -160,11 +160,11 @@ def test_stages_and_tasks_are_told_too(run: rc.RunConfig):
         def reward(self, scene: rc.Scene) -> float:
             return None  # type: ignore[return-value]
 
-    class Sampler(rc.PickTaskSampler):
+    class Sampler(rc.tasks.PickTaskSampler):
         def make_task(self, target: str, kind: str, objects: Any) -> rc.tasks.Task:
             return Task(target, kind, objects)
 
-    class Placed(rc.PickTaskSampler):
+    class Placed(rc.tasks.PickTaskSampler):
         def choose_base_placement(self, request: rc.tasks.SampleRequest, rng: rc.tasks.Rng) -> Any:
             return (0.4, 0.0)
 

@@ -138,3 +138,23 @@ def test_another_process_gets_the_same_source():
 
 def test_an_error_without_code_of_a_user_has_no_place():
     assert place_of(ValueError("text")) == "ValueError: text"
+
+
+@pytest.mark.parametrize(
+    ("name", "whose"),
+    [
+        ("random.py", "Python"),
+        ("json.py", "Python"),
+        ("json", "Python"),
+        ("robocell.py", "robocell"),
+    ],
+)
+def test_names_of_modules_that_others_need_are_refused(tmp_path: Path, name: str, whose: str):
+    (tmp_path / name).write_text("x = 1\n")
+    module = name.removesuffix(".py")
+    before = sys.modules.get(module)
+    with pytest.raises(rc.SpecError) as raised:
+        import_named(name, tmp_path)
+    assert f"'{module}' is the name of a module of {whose} itself" in str(raised.value)
+    assert f"such as my_{module}.py" in str(raised.value)
+    assert sys.modules.get(module) is before

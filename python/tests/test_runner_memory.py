@@ -25,7 +25,7 @@ WITH_A_SAMPLER = f"""
 import robocell as rc
 
 
-class Mine(rc.PickTaskSampler):
+class Mine(rc.tasks.PickTaskSampler):
     def make_task(self, target, kind, objects):
         return Judge(target, kind, objects)
 

@@ -108,7 +108,7 @@ def test_the_task_that_was_given_is_the_task_of_the_start():
 
 def test_the_scripted_sampler_can_be_asked_and_wrapped(tmp_path: Path):
     run = load(tmp_path)
-    own = rc.PickTaskSampler(run)
+    own = rc.tasks.PickTaskSampler(run)
 
     class First(rc.tasks.TaskSampler):
         """Hands on what the scripted one makes."""
@@ -130,7 +130,7 @@ def test_the_scripted_sampler_can_be_asked_and_wrapped(tmp_path: Path):
 
 def test_a_wrapped_sampler_hears_that_somebody_asks_for_an_end(tmp_path: Path):
     run = load(tmp_path)
-    own = rc.PickTaskSampler(run)
+    own = rc.tasks.PickTaskSampler(run)
     stop = rc.generate.StopFlag()
     kept: list[rc.tasks.SampleRequest] = []
 
@@ -156,7 +156,7 @@ def test_a_wrapped_sampler_hears_that_somebody_asks_for_an_end(tmp_path: Path):
 
 def test_other_threads_go_on_while_a_start_is_sampled(tmp_path: Path):
     run = load(tmp_path)
-    own = rc.PickTaskSampler(run)
+    own = rc.tasks.PickTaskSampler(run)
     turns: list[int] = []
     during: list[int] = []
     done = threading.Event()

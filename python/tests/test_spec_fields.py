@@ -86,7 +86,7 @@ class TestFields:
         assert group.actuators == ("servo",)
         group.joints = (name for name in ("a", "b"))
         assert group.joints == ("a", "b")
-        assert rc.SceneSourceSpec(houses=range(4)).houses == (0, 1, 2, 3)
+        assert rc.scenes.SceneSourceSpec(houses=range(4)).houses == (0, 1, 2, 3)
 
     def test_enums_are_taken_by_value_and_by_name(self):
         spec = cube()
@@ -95,18 +95,18 @@ class TestFields:
         assert spec.condim is None
         spec.condim = rc.scene.Condim.ROLLING
         assert spec.condim.value == 6
-        assert [kind.name for kind in rc.AttachKind] == [
+        assert [kind.name for kind in rc.robots.AttachKind] == [
             "World", "Root", "SharedBase", "Body", "Site", "Frame", "RobotBase", "Attachment",
         ]  # fmt: skip
 
     def test_targets(self):
         spec = cube()
-        assert spec.attach_to == rc.AttachTarget()
-        spec.attach_to = rc.AttachTarget(rc.AttachKind.Site, "pinch_site")
-        assert spec.attach_to.kind is rc.AttachKind.Site
+        assert spec.attach_to == rc.robots.AttachTarget()
+        spec.attach_to = rc.robots.AttachTarget(rc.robots.AttachKind.Site, "pinch_site")
+        assert spec.attach_to.kind is rc.robots.AttachKind.Site
         spec.attach_to = {"body": "table"}
-        assert spec.attach_to == rc.AttachTarget("body", "table")
-        assert hash(spec.attach_to) == hash(rc.AttachTarget("body", "table"))
+        assert spec.attach_to == rc.robots.AttachTarget("body", "table")
+        assert hash(spec.attach_to) == hash(rc.robots.AttachTarget("body", "table"))
         assert repr(spec.attach_to) == "AttachTarget(AttachKind.Body, 'table')"
 
     def test_elements(self):

@@ -90,7 +90,7 @@ def test_a_preset_has_its_size_its_rate_and_every_frame(
     scene: rc.Scene, tmp_path: Path, frames: int
 ):
     path = tmp_path / "sim.mp4"
-    video = rc.VideoRecorder.open_preset(scene, path, rc.VideoResolution.R720p, fps=60)
+    video = rc.VideoRecorder.open_preset(scene, path, rc.render.VideoResolution.R720p, fps=60)
     video.set_free_camera(2.5, 135.0, -20.0, (0, 0, 0.7))
     record(scene, video, frames)
     video.finish()

@@ -140,7 +140,7 @@ void Join(const std::string& name) {
   const fs::path root = "/nowhere/root";
   try {
     const fs::path inside =
-        robocell::ConfinedPath(root, name).lexically_normal().lexically_relative(root);
+        robocell::internal::ConfinedPath(root, name).lexically_normal().lexically_relative(root);
     if (inside.empty() || *inside.begin() == "..") std::abort();
   } catch (const robocell::Error&) {
     return;  // refused, which is fine

@@ -7,10 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import ROOT, generate, robocell_command
+from commands import ROOT, generate, refusal, robocell_command
 
 import robocell as rc
-from robocell.evaluate import evaluate, wilson_interval
+from robocell.dataset_run import run_of_dataset
+from robocell.envs import from_dataset
+from robocell.evaluate import default_output, evaluate, wilson_interval
 
 DEMO = ROOT / "examples" / "demo.yaml"
 
@@ -103,9 +105,46 @@ def test_the_command_says_rate_and_interval(dataset: Path, tmp_path: Path):
     words = ("evaluate", dataset, "--policy", "expert", "-n", "2", "--output", out)
     said = robocell_command(*words)
     assert said.returncode == 0, said.stderr
-    assert "95 % interval" in said.stdout
     result = json.loads((out / "evaluation.json").read_text())
     assert result["trials"] == 2
+    lengths = [len(episode) for episode in rc.Dataset(out)]
+    assert result["mean_length"] == pytest.approx(sum(lengths) / 2)
+    head, row = (line for line in said.stdout.splitlines() if line.startswith("  "))
+    assert " ".join(head.split()) == "policy success rate 95 % interval mean length errors"
+    assert row.split()[:2] == ["expert", f"{result['successes']}/2"]
+    low, high = (f"{100 * bound:.0f}" for bound in result["interval"])
+    assert f"{low} ... {high} %" in row
+    assert row.split()[-2:] == [f"{result['mean_length']:.1f}", "0"]
+
+
+@pytest.mark.parametrize(
+    ("source", "policy", "expected"),
+    [
+        ("picks", "expert", "picks_evaluation/expert-7"),
+        ("run.yaml", "random", "run_evaluation/random-7"),
+        ("picks", "here/mine.py:Mine", "picks_evaluation/mine.Mine-7"),
+        ("picks", "package.mine:Mine", "picks_evaluation/package.mine.Mine-7"),
+    ],
+)
+def test_rollouts_go_beside_the_source(tmp_path: Path, source: str, policy: str, expected: str):
+    (tmp_path / "picks").mkdir()
+    (tmp_path / "run.yaml").touch()
+    assert default_output(tmp_path / source, policy, 7) == tmp_path / expected
+
+
+def test_rollouts_of_a_configuration_go_to_the_working_folder():
+    assert default_output("a/cells.py:demo", "expert", 7) == Path("cells.demo_evaluation/expert-7")
+
+
+def test_a_command_without_output_goes_on_in_its_own_folder(dataset: Path):
+    words = ("evaluate", dataset, "--policy", "expert", "-n", "1", "--seed", "7")
+    said = robocell_command(*words)
+    assert said.returncode == 0, said.stderr
+    folder = dataset.with_name("picks_evaluation") / "expert-7"
+    assert str(folder) in said.stdout
+    assert (folder / "evaluation.json").is_file()
+    other = refusal("evaluate", DEMO, *words[2:], "--output", folder)
+    assert "was begun differently" in other
 
 
 def policy_file(folder: Path, name: str) -> Path:
@@ -142,6 +181,37 @@ def test_scenes_of_files_come_from_the_dataset(tmp_path: Path, monkeypatch: pyte
     monkeypatch.chdir(tmp_path)
     result = evaluate(out, "expert", episodes=1, output=tmp_path / "trials")
     assert result.trials == 1
+
+
+def test_chosen_scenes_are_those_of_the_dataset(tmp_path: Path):
+    """Also in a dataset that is not complete: here each second item is missing."""
+    out = tmp_path / "out"
+    words = ("--set", "scenes.houses=[5,3]", "--set", "cameras.streams=[]", "--shard", "1/2")
+    generate(DEMO, out, "--episodes", 4, *words)
+    made = {episode.id: episode for episode in rc.Dataset(out)}
+    assert set(made) == {"s0003_e0000", "s0003_e0001"}
+    assert list(run_of_dataset(out).scenes.houses) == [5, 3]
+
+    env = from_dataset(out, privileged=True)
+    for start, name in ((1, "s0003_e0000"), (3, "s0003_e0001")):
+        row, _ = env.reset(seed=start)
+        for column in env.observations:
+            assert np.array_equal(row[column], np.asarray(made[name][column])[0]), column
+
+    expert = evaluate(out, "expert", episodes=3, output=tmp_path / "expert")
+    assert set(expert.outcomes) == {"s0005_e0000", "s0003_e0000", "s0005_e0001"}
+    replay = evaluate(out, "replay", output=tmp_path / "replay")
+    assert replay.outcomes == dict.fromkeys(made, True)
+    first = evaluate(out, "replay", episodes=1, output=tmp_path / "first")
+    assert first.outcomes == {"s0003_e0000": True}
+
+
+def test_without_a_report_the_episodes_say_which_scenes_there_are(tmp_path: Path):
+    out = tmp_path / "out"
+    words = ("--set", "scenes.houses=[5,3]", "--set", "cameras.streams=[]")
+    generate(DEMO, out, "--episodes", 2, *words)
+    (out / "report.json").unlink()
+    assert list(run_of_dataset(out).scenes.houses) == [3, 5]
 
 
 def test_other_weights_are_another_evaluation(dataset: Path, tmp_path: Path):

@@ -54,7 +54,7 @@ class Desks(rc.scenes.SceneSource):
 
 
 @rc.register_sampler("near")
-class Near(rc.PickTaskSampler):
+class Near(rc.tasks.PickTaskSampler):
     def choose_base_placement(self, request, rng):
         return rc.tasks.BasePlacement(0.35, -0.2)
 '''

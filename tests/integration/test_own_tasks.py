@@ -10,7 +10,9 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 from commands import ROOT, generate, refusal, robocell_command
 
@@ -205,6 +207,60 @@ def test_an_exception_ends_an_attempt_and_the_next_one_is_tried(run_file: Path, 
     assert all("RuntimeError: not today" in reason for reason in raised)
 
 
+def evaluated(run_file: Path, output: Path, episodes: int, code: int) -> dict[str, Any]:
+    words = ("--policy", "expert", "-n", episodes, "--no-cameras", "--json", "--output", output)
+    result = robocell_command("evaluate", run_file, *words)
+    assert result.returncode == code, result.stdout + result.stderr
+    return json.loads(result.stdout)
+
+
+def test_in_an_evaluation_an_expert_that_raises_fails(run_file: Path, tmp_path: Path):
+    """Generation takes another start; an evaluation does not, for the sake of the comparison."""
+    module = run_file.with_name("stack_cubes.py")
+    text = module.read_text()
+    whole = evaluated(run_file, tmp_path / "whole", 3, 0)
+    assert whole["policy_errors"] == 0
+    broken = text.replace(
+        "def act(\n",
+        "def begin(self, scene, rng):\n"
+        "        red, blue = (scene.body_pose(name).translation[1] for name in ('red', 'blue'))\n"
+        "        if red > blue:\n"
+        "            raise RuntimeError('not this side')\n"
+        "        super().begin(scene, rng)\n\n"
+        "    def act(\n",
+        1,
+    )
+    module.write_text(broken)
+    line = 1 + broken[: broken.index("raise RuntimeError")].count("\n")
+    result = evaluated(run_file, tmp_path / "broken", 3, 0)
+    assert (result["trials"], result["unmade"]) == (3, 0)
+    assert 0 < result["policy_errors"] < 3
+    for episode in rc.Dataset(tmp_path / "broken"):
+        twin = rc.Dataset(tmp_path / "whole")[episode.id]
+        for column in ("objects/red/pose", "objects/blue/pose"):
+            assert np.array_equal(episode[column][0], twin[column][0])
+        if episode["objects/red/pose"][0, 1] > episode["objects/blue/pose"][0, 1]:
+            assert episode.end_reason.startswith("policy error: RuntimeError: not this side (")
+            assert episode.end_reason.endswith(f"stack_cubes.py:{line}, in begin)")
+        else:
+            assert len(episode) == len(twin), "the guard changes nothing"
+
+
+def test_in_an_evaluation_a_task_that_raises_costs_the_rollout(run_file: Path, tmp_path: Path):
+    module = run_file.with_name("stack_cubes.py")
+    text = module.read_text().replace(
+        "aside = float(np", 'raise RuntimeError("out of cubes")\n        aside = float(np'
+    )
+    module.write_text(text)
+    words = ("--policy", "expert", "-n", "1", "--no-cameras", "--output", tmp_path / "out")
+    result = robocell_command("evaluate", run_file, *words)
+    said = " ".join(result.stderr.split())
+    assert result.returncode != 0
+    assert "something else than the policy raised in the rollout" in said
+    assert "RuntimeError: out of cubes" in said
+    assert not list((tmp_path / "out").glob("s*"))
+
+
 def test_overrides_of_a_configuration_keep_the_folders_of_its_files(tmp_path: Path):
     (tmp_path / "cell_of_test.py").write_text(
         "import robocell as rc\n"
@@ -224,9 +280,27 @@ def test_a_dataset_is_acted_in_with_the_code_that_made_it_only(run_file: Path, t
     words = ("evaluate", out, "--policy", "expert", "-n", "1", "--import", module)
     said = robocell_command(*words, "--output", tmp_path / "same")
     assert said.returncode == 0, said.stderr
+    replay = robocell_command("replay", out, "--import", module)
+    assert replay.returncode == 0, replay.stderr
+    assert "code: unchanged since the dataset was made" in replay.stdout
     module.write_text(module.read_text() + "\n# changed\n")
     said = refusal(*words, "--output", tmp_path / "changed")
     assert "stack_cubes.py changed since then" in said
+    said = refusal("replay", out, "--import", module)
+    assert "stack_cubes.py changed since then" in said
+    assert "Without --import only the recorded controls are simulated" in said
+    assert robocell_command("replay", out).returncode == 0, "it needs no code"
+
+
+def test_a_module_that_is_missing_is_asked_for(run_file: Path, tmp_path: Path):
+    out = tmp_path / "out"
+    generate(run_file, out, "--workers", 1, "--episodes", 1)
+    code = f"from robocell.envs import from_dataset\nfrom_dataset({str(out)!r})"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    for said in (done.stderr, refusal("evaluate", out, "--policy", "expert")):
+        assert "no task 'stack'" in said
+        assert "name it with --import my_tasks.py on the command line" in said
+        assert "or with imports=['my_tasks.py'] in Python" in said
 
 
 def test_all_that_a_module_imports_is_its_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -75,23 +75,147 @@ def test_what_is_wrong_with_a_policy_is_named(dataset: Path, tmp_path: Path):
     assert "expected module:Class" in said("mine")
     assert "no class or function 'Gone'" in said(f"{tmp_path / 'mine.py'}:Gone")
     assert "there is no such file" in said(f"{tmp_path / 'no.py'}:Stay")
-    wrong = said(f"{tmp_path / 'mine.py'}:Wrong")
-    assert "Wrong.act(): no action 'robots/rc7/action/am'" in wrong
-    assert "robots/rc7/action/arm" in wrong
+    wrong = robocell_command(
+        *("evaluate", dataset, "--policy", f"{tmp_path / 'mine.py'}:Wrong", "-n", "1"),
+        *("--output", out),
+    )
+    assert wrong.returncode == 1, "errors of the policy ended all rollouts"
+    assert "policy error: Wrong.act(): no action 'robots/rc7/action/am'" in wrong.stderr
+    assert "robots/rc7/action/arm" in wrong.stderr
+    assert wrong.stderr.count("Wrong.act()") == 1, "once is enough"
 
 
-def test_a_policy_that_raises_is_named_with_its_line(dataset: Path, tmp_path: Path):
+def test_a_policy_that_raises_fails_and_is_named_with_its_line(dataset: Path, tmp_path: Path):
     file = policy_file(tmp_path, "raising")
     line = 1 + REPLAYER[: REPLAYER.index("return 1 / 0")].count("\n")
     for workers in (1, 2):
-        with pytest.raises(rc.Error, match=rf"ZeroDivisionError.*raising\.py:{line}, in act"):
-            evaluate(
-                dataset,
-                f"{file}:Raising",
-                episodes=3,
-                workers=workers,
-                output=tmp_path / f"out{workers}",
-            )
+        result = evaluate(
+            dataset,
+            f"{file}:Raising",
+            episodes=3,
+            workers=workers,
+            output=tmp_path / f"out{workers}",
+        )
+        assert (result.successes, result.trials, result.unmade) == (0, 3, 0)
+        assert result.policy_errors == 3
+        (reason,) = result.failures
+        assert reason.startswith("policy error: ZeroDivisionError: division by zero (")
+        assert reason.endswith(f"raising.py:{line}, in act)")
+
+
+BROKEN = """
+import numpy as np
+from robocell.policy import Policy
+
+ARM, GRIPPER = "robots/rc7/action/arm", "robots/rc7/action/gripper"
+
+
+class Picky(Policy):  # as Stay, and raises at what is on the left
+    def act(self, observation):
+        if observation["objects/target/pose"][1] > 0 and observation["time"] > 0.3:
+            raise RuntimeError("not this\\nside")
+        return {ARM: observation["robots/rc7/arm/target"], GRIPPER: 1}
+
+
+class NotFinite(Policy):
+    def act(self, observation):
+        return {ARM: [0, 0, np.nan, 0, 0, 0, 0]}
+
+
+class Shape(Policy):
+    def act(self, observation):
+        return {ARM: np.zeros(3)}
+
+
+class Nothing(Policy):
+    def act(self, observation):
+        return None
+
+
+class Turned(Policy):
+    def act(self, observation):
+        return {"robots/rc7/action/tcp_pose": np.zeros(7)}
+
+
+class Reset(Policy):
+    def reset(self, context):
+        raise KeyError("weights")
+
+
+class Made(Policy):
+    def __init__(self):
+        raise ImportError("no weights")
+"""
+
+
+@pytest.fixture(scope="module")
+def broken(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A module is loaded from one file only."""
+    file = tmp_path_factory.mktemp("policies") / "broken.py"
+    file.write_text(BROKEN)
+    return file
+
+
+def test_a_policy_that_raises_keeps_its_start(dataset: Path, broken: Path, tmp_path: Path):
+    """The rollout from this start is a failure; another start would break the comparison."""
+    picky = evaluate(dataset, f"{broken}:Picky", episodes=8, output=tmp_path / "out")
+    assert (picky.trials, picky.unmade, picky.successes) == (8, 0, 0)
+    other = evaluate(
+        dataset, "random", episodes=8, output=tmp_path / "random", cameras=False
+    ).outcomes
+    assert other.keys() == picky.outcomes.keys()
+    raised = 0
+    for episode in rc.Dataset(tmp_path / "out"):
+        start = episode["objects/target/pose"][0]
+        twin = rc.Dataset(tmp_path / "random")[episode.id]
+        assert np.array_equal(start, twin["objects/target/pose"][0])
+        assert episode.metadata["attempt"] == twin.metadata["attempt"]
+        if start[1] <= 0:
+            assert episode.end_reason == "timeout"
+            continue
+        raised += 1
+        assert "policy error: RuntimeError: not this side (" in episode.end_reason
+        assert episode.end_reason.endswith("broken.py:11, in act)")
+        assert not episode.success
+        assert 5 < len(episode) < 20, "it was recorded until then"
+        moved = np.abs(np.diff(episode["robots/rc7/action/arm"], axis=0)).max()
+        assert moved < 0.01, "the targets are held in the last row"
+    assert 0 < raised < 8, "the seed has starts of both kinds"
+    assert picky.policy_errors == raised
+    assert sum(picky.failures.values()) == 8
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("NotFinite", "NotFinite.act(): 'robots/rc7/action/arm' is not finite: entry [2] is nan"),
+        ("Shape", "Shape.act(): 'robots/rc7/action/arm' has 7 numbers, or (k, 7) for a chunk;"),
+        ("Nothing", "TypeError: Nothing.act() must return a dict of columns"),
+        ("Turned", "quaternion [0, 0, 0, 0] (xyzw) has length 0"),
+        ("Reset", "KeyError: 'weights' ("),
+    ],
+)
+def test_what_is_no_action_fails_the_rollout(
+    dataset: Path, broken: Path, tmp_path: Path, name: str, reason: str
+):
+    options = {"episodes": 1, "output": tmp_path / "out", "cameras": False}
+    result = evaluate(dataset, f"{broken}:{name}", **options)
+    assert (result.trials, result.unmade, result.policy_errors) == (1, 0, 1)
+    (said,) = result.failures
+    assert said.startswith(f"policy error: {reason}")
+    assert "broken.py:" in said
+
+
+def test_without_a_policy_there_is_nothing_to_evaluate(
+    dataset: Path, broken: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    with pytest.raises(
+        rc.Error, match=r"^[^\n]*ImportError: no weights \(.*broken\.py:\d+, in __init__\)$"
+    ):
+        evaluate(dataset, f"{broken}:Made", episodes=2, output=tmp_path / "out")
+    said = capsys.readouterr().err
+    assert said.count("no weights") > 1, "for each rollout"
+    assert said.count('raise ImportError("no weights")') == 1, "the worker's traceback, once"
 
 
 def test_a_dataset_replays_its_own_actions(dataset: Path, tmp_path: Path):

@@ -171,7 +171,7 @@ scene = leaks.cell()
 robot = scene.robot("a")
 free = rc.kinematics.CollisionFilter(robot)
 found = robot.kinematics.ik(robot.fk_frame(), filter=lambda q: free(q))
-class Mine(rc.PickTaskSampler):
+class Mine(rc.tasks.PickTaskSampler):
     def make_task(self, target, kind, objects):
         return super().make_task(target, kind, objects)
 run = rc.RunConfig.load(leaks.DEMO)

@@ -134,7 +134,7 @@ class Push(Idle):
         return {"rc7": {"arm": rc.control.GroupCommand.relative_joints([0.01] * 7)}}
 
 
-class Impatient(rc.PickTaskSampler):
+class Impatient(rc.tasks.PickTaskSampler):
     """Starts whose task, Python's own, is done after two rewards."""
 
     def make_task(self, target: str, kind: str, objects: list[str]) -> rc.tasks.Task:

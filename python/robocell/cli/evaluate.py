@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+from rich.box import SIMPLE
+from rich.table import Table
+from rich.text import Text
 
 from robocell._core import atomic_write
-from robocell.cli.common import ExitCode, print_warning
+from robocell.cli.common import ExitCode, print_warning, print_wide
+
+if TYPE_CHECKING:
+    from robocell.evaluate import Evaluation
 
 
 def evaluate(
@@ -26,8 +32,15 @@ def evaluate(
         ),
     ],
     output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="PATH", help="Folder of the rollouts.")
-    ],
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="PATH",
+            help="Folder of the rollouts. Default: DATASET_evaluation/POLICY-SEED, beside the "
+            "dataset or the run file.",
+        ),
+    ] = None,
     episodes: Annotated[
         int | None,
         typer.Option(
@@ -54,7 +67,8 @@ def evaluate(
 ) -> None:
     """Evaluate a policy. The same starts for every policy; the same command again goes on.
 
-    Exit codes: 0 evaluated, 1 some rollouts could not be made, 2 wrong command or spec, 3 the disk.
+    Exit codes: 0 evaluated, 1 some rollouts could not be made, or errors of the policy ended all of
+    them, 2 wrong command or spec, 3 the disk.
     """
     from robocell.evaluate import evaluate as run
     from robocell.generate.supervisor import Limits
@@ -75,24 +89,39 @@ def evaluate(
         on_trial=told,
         limits=Limits(item_timeout_s=item_timeout),
     )
-    atomic_write(output / "evaluation.json", (result.to_json() + "\n").encode())
+    atomic_write(Path(result.dataset) / "evaluation.json", (result.to_json() + "\n").encode())
     if as_json:
         print(result.to_json())
     else:
-        low, high = (100 * bound for bound in result.interval)
-        rate = 100 * result.successes / result.trials if result.trials else 0
-        print(f"policy:   {policy}")
-        print(
-            f"success:  {rate:.0f} % ({result.successes} of {result.trials}), "
-            f"95 % interval {low:.0f} ... {high:.0f} %"
-        )
+        print_wide(_table(result))
         if result.failures:
             counts = ", ".join(f"{reason} {count}" for reason, count in result.failures.items())
             print(f"failures: {counts}")
-        print(f"rollouts: {output}")
+        print(f"rollouts: {result.dataset}")
     if result.unmade:
         print_warning(
             f"{result.unmade} rollouts could not be made, see above; they count "
             "neither as success nor as failure"
         )
+    every = result.policy_errors == result.trials
+    if every:
+        print_warning("errors of the policy ended every rollout, see above: it was not evaluated")
+    if result.unmade or every:
         raise typer.Exit(ExitCode.INCOMPLETE)
+
+
+def _table(result: Evaluation) -> Table:
+    low, high = (100 * bound for bound in result.interval)
+    table = Table(box=SIMPLE)
+    columns = {
+        "policy": result.policy,
+        "success": f"{result.successes}/{result.trials}",
+        "rate": f"{100 * result.rate:.0f} %",
+        "95 % interval": f"{low:.0f} ... {high:.0f} %",
+        "mean length": f"{result.mean_length:.1f}",
+        "errors": str(result.policy_errors),
+    }
+    for name in columns:
+        table.add_column(name, justify="left" if name == "policy" else "right", no_wrap=True)
+    table.add_row(*map(Text, columns.values()))
+    return table

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -11,6 +12,7 @@ import robocell
 from robocell import _core, data
 from robocell._cells import load_cell
 from robocell.cli.common import ExitCode, fail, print_error, require_folder
+from robocell.dataset_run import run_of_dataset
 from robocell.generate.run_source import import_named
 from robocell.generate.totals import counted
 
@@ -45,7 +47,8 @@ def replay(
         typer.Option(
             "--import",
             metavar="MODULE",
-            help="Import it first: it registers tasks or features; also a library, libstack.so.",
+            help="Import it first: it registers tasks or features; also a library, libstack.so. "
+            "Its code must be the code that made the episodes.",
         ),
     ] = None,
 ) -> None:
@@ -53,7 +56,8 @@ def replay(
 
     With --actions or --env the actions are given to the environment again, and its observations
     and rewards are compared. The first step that comes out otherwise is named; an episode that
-    cannot be read or replayed is told, and the others go on. Exit codes: 0 all the same, 1 some
+    cannot be read or replayed is told, and the others go on. With --import the code of the task and
+    the features is compared with the dataset's, too. Exit codes: 0 all the same, 1 some
     differ, 2 wrong command or an episode that cannot be replayed, 3 a file cannot be read.
     """
     require_folder(dataset, "dataset")
@@ -66,6 +70,8 @@ def replay(
     ids = [episode] if episode is not None else episodes.ids
     if not ids:
         fail(f"'{dataset}' has no episodes")
+    if imports:
+        _require_same_code(episodes)
     environment = _environment(env) if env is not None else None
     differing, unread, unplayed = 0, 0, 0
     for name in ids:
@@ -81,6 +87,23 @@ def replay(
             print(result, flush=True)
             differing += not result.ok
     _end(len(ids), differing=differing, unplayed=unplayed, unread=unread)
+
+
+def _require_same_code(dataset: robocell.Dataset) -> None:
+    """Ends the command when modules that were imported are not those of a generated dataset.
+
+    Episodes of environments look at their code themselves.
+    """
+    metadata: Any = dataset[0].metadata
+    if "identity" not in metadata:
+        return
+    try:
+        run_of_dataset(dataset.folder)
+    except robocell.SpecError as error:
+        fail(f"{error}. Without --import only the recorded controls are simulated")
+    manifest = json.loads((Path(dataset.folder) / "dataset.json").read_bytes())
+    if any(name.startswith("code/") for name in manifest["files"]):
+        print("code: unchanged since the dataset was made")
 
 
 def _environment(name: str) -> robocell.Env:

@@ -126,9 +126,12 @@ def _default_actions(core: _RunCell | RecordedEnv, features: Mapping[str, Featur
 class DatasetEnv(gymnasium.Env[Any, Any]):
     """An environment made by `from_dataset`; `core` is its RunEnv.
 
-    `reset(seed=i)` goes to start i of the dataset's run, and later resets continue from there. The
-    first starts are those of the dataset's episodes; larger numbers are new starts. In a dataset
-    of `EnvRecorder` start i is that of seed i. The spaces have the ranges of the dataset's schema.
+    `reset(seed=i)` goes to start i of the dataset's run, and later resets continue from there.
+    Start i is the first start that the sampler accepts for item i of the run's plan. The recorded
+    episode of this item has the same start, unless an earlier rollout of it failed and was not
+    kept: `earlier_attempts` of its metadata says so. Numbers beyond the plan are new starts. In a
+    dataset of `EnvRecorder` start i is that of seed i. The spaces have the ranges of the dataset's
+    schema.
     """
 
     metadata = {"render_modes": []}  # noqa: RUF012  (as in Gymnasium)

@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import platform
 import shlex
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from robocell import Error
 from robocell.data import DatasetLock, remove_leftovers
 from robocell.generate import (
+    PlanItem,
     make_plan,
     parse_shard,
     prepare_dataset,
@@ -75,18 +76,24 @@ class Job:
         source: The run file, or what makes the configuration, with the modules to import.
         overrides: Replaced fields, as in 'task.lift_height=0.05'.
         shard: 'i/N': every N-th item, beginning with the i-th. None: all.
+        choose: Chooses the items of the plan that are made. None: all.
 
     Raises SpecError for what the files say, ArgumentError for the shard.
     """
 
     def __init__(
-        self, source: RunSource | Path, overrides: Sequence[str], shard: str | None = None
+        self,
+        source: RunSource | Path,
+        overrides: Sequence[str],
+        shard: str | None = None,
+        choose: Callable[[list[PlanItem]], list[PlanItem]] | None = None,
     ) -> None:
         self.source = source if isinstance(source, RunSource) else RunSource(str(source))
         self.overrides = tuple(overrides)
         self.run = self.source.load(overrides)
         self.dataset = Path(self.run.output)
         plan = make_plan(self.run)
+        plan = choose(plan) if choose else plan
         self.plan_size = len(plan)
         self.shard = parse_shard(shard) if shard is not None else (0, 1)
         self._chosen = shard_plan(plan, *self.shard) if shard is not None else plan
@@ -237,6 +244,7 @@ class Job:
             totals=outcome.totals,
         )
         report.add(command, outcome.results, [item.id for item in self.items])
+        report.houses = list(self.run.scenes.houses)
         save(path, report)
 
     def _former_report(self, path: Path, observer: Observer) -> RunReport:
@@ -260,6 +268,7 @@ class Job:
             return report
         if former.identity == identity:
             report.commands, report.episodes = former.commands, former.episodes
+            report.houses = former.houses
         return report
 
     def _logs(self) -> Path:

@@ -68,6 +68,7 @@ class RunReport:
         versions: Of the parts that make the episodes.
         commands: The oldest first. One that was killed is missing.
         episodes: What is known of the items that were decided, by their ids, in the plan's order.
+        houses: `scenes.houses` of the last command; None in a report of an older robocell.
     """
 
     run: str
@@ -76,6 +77,7 @@ class RunReport:
     versions: Mapping[str, str]
     commands: list[Command] = field(default_factory=list)
     episodes: dict[str, ItemResult] = field(default_factory=dict)
+    houses: list[int] | None = None
 
     @property
     def totals(self) -> Totals:
@@ -105,6 +107,7 @@ class RunReport:
             "identity": self.identity,
             "shard": list(self.shard),
             "versions": dict(self.versions),
+            **({} if self.houses is None else {"houses": self.houses}),
             "commands": [command.to_json() for command in self.commands],
             "episodes": [result.to_json() for result in self.episodes.values()],
         }
@@ -117,6 +120,7 @@ class RunReport:
                 raise DamagedReportError(f"it is no {FORMAT} of version {FORMAT_VERSION}")
             shard, count = values["shard"]
             results = [ItemResult.from_json(result) for result in values["episodes"]]
+            houses = values.get("houses")
             return cls(
                 run=str(values["run"]),
                 identity=str(values["identity"]),
@@ -124,6 +128,7 @@ class RunReport:
                 versions=dict(values["versions"]),
                 commands=[Command.from_json(command) for command in values["commands"]],
                 episodes={result.id: result for result in results},
+                houses=None if houses is None else [int(house) for house in houses],
             )
         except (AttributeError, KeyError, TypeError, ValueError) as error:
             raise DamagedReportError(f"{type(error).__name__}: {error}") from error

@@ -17,6 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
+from typing import TypeGuard
 
 from robocell import Error, NotFoundError, RunConfig, SpecError
 from robocell._core import imports_of_run_file, load_plugin
@@ -150,8 +151,9 @@ def import_module(name: str, folder: Path) -> ModuleType:
     """A module by its name or its file.
 
     Names are looked up as Python does, and in `folder`. SpecError names file and line of what went
-    wrong in it.
+    wrong in it, and names that are Python's own or robocell's.
     """
+    _require_name_of_ones_own(name)
     try:
         if name.endswith(".py") or "/" in name:
             return _import_file(folder / name)
@@ -169,6 +171,23 @@ def import_module(name: str, folder: Path) -> ModuleType:
         raise SpecError(f"cannot import '{name}': {place_of(error)}") from error
     except Exception as error:
         raise SpecError(f"cannot import '{name}': {place_of(error)}") from error
+
+
+def _require_name_of_ones_own(name: str) -> None:
+    """SpecError for a name whose module Python or robocell itself needs.
+
+    A file that took the name would break what imports the other module, far from here.
+    """
+    is_file = name.endswith(".py") or "/" in name
+    module = Path(name).stem if is_file else name.partition(".")[0]
+    whose = "Python" if module in sys.stdlib_module_names else ""
+    if is_file and module == "robocell":
+        whose = "robocell"
+    if whose:
+        raise SpecError(
+            f"cannot import '{name}': '{module}' is the name of a module of {whose} itself; give "
+            f"the file another name, such as my_{module}.py"
+        )
 
 
 def _require_code(module: ModuleType) -> ModuleType:
@@ -224,15 +243,25 @@ def is_of_users(error: BaseException) -> bool:
 
 def place_of(error: BaseException) -> str:
     """'ValueError: text (tasks.py:12, in judge)': where somebody's own code raised it."""
-    text = f"{type(error).__name__}: {error}"
-    if isinstance(error, SyntaxError) and error.filename:
-        return f"{type(error).__name__}: {error.msg} ({error.filename}:{error.lineno})"
+    text = error.msg if _has_file(error) else str(error)
+    return f"{type(error).__name__}: {text}{where(error)}"
+
+
+def where(error: BaseException) -> str:
+    """' (tasks.py:12, in judge)', where somebody's own code raised it; '' for none of theirs."""
+    if _has_file(error):
+        return f" ({error.filename}:{error.lineno})"
     frames = traceback.extract_tb(error.__traceback__)
     own = [frame for frame in frames if _is_users(frame.filename)]
     if not own:
-        return text
+        return ""
     last = own[-1]
-    return f"{text} ({last.filename}:{last.lineno}, in {last.name})"
+    return f" ({last.filename}:{last.lineno}, in {last.name})"
+
+
+def _has_file(error: BaseException) -> TypeGuard[SyntaxError]:
+    """Whether the error is of a source that could not be parsed."""
+    return isinstance(error, SyntaxError) and bool(error.filename)
 
 
 def _is_users(filename: str) -> bool:

@@ -132,6 +132,7 @@ class Supervisor:
         self._totals = Totals(planned=len(items) + already, already=already, workers=self._count)
         self._workers: dict[int, WorkerProcess] = {}
         self._tries: Counter[str] = Counter()
+        self._told_logs: set[str] = set()
         self._results: list[ItemResult] = []
         self._bad_starts = 0
         self._fatal: Fatal | None = None
@@ -350,12 +351,16 @@ class Supervisor:
             self._pending.appendleft(item)
             self._observer.retry(item.id, reason, self._totals)
             return
-        tail = worker.log_tail()
-        self._lose(item, reason + (f"\n{tail}" if tail and tail not in reason else ""), "other")
+        self._lose(item, reason, "other", log=worker.log_tail())
 
-    def _lose(self, item: Item, reason: str, kind: FailureKind) -> None:
-        """Gives an item up for an error; this may be the end of the run."""
-        self._canaries.lost(self._give_up(item, reason), kind)
+    def _lose(self, item: Item, reason: str, kind: FailureKind, log: str = "") -> None:
+        """Gives an item up for an error; this may be the end of the run.
+
+        The end of the worker's log is told with the first item that it says the same of.
+        """
+        is_new = log and log not in self._told_logs and log not in reason
+        self._told_logs.add(log)
+        self._canaries.lost(self._give_up(item, f"{reason}\n{log}" if is_new else reason), kind)
         if failure := self._canaries.verdict():
             self._give_up_run(failure.kind, failure.message)
 

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
-from robocell.generate import Runner, StopFlag, make_plan, require_same_run
+from robocell import RunConfig
+from robocell.generate import ItemResult as CoreResult
+from robocell.generate import PlanItem, Runner, StopFlag, make_plan, require_same_run
 from robocell.generate.items import Item, ItemResult
 from robocell.generate.own_process import own_process
 from robocell.generate.run_source import RunSource
@@ -28,13 +30,31 @@ def _open_maker(arguments: argparse.Namespace, stop: StopFlag) -> MakeEpisode:
     source = RunSource.of(arguments)
     run = source.load(arguments.set)
     require_same_run(run)
-    runner = Runner(run)
+    run_item = _evaluating(run, source.policy) if source.policy else Runner(run).run
     plan = {item.id: item for item in make_plan(run)}
 
     def make(item: Item) -> ItemResult:
-        return ItemResult.from_core(runner.run(plan[item.id], stop=stop))
+        return ItemResult.from_core(run_item(plan[item.id], stop=stop))
 
     return make
+
+
+def _evaluating(run: RunConfig, policy: str) -> Callable[..., CoreResult]:
+    """Returns what makes an item of an evaluation: one rollout, of its first accepted start."""
+    from robocell.evaluated import OneStart, ending_at_errors, expert_of_python
+    from robocell.policy import EXPERT
+
+    maker = expert_of_python(run)
+    if maker is None:
+        return Runner(run).run
+    one_start = OneStart(ending_at_errors(maker) if policy == EXPERT else maker)
+    runner = Runner(run, expert=one_start)
+
+    def run_item(item: PlanItem, stop: StopFlag | None = None) -> CoreResult:
+        one_start.next_item()
+        return runner.run(item, stop=stop)
+
+    return run_item
 
 
 def main() -> int:

@@ -30,7 +30,7 @@ fs::path LibraryFolder() {
 }
 
 fs::path FindModelsRoot() {
-  if (const std::string root = Environment("ROBOCELL_MODELS"); !root.empty()) {
+  if (const std::string root = internal::Environment("ROBOCELL_MODELS"); !root.empty()) {
     if (HoldsModels(root)) return root;
     throw NotFoundError(fmt::format("ROBOCELL_MODELS is {}, which holds no folder `robots`", root));
   }
@@ -42,7 +42,7 @@ fs::path FindModelsRoot() {
     if (HoldsModels(folder)) return fs::canonical(folder);
     looked.push_back(folder.string());
   }
-  ThrowNotFound("the folder of built-in models", looked, "Set ROBOCELL_MODELS to it.");
+  internal::ThrowNotFound("the folder of built-in models", looked, "Set ROBOCELL_MODELS to it.");
 }
 
 // Names N of root/N/N.xml.
@@ -92,7 +92,8 @@ std::vector<std::string> BuiltinModels() {
 }
 
 std::string BuiltinRobotFile(const std::string& name) {
-  if (const auto file = FindBelow(fs::path(ModelsRoot()) / "robots", name + "/" + name + ".yaml")) {
+  if (const auto file =
+          internal::FindBelow(fs::path(ModelsRoot()) / "robots", name + "/" + name + ".yaml")) {
     return file->string();
   }
   throw NotFoundError(NoSuchName("built-in models", "robot", name, BuiltinRobots()));
@@ -101,7 +102,7 @@ std::string BuiltinRobotFile(const std::string& name) {
 std::vector<std::string> BuiltinCells() { return FilesWith(".yaml", CellsFolder()); }
 
 std::string BuiltinCellFile(const std::string& name) {
-  if (const auto file = FindBelow(CellsFolder(), name + ".yaml")) return file->string();
+  if (const auto file = internal::FindBelow(CellsFolder(), name + ".yaml")) return file->string();
   throw NotFoundError(NoSuchName("ready-made environments", "cell", name, BuiltinCells()));
 }
 

@@ -23,17 +23,16 @@ namespace robocell::menagerie {
 namespace {
 
 namespace fs = std::filesystem;
-using assets::Environment;
 
 constexpr size_t kVersionDigits = 16;
 
 fs::path UserCache() {
-  const std::string cache = Environment("XDG_CACHE_HOME");
-  return cache.empty() ? fs::path(Environment("HOME")) / ".cache" : fs::path(cache);
+  const std::string cache = internal::Environment("XDG_CACHE_HOME");
+  return cache.empty() ? fs::path(internal::Environment("HOME")) / ".cache" : fs::path(cache);
 }
 
 fs::path CacheModels() {
-  if (const std::string dir = Environment("MENAGERIE_CACHE_DIR"); !dir.empty())
+  if (const std::string dir = internal::Environment("MENAGERIE_CACHE_DIR"); !dir.empty())
     return fs::path(dir) / "models";
   return UserCache() / "mujoco_menagerie" / "models";
 }
@@ -46,8 +45,8 @@ bool IsVersionOf(const std::string& folder, const std::string& robot) {
 // requested; empty without one. It need not exist. `robocell fetch` reports problems of the record.
 fs::path RecordedFolder(const std::string& robot) {
   const fs::path record = UserCache() / "robocell/menagerie.json";
-  if (!CanReadFile(record)) return {};
-  const auto json = nlohmann::json::parse(ReadRealFile(record), nullptr, false);
+  if (!internal::CanReadFile(record)) return {};
+  const auto json = nlohmann::json::parse(internal::ReadRealFile(record), nullptr, false);
   if (json.is_discarded() || robot.find_first_of("~/") != std::string::npos) return {};
   const auto tree = nlohmann::json::json_pointer("/robots/" + robot + "/tree");
   if (!json.contains(tree) || !json[tree].is_string()) return {};
@@ -152,7 +151,7 @@ std::string Remedy(const std::string& robot) {
 
 std::string RobotFolder(const std::string& robot) {
   std::vector<std::string> looked;
-  if (const std::string root = Environment("MENAGERIE_ROOT"); !root.empty()) {
+  if (const std::string root = internal::Environment("MENAGERIE_ROOT"); !root.empty()) {
     std::error_code error;
     if (fs::is_directory(fs::path(root) / robot, error)) return (fs::path(root) / robot).string();
     looked.push_back((fs::path(root) / robot).string() + " (MENAGERIE_ROOT)");
@@ -165,7 +164,7 @@ std::string RobotFolder(const std::string& robot) {
     return cached.string();
   }
   looked.push_back((CacheModels() / (robot + "-*")).string());
-  assets::ThrowNotFound("menagerie robot '" + robot + "'", looked, Remedy(robot));
+  internal::ThrowNotFound("menagerie robot '" + robot + "'", looked, Remedy(robot));
 }
 
 std::map<std::string, std::string> RobotFolders() {
@@ -175,7 +174,7 @@ std::map<std::string, std::string> RobotFolders() {
     const fs::path newest = robot.empty() ? fs::path() : CachedFolder(robot);
     if (!newest.empty()) robots[robot] = newest.string();
   }
-  const std::string root = Environment("MENAGERIE_ROOT");
+  const std::string root = internal::Environment("MENAGERIE_ROOT");
   if (root.empty()) return robots;
   for (const std::string& robot : FolderNamesIfAny(root)) {
     const fs::path folder = fs::path(root) / robot;
@@ -195,7 +194,7 @@ std::string ModelPath(const std::string& name) {
   const fs::path folder = RobotFolder(robot);
   const std::string file =
       slash == std::string::npos ? MainFile(robot, folder) : name.substr(slash + 1);
-  if (const auto found = assets::FindBelow(folder, file)) return found->string();
+  if (const auto found = internal::FindBelow(folder, file)) return found->string();
   std::vector<std::string> files = ModelStems(folder);
   for (std::string& stem : files) stem += ".xml";
   throw NotFoundError(

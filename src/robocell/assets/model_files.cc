@@ -15,7 +15,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/real_file.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // The file references of one XML file of a model, as the engine's own parser (tinyxml2) reads them.
@@ -227,4 +227,4 @@ FileSet ModelFileSet(const fs::path& model, const Hashing& hashing) {
   return MakeFileSet(absolute, FindModelFiles(absolute).files, hashing);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

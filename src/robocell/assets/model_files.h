@@ -14,7 +14,7 @@
 
 #include "robocell/base/file_set.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // A name that no file has. The engine reports it when the model is compiled.
 struct MissingFile {
@@ -39,4 +39,4 @@ void RequireOnlyFiles(const std::filesystem::path& model);
 // Those that are there, known by what they hold.
 FileSet ModelFileSet(const std::filesystem::path& model, const Hashing& hashing = {});
 
-}  // namespace robocell
+}  // namespace robocell::internal

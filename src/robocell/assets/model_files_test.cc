@@ -15,7 +15,7 @@
 #include "robocell/testing/source_dir.h"
 #include "robocell/testing/temp_dir.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -237,4 +237,4 @@ TEST(ModelFiles, AreWhatTheSpecsOfTheMenagerieReferTo) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -26,7 +26,7 @@ std::string OverrideVariable(const std::string& name) {
 
 std::optional<std::string> OverrideFile(const std::string& name) {
   const std::string variable = OverrideVariable(name);
-  const std::string value = Environment(variable.c_str());
+  const std::string value = internal::Environment(variable.c_str());
   if (value.empty()) return std::nullopt;
   std::error_code error;
   if (fs::is_regular_file(value, error)) return fs::absolute(value, error).lexically_normal();

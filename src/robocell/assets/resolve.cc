@@ -24,12 +24,12 @@ class Search {
   bool TryFile(const fs::path& path) {
     std::error_code error;
     const std::string full = fs::absolute(path, error).lexically_normal().string();
-    if (CanReadFile(path)) return found_ = full, true;
+    if (internal::CanReadFile(path)) return found_ = full, true;
     const bool other = fs::exists(path, error);
-    return looked_.push_back(other ? full + " (" + WhatIsAt(path) + ")" : full), false;
+    return looked_.push_back(other ? full + " (" + internal::WhatIsAt(path) + ")" : full), false;
   }
   bool TryBelow(const fs::path& root, const std::string& name) {
-    if (const auto path = FindBelow(root, name)) return found_ = path->string(), true;
+    if (const auto path = internal::FindBelow(root, name)) return found_ = path->string(), true;
     return looked_.push_back((root / name).string()), false;
   }
   const std::string& found() const { return found_; }
@@ -91,7 +91,7 @@ std::string PathHint(const std::string& name) {
 
 std::vector<std::string> ModelPathRoots() {
   std::vector<std::string> roots;
-  std::string rest = Environment("ROBOCELL_MODEL_PATH");
+  std::string rest = internal::Environment("ROBOCELL_MODEL_PATH");
   while (!rest.empty()) {
     const size_t colon = rest.find(':');
     if (const std::string root = rest.substr(0, colon); !root.empty()) roots.push_back(root);
@@ -102,13 +102,14 @@ std::vector<std::string> ModelPathRoots() {
 
 std::string Resolve(const std::string& name, const std::string& directory) {
   if (name.empty()) throw ArgumentError("the name of a model is empty");
-  RequireNoNul("model", name);
+  internal::RequireNoNul("model", name);
   if (name.rfind(kMenagerie, 0) == 0) return menagerie::ModelPath(name.substr(kMenagerie.size()));
   Search search;
   const fs::path path = name;
   if (path.is_absolute()) {
     if (search.TryFile(path)) return search.found();
-    ThrowNotFound("model file '" + name + "'", search.looked(), NeighbourHint(name, path));
+    internal::ThrowNotFound("model file '" + name + "'", search.looked(),
+                            NeighbourHint(name, path));
   }
   if (IsPlainName(name)) {
     if (auto file = OverrideFile(name)) return *file;
@@ -120,11 +121,11 @@ std::string Resolve(const std::string& name, const std::string& directory) {
   }
   if (!IsPlainName(name)) {
     const std::string near = NeighbourHint(name, search.looked().front());
-    ThrowNotFound("model file '" + name + "'", search.looked(),
-                  near.empty() ? PathHint(name) : near);
+    internal::ThrowNotFound("model file '" + name + "'", search.looked(),
+                            near.empty() ? PathHint(name) : near);
   }
   if (TryBuiltin(search, name)) return search.found();
-  ThrowNotFound("model '" + name + "'", search.looked(), BuiltinHint(name));
+  internal::ThrowNotFound("model '" + name + "'", search.looked(), BuiltinHint(name));
 }
 
 namespace {
@@ -134,7 +135,7 @@ namespace fs = std::filesystem;
 constexpr size_t kVersionLength = 17;  // "-" and 16 digits: the Menagerie's folders in its cache
 
 bool Means(const std::string& name, const fs::path& path) {
-  if (!Environment(OverrideVariable(name).c_str()).empty()) return false;  // here only
+  if (!internal::Environment(OverrideVariable(name).c_str()).empty()) return false;  // here only
   try {
     std::error_code error;
     return fs::equivalent(Resolve(name), path, error);

@@ -8,7 +8,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/paths.h"
 
-namespace robocell::assets {
+namespace robocell::internal {
 
 namespace fs = std::filesystem;
 
@@ -31,4 +31,4 @@ void ThrowNotFound(const std::string& what, const std::vector<std::string>& look
                                   next_step));
 }
 
-}  // namespace robocell::assets
+}  // namespace robocell::internal

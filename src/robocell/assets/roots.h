@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace robocell::assets {
+namespace robocell::internal {
 
 // The value of an environment variable, "" when it is not set.
 std::string Environment(const char* variable);
@@ -20,4 +20,4 @@ std::optional<std::filesystem::path> FindBelow(const std::filesystem::path& root
 [[noreturn]] void ThrowNotFound(const std::string& what, const std::vector<std::string>& looked,
                                 const std::string& next_step);
 
-}  // namespace robocell::assets
+}  // namespace robocell::internal

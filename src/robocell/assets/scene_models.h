@@ -6,7 +6,7 @@
 
 #include "robocell/spec/scene_spec.h"
 
-namespace robocell::assets {
+namespace robocell::internal {
 
 template <class Cameras, class F>
 void ForEachCameraModel(Cameras& cameras, const std::string& directory, F&& f) {
@@ -38,4 +38,4 @@ void ForEachModel(Scene& scene, F&& f) {
   ForEachCameraModel(scene.cameras, scene.source_dir, f);
 }
 
-}  // namespace robocell::assets
+}  // namespace robocell::internal

@@ -103,7 +103,8 @@ FileSums SumsOfFolder(const fs::path& folder) {
   for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end;
        it.increment(error)) {
     if (fs::is_directory(it->symlink_status(error))) continue;
-    sums[it->path().lexically_relative(folder).generic_string()] = Sha256RealFile(it->path());
+    sums[it->path().lexically_relative(folder).generic_string()] =
+        internal::Sha256RealFile(it->path());
   }
   if (error) ThrowIoError("list", folder, error.value());
   return sums;

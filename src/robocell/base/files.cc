@@ -137,8 +137,8 @@ void RenameToNew(const fs::path& from, const fs::path& to) {
 
 fs::path TemporaryPath(const fs::path& parent, std::string_view name) {
   static std::atomic<uint64_t> count = 0;
-  RequireNoNul("file", (parent / name).native());
-  return parent / TemporaryName{std::string(name), ::getpid(), ++count}.Text();
+  internal::RequireNoNul("file", (parent / name).native());
+  return parent / internal::TemporaryName{std::string(name), ::getpid(), ++count}.Text();
 }
 
 std::string ReadFile(const fs::path& path) {
@@ -220,7 +220,7 @@ fs::path MakeTempFile(const fs::path& target) {
 }
 
 bool IsTemporaryName(std::string_view file_name) {
-  return file_name.starts_with('.') && file_name.ends_with(TemporaryName::kSuffix);
+  return file_name.starts_with('.') && file_name.ends_with(internal::TemporaryName::kSuffix);
 }
 
 void CommitDirectory(const fs::path& temporary, const fs::path& final) {

@@ -229,10 +229,10 @@ TEST_F(FilesTest, TempDirectoriesAreHiddenDifferentAndRecognised) {
 // On a shared disk processes of several machines have the same number.
 TEST_F(FilesTest, TemporaryNamesThatOthersHaveArePassedBy) {
   const auto number = [](const fs::path& path) {
-    return TemporaryName::Parse(path.filename().native())->number;
+    return internal::TemporaryName::Parse(path.filename().native())->number;
   };
   const uint64_t next = number(TemporaryPath(root(), "a")) + 1;
-  const auto taken = [](uint64_t n) { return TemporaryName{"a", getpid(), n}.Text(); };
+  const auto taken = [](uint64_t n) { return internal::TemporaryName{"a", getpid(), n}.Text(); };
   for (uint64_t n : {next, next + 1}) std::ofstream(root() / taken(n));
   EXPECT_EQ(number(MakeTempDirectory(root(), "a")), next + 2);
   for (uint64_t n : {next + 3, next + 4}) std::ofstream(root() / taken(n));

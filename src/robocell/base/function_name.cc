@@ -1,6 +1,6 @@
 #include "robocell/base/function_name.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 bool IsUpper(char c) { return c >= 'A' && c <= 'Z'; }
@@ -25,4 +25,4 @@ std::string CppAndPythonName(std::string_view function) {
   return std::string(function) + " (in Python " + python + ")";
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -4,10 +4,10 @@
 #include <string>
 #include <string_view>
 
-namespace robocell {
+namespace robocell::internal {
 
 // Returns the function's name in both languages: "SetBodyPose (in Python set_body_pose)" for
 // "SetBodyPose", "Scene::Build (in Python Scene.build)" for "Scene::Build".
 std::string CppAndPythonName(std::string_view function);
 
-}  // namespace robocell
+}  // namespace robocell::internal

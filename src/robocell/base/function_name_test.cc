@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 TEST(CppAndPythonName, FunctionsAreInSnakeCaseAndClassesStay) {
@@ -13,4 +13,4 @@ TEST(CppAndPythonName, FunctionsAreInSnakeCaseAndClassesStay) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

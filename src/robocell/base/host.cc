@@ -6,7 +6,7 @@
 #include <fstream>
 #include <sstream>
 
-namespace robocell {
+namespace robocell::internal {
 
 std::string HostName() {
   char name[256] = "";
@@ -26,4 +26,4 @@ std::optional<uint64_t> ProcessStart(int64_t process) {
   return fields >> start ? std::optional(start) : std::nullopt;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

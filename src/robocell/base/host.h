@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-namespace robocell {
+namespace robocell::internal {
 
 // "" when the system does not say.
 std::string HostName();
@@ -14,4 +14,4 @@ std::string HostName();
 // number. With it the number names one process, and no later one that was given the same.
 std::optional<uint64_t> ProcessStart(int64_t process);
 
-}  // namespace robocell
+}  // namespace robocell::internal

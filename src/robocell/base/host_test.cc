@@ -4,7 +4,7 @@
 #include <unistd.h>
 #include <gtest/gtest.h>
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 TEST(Host, IsNamedAsTheSystemNamesIt) {
@@ -43,4 +43,4 @@ TEST(ProcessStart, IsUnsetForNumbersOfNoProcess) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -19,9 +19,7 @@
 #include <optional>
 #include <utility>
 
-namespace robocell {
-
-namespace internal {
+namespace robocell::internal {
 
 // The part of a pool that a fork empties. All pools share one mutex. It is otherwise held for a few
 // instructions, and never while something is opened or read.
@@ -42,10 +40,8 @@ class ForkSafePool {
   virtual void DropIdle() = 0;  // the mutex is held
 };
 
-}  // namespace internal
-
 template <typename Value>
-class IdlePool : private internal::ForkSafePool {
+class IdlePool : private ForkSafePool {
  public:
   explicit IdlePool(size_t limit) : limit_(limit) {}
   ~IdlePool() { Leave(); }
@@ -90,4 +86,4 @@ class IdlePool : private internal::ForkSafePool {
   std::list<Value> idle_;  // the most recently used first
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 struct Counted {
@@ -106,4 +106,4 @@ TEST(IdlePool, AForkWhileOtherThreadsUseItLeavesTheChildNoLockedMutex) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -11,7 +11,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/io_error.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace fs = std::filesystem;
 namespace {
 
@@ -141,4 +141,4 @@ std::string ShellWord(std::string_view text) {
   return word + "'";
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace robocell {
+namespace robocell::internal {
 
 // root / relative, refused (ArgumentError that names both) when `relative` is empty, absolute,
 // contains ".." or a NUL byte, is longer than a path can be, or when a symbolic link on the way,
@@ -33,4 +33,4 @@ void RequireFileName(std::string_view what, std::string_view name);
 // Python's shlex.quote.
 std::string ShellWord(std::string_view text);
 
-}  // namespace robocell
+}  // namespace robocell::internal

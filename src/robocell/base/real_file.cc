@@ -14,7 +14,7 @@
 #include "robocell/base/io_error.h"
 #include "robocell/base/paths.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -141,4 +141,4 @@ std::string FileIdentity(const fs::path& path) {
                      file.st_ctim.tv_nsec);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

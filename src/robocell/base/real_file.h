@@ -16,7 +16,7 @@
 #include <string>
 #include <string_view>
 
-namespace robocell {
+namespace robocell::internal {
 
 // "nothing", "a file", "a folder", "a link to '/etc/passwd'", "a pipe", "a socket", "a device".
 std::string WhatIsAt(const std::filesystem::path& path);
@@ -64,4 +64,4 @@ std::string ReadRealFile(const std::filesystem::path& path,
 // As Sha256File (hash.h).
 std::string Sha256RealFile(const std::filesystem::path& path);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -13,7 +13,7 @@
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -113,4 +113,4 @@ TEST_F(RealFileTest, FoldersAreFoldersOrMissing) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -4,7 +4,7 @@
 
 #include <charconv>
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr size_t kLongest = 180;  // of 255 bytes
@@ -35,4 +35,4 @@ std::optional<TemporaryName> TemporaryName::Parse(std::string_view file_name) {
   return parsed;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

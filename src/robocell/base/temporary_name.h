@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace robocell {
+namespace robocell::internal {
 
 struct TemporaryName {
   static constexpr std::string_view kSuffix = ".partial";
@@ -20,4 +20,4 @@ struct TemporaryName {
   static std::optional<TemporaryName> Parse(std::string_view file_name);
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -6,7 +6,7 @@
 #include "robocell/base/files.h"
 #include "robocell/testing/temp_dir.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 TEST(TemporaryName, IsReadAsItWasWritten) {
@@ -34,4 +34,4 @@ TEST(TemporaryName, OtherNamesAreNone) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

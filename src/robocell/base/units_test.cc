@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 TEST(Units, AHalfTurnIsPi) {
@@ -16,4 +16,4 @@ TEST(Units, AHalfTurnIsPi) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -17,7 +17,7 @@ namespace {
       "cartesian_impedance",
       [](MoveGroup& group) -> std::unique_ptr<Controller> {
         return std::make_unique<CartesianImpedanceController>(
-            RequireArm(group, "cartesian_impedance"));
+            internal::RequireArm(group, "cartesian_impedance"));
       },
       CtrlMode::kTorque);
   return true;
@@ -102,7 +102,7 @@ void CartesianImpedanceController::Compute(std::span<double> ctrl) {
   for (size_t i = 0; i < n; ++i) wanted[i] = w * w * (posture_[i] - q_[i]) - 2 * w * qd[i];
   const Chain& chain = arm_.chain();
   const Eigen::Vector3d gravity = arm_.gravity_in_base();
-  LinkAnswer links;
+  internal::LinkAnswer links;
   internal::ComputeLinks(chain.links(), internal::LinkPart::kAll,
                          {.q = q_.data(), .qd = qd, .gravity = gravity.data()}, &links);
   for (const JointCoupling& c : chain.couplings()) links.mass[c.second][c.first] += c.inertia;

@@ -29,7 +29,7 @@ constexpr double kLongestLead = 0.02, kWidestLead = 0.1;
 
 [[maybe_unused]] const bool kCartesianPoseRegistered = [] {
   RegisterController("cartesian_pose", [](MoveGroup& group) -> std::unique_ptr<Controller> {
-    return std::make_unique<CartesianPoseController>(RequireArm(group, "cartesian_pose"));
+    return std::make_unique<CartesianPoseController>(internal::RequireArm(group, "cartesian_pose"));
   });
   return true;
 }();
@@ -85,7 +85,7 @@ void CartesianPoseController::HoldServos() {
 }
 
 void CartesianPoseController::MoveReference(double seconds) {
-  const PoseError way = ErrorTo(ToTransform(pose()), reference_);
+  const internal::PoseError way = internal::ErrorTo(ToTransform(pose()), reference_);
   const double distance = way.linear.norm(), angle = way.angular.norm();
   // Both arrive together.
   const double needed = std::max(distance / max_linear_speed_, angle / max_angular_speed_);
@@ -99,7 +99,7 @@ void CartesianPoseController::MoveReference(double seconds) {
 
 void CartesianPoseController::HoldReferenceBack() {
   const Transform commanded = ToTransform(arm_.chain().Fk(servos_.target()));
-  const PoseError lead = ErrorTo(reference_, commanded);
+  const internal::PoseError lead = internal::ErrorTo(reference_, commanded);
   const double distance = lead.linear.norm(), angle = lead.angular.norm();
   if (distance > kLongestLead)
     reference_.translation = commanded.translation + kLongestLead / distance * lead.linear;
@@ -114,7 +114,8 @@ void CartesianPoseController::FollowReference(double seconds) {
   const int n = chain.n_joints();
   const std::span<double> q = servos_.command_port();
   Jacobian6 jacobian(6, n);
-  const PoseError error = ErrorTo(reference_, ToTransform(chain.Jacobian(q, jacobian)));
+  const internal::PoseError error =
+      internal::ErrorTo(reference_, ToTransform(chain.Jacobian(q, jacobian)));
   JointColumn spare(n);
   for (int i = 0; i < n; ++i) spare[i] = kPostureRate * seconds * (posture_[i] - q[i]);
   Vector6 task;

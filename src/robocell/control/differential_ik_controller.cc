@@ -16,7 +16,8 @@ constexpr double kMostSeconds = 0.1;  // of a tick; after a pause nothing jumps
 
 [[maybe_unused]] const bool kDifferentialIkRegistered = [] {
   RegisterController("differential_ik", [](MoveGroup& group) -> std::unique_ptr<Controller> {
-    return std::make_unique<DifferentialIkController>(RequireArm(group, "differential_ik"));
+    return std::make_unique<DifferentialIkController>(
+        internal::RequireArm(group, "differential_ik"));
   });
   return true;
 }();

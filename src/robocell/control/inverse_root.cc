@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // The arithmetic-geometric mean's way from 1 and the root of 1 / range to where both meet.
@@ -64,4 +64,4 @@ const InverseRoot* InverseRoots() {
   return roots.data();
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

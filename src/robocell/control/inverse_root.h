@@ -10,7 +10,7 @@
 // Plain numbers only; this header is included by code for every instruction set.
 #pragma once
 
-namespace robocell {
+namespace robocell::internal {
 
 struct InverseRoot {
   static constexpr int kMostPoles = 24;
@@ -26,4 +26,4 @@ struct InverseRoot {
 inline constexpr int kInverseRoots = 3;
 const InverseRoot* InverseRoots();
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // What the sum stands for at one eigenvalue, where the largest is 1; 1 / sqrt(value) is wanted.
@@ -49,4 +49,4 @@ TEST(InverseRoot, EachHasAWiderRangeAndIsPaddedWithNothing) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -21,7 +21,8 @@ constexpr double kFrequency = 2 * M_PI * 3, kLeastShare = 0.1, kFastest = 100;
   RegisterController(
       "joint_impedance",
       [](MoveGroup& group) -> std::unique_ptr<Controller> {
-        return std::make_unique<JointImpedanceController>(RequireArm(group, "joint_impedance"));
+        return std::make_unique<JointImpedanceController>(
+            internal::RequireArm(group, "joint_impedance"));
       },
       CtrlMode::kTorque);
   return true;

@@ -79,7 +79,7 @@ HWY_INLINE void Turn(const Quad* from, const double* to, double* out) {
   const double trace = SumOf(products), half_sine2 = 0.25 * (3 - trace);
   if (half_sine2 < 0.0625) {
     const double half_cosine = std::sqrt(0.25 * (1 + trace));
-    PutAnywhere(Times(HalfAngleBySine(half_sine2) / half_cosine, Yzx(crosses)), out);
+    PutAnywhere(Times(internal::HalfAngleBySine(half_sine2) / half_cosine, Yzx(crosses)), out);
     return;
   }
   alignas(32) double here[3][4];
@@ -88,7 +88,7 @@ HWY_INLINE void Turn(const Quad* from, const double* to, double* out) {
 }
 
 // Of the leaf from its goal; `out` has room for a seventh number.
-HWY_INLINE void MakeDeviation(const LinkAnswer& arm, const TcpTarget& goal, double* out) {
+HWY_INLINE void MakeDeviation(const internal::LinkAnswer& arm, const TcpTarget& goal, double* out) {
   const Quad from[3] = {QuadAt(arm.tip[0]), QuadAt(arm.tip[1]), QuadAt(arm.tip[2])};
   PutAnywhere(Sub(ThreeAt(goal.position), QuadAt(arm.tip[3])), out);
   Turn(from, goal.axes, out + 3);
@@ -251,8 +251,8 @@ struct Motion {
 // solves for `wanted`, in the axes of the base. In a function of its own: what is done again finds
 // its instructions in the cache, which a control tick has to fetch for all that it does once.
 template <class D>
-HWY_NOINLINE void DampByPoles(D d, const Motion& motion, const InverseRoot& root, int first,
-                              Damped* out) {
+HWY_NOINLINE void DampByPoles(D d, const Motion& motion, const internal::InverseRoot& root,
+                              int first, Damped* out) {
   using V = hn::Vec<D>;
   const auto is_pole = hn::FirstN(d, static_cast<size_t>(root.n_poles - first));
   V a[kEntries], b[6], scale[6];
@@ -283,13 +283,14 @@ HWY_NOINLINE void DampByPoles(D d, const Motion& motion, const InverseRoot& root
 }
 
 template <class D>
-HWY_INLINE void DampByRegisters(D d, const Motion& motion, const InverseRoot& root, Damped* out) {
+HWY_INLINE void DampByRegisters(D d, const Motion& motion, const internal::InverseRoot& root,
+                                Damped* out) {
   const int padded = (root.n_poles + 7) / 8 * 8;
   for (int first = 0; first < padded; first += hn::MaxLanes(d))
     DampByPoles(d, motion, root, first, out);
 }
 
-HWY_INLINE void DampBy(const Motion& motion, const InverseRoot& root, Damped* out) {
+HWY_INLINE void DampBy(const Motion& motion, const internal::InverseRoot& root, Damped* out) {
 #if HWY_TARGET == HWY_AVX3_DL
   if (kEightAtOnce) return DampByRegisters(Eights(), motion, root, out);
 #endif
@@ -323,12 +324,12 @@ HWY_NOINLINE double LeastEigenvalue(const TcpSprings& springs, Halves& inverse_i
   return 1 / trace;
 }
 
-HWY_INLINE const InverseRoot& RootFor(double range) {
-  const InverseRoot* roots = InverseRoots();
-  for (int k = 0; k < kInverseRoots - 1; ++k) {
+HWY_INLINE const internal::InverseRoot& RootFor(double range) {
+  const internal::InverseRoot* roots = internal::InverseRoots();
+  for (int k = 0; k < internal::kInverseRoots - 1; ++k) {
     if (range <= roots[k].range) return roots[k];
   }
-  return roots[kInverseRoots - 1];
+  return roots[internal::kInverseRoots - 1];
 }
 
 // And the force that accelerates the leaf as wanted.
@@ -342,14 +343,14 @@ HWY_INLINE void Damp(const TcpSprings& springs, Halves& inverse_inertia, const d
   const double top = trace > 0 ? trace : 1;  // no springs: nothing is damped
   const Motion motion{springs, inverse_inertia, top, velocity, wanted};
   Damped damped;
-  DampBy(motion, InverseRoots()[0], &damped);
+  DampBy(motion, internal::InverseRoots()[0], &damped);
   // No eigenvalue is less than what the others, as large as they can be together, leave of the
   // determinant. Where that says little, there is more to know.
   const double share = 5 / top, share2 = share * share;
   const double least = damped.determinant * stiffnesses * share2 * share2 * share;
-  if (!(top <= InverseRoots()[0].range * least) && trace > 0) {
-    const InverseRoot& root = RootFor(top / LeastEigenvalue(springs, inverse_inertia));
-    if (&root != InverseRoots()) {
+  if (!(top <= internal::InverseRoots()[0].range * least) && trace > 0) {
+    const internal::InverseRoot& root = RootFor(top / LeastEigenvalue(springs, inverse_inertia));
+    if (&root != internal::InverseRoots()) {
       Damped widely;
       DampBy(motion, root, &widely);
       std::copy_n(widely.along, 6, damped.along);
@@ -386,7 +387,7 @@ HWY_INLINE void TorquesOf(const OperationalSpaceQuery& query, const Columns& col
 }
 
 void Leaf(const OperationalSpaceQuery& query, OperationalSpaceResult* out) {
-  const LinkAnswer& arm = *query.arm;
+  const internal::LinkAnswer& arm = *query.arm;
   Columns columns, eliminated;
   MakeColumns(query.n, arm.jacobian, &columns);
   double velocity[7], wanted[7], deviation[7];
@@ -400,13 +401,13 @@ void Leaf(const OperationalSpaceQuery& query, OperationalSpaceResult* out) {
   TorquesOf(query, columns, deviation, moving, out);
 }
 
-void Deviation(const LinkAnswer& arm, const TcpTarget& goal, double* deviation) {
+void Deviation(const internal::LinkAnswer& arm, const TcpTarget& goal, double* deviation) {
   double room[7];
   MakeDeviation(arm, goal, room);
   for (int k = 0; k < 6; ++k) deviation[k] = room[k];
 }
 
-void InverseInertia(int n, const LinkAnswer& arm, double* inverse_inertia) {
+void InverseInertia(int n, const internal::LinkAnswer& arm, double* inverse_inertia) {
   Columns columns, eliminated;
   MakeColumns(n, arm.jacobian, &columns);
   alignas(32) Halves halves;
@@ -441,7 +442,7 @@ void FarTurn(const double (*from)[4], const double* to, double* out) {
   Eigen::Matrix3d here;
   for (int k = 0; k < 3; ++k) here.col(k) = Eigen::Map<const Eigen::Vector3d>(from[k]);
   Eigen::Map<Eigen::Vector3d>{out} =
-      RotationVector(Eigen::Map<const Eigen::Matrix3d>(to) * here.transpose());
+      internal::RotationVector(Eigen::Map<const Eigen::Matrix3d>(to) * here.transpose());
 }
 
 HWY_EXPORT(Leaf);
@@ -461,10 +462,10 @@ TcpSprings MakeTcpSprings(const double* stiffness) {
 void ComputeOperationalSpace(const OperationalSpaceQuery& query, OperationalSpaceResult* out) {
   HWY_DYNAMIC_DISPATCH(Leaf)(query, out);
 }
-void ComputeDeviation(const LinkAnswer& arm, const TcpTarget& goal, double* deviation) {
+void ComputeDeviation(const internal::LinkAnswer& arm, const TcpTarget& goal, double* deviation) {
   HWY_DYNAMIC_DISPATCH(Deviation)(arm, goal, deviation);
 }
-void ComputeInverseInertia(int n, const LinkAnswer& arm, double* inverse_inertia) {
+void ComputeInverseInertia(int n, const internal::LinkAnswer& arm, double* inverse_inertia) {
   HWY_DYNAMIC_DISPATCH(InverseInertia)(n, arm, inverse_inertia);
 }
 void CriticalDamping(const double* stiffness, const double* inverse_inertia, const double* velocity,

@@ -13,7 +13,6 @@ namespace robocell {
 namespace internal {
 struct LinkAnswer;  // kinematics/link_kernel.h
 }
-using internal::LinkAnswer;
 
 // The springs that hold the TCP, along and about the axes of the robot base frame.
 struct TcpSprings {
@@ -34,7 +33,7 @@ struct OperationalSpaceQuery {
   int n = 0;  // joints
   // Tip, Jacobian and inertia, and the torques that the joints need for the motion that they are in
   // (LinkPart::kAll without accelerations).
-  const LinkAnswer* arm = nullptr;
+  const internal::LinkAnswer* arm = nullptr;
   const double* wanted = nullptr;    // target joint accelerations
   const double* velocity = nullptr;  // of the joints
   const TcpSprings* springs = nullptr;
@@ -59,10 +58,10 @@ struct OperationalSpaceResult {
 void ComputeOperationalSpace(const OperationalSpaceQuery& query, OperationalSpaceResult* out);
 
 // One part alone: the pose error of the TCP, displacement and rotation vector, 6.
-void ComputeDeviation(const LinkAnswer& arm, const TcpTarget& goal, double* deviation);
+void ComputeDeviation(const internal::LinkAnswer& arm, const TcpTarget& goal, double* deviation);
 // One part alone: the inverse of the operational-space inertia (J M^-1 J^T), the lower triangle row
 // by row.
-void ComputeInverseInertia(int n, const LinkAnswer& arm, double* inverse_inertia);
+void ComputeInverseInertia(int n, const internal::LinkAnswer& arm, double* inverse_inertia);
 // The last part alone: the critical damping force at that inverse inertia.
 void CriticalDamping(const double* stiffness, const double* inverse_inertia, const double* velocity,
                      double* out);

@@ -188,7 +188,7 @@ TcpTarget GoalAt(const Transform& place) {
   return {place.translation.data(), place.rotation.data()};
 }
 
-VectorXd Numbers(const PoseError& error) {
+VectorXd Numbers(const internal::PoseError& error) {
   VectorXd numbers(6);
   numbers << error.linear, error.angular;
   return numbers;
@@ -209,7 +209,7 @@ TEST(LeafKernel, KnowsHowFarTheLeafIsFromItsGoal) {
       goal.translation += RandomMatrix(&rng, 3, 1);
       VectorXd deviation(6);
       ComputeDeviation(leaf.arm, GoalAt(goal), deviation.data());
-      const VectorXd expected = Numbers(ErrorTo(goal, leaf.leaf));
+      const VectorXd expected = Numbers(internal::ErrorTo(goal, leaf.leaf));
       // Near half a turn rounding moves the axis.
       EXPECT_LT((deviation - expected).norm(), M_PI - angle < 0.1 ? 1e-7 : 1e-14) << angle;
       EXPECT_NEAR(deviation.tail(3).norm(), angle, M_PI - angle < 0.1 ? 1e-7 : 1e-14);
@@ -240,7 +240,7 @@ TEST(LeafKernel, DampsAndFeelsWhatTheJointsDo) {
       VectorXd stiffness{{400, 400, 400, 30, 30, 30}};
       if (n % 2 == 0) stiffness[n / 2 % 6] = 0;
       const Transform goal = ToTransform(RandomPose(rng));
-      const VectorXd deviation = Numbers(ErrorTo(goal, leaf.leaf));
+      const VectorXd deviation = Numbers(internal::ErrorTo(goal, leaf.leaf));
       const VectorXd push = RandomMatrix(&rng, 6, 1);
       const TcpSprings springs = MakeTcpSprings(stiffness.data());
       OperationalSpaceResult answer;
@@ -274,8 +274,8 @@ TEST(LeafKernel, DampsAndFeelsWhatTheJointsDo) {
 
 // On all of the range that it is for.
 TEST(InverseRoot, IsWithinATenThousandth) {
-  for (int k = 0; k < kInverseRoots; ++k) {
-    const InverseRoot& root = InverseRoots()[k];
+  for (int k = 0; k < internal::kInverseRoots; ++k) {
+    const internal::InverseRoot& root = internal::InverseRoots()[k];
     EXPECT_EQ(root.n_poles % 8, k == 0 ? 7 : 0);
     EXPECT_EQ(root.shift[7] == 0, k == 0);
     for (int i = 0; i <= 1000; ++i) {

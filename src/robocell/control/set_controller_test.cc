@@ -15,7 +15,7 @@ namespace {
 TEST(SetController, RefusesByNameWhatAGripperCannotHave) {
   Robot robot = RobotAlone(Rc7());
   for (const std::string& kind : ControllerKinds()) {
-    if (WhyNotControlledBy(MoveGroupKind::kGripper, kind).empty()) continue;
+    if (internal::WhyNotControlledBy(MoveGroupKind::kGripper, kind).empty()) continue;
     ExpectThrow<ArgumentError>(
         [&] { robot.SetController("gripper", kind); },
         fmt::format("group 'gripper': a gripper cannot have the controller '{}'. It can have: "

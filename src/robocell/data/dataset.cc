@@ -35,10 +35,11 @@ namespace {
        it.increment(ignored)) {
     if (it->is_directory(ignored)) beside.push_back(it->path().filename().string());
   }
-  throw IoError(fmt::format(
-      "no dataset '{}': there is no such folder.{} `robocell generate RUN.yaml "
-      "--output {}` makes one",
-      folder.string(), DidYouMean(whole.filename().string(), beside), ShellWord(folder.string())));
+  throw IoError(
+      fmt::format("no dataset '{}': there is no such folder.{} `robocell generate RUN.yaml "
+                  "--output {}` makes one",
+                  folder.string(), DidYouMean(whole.filename().string(), beside),
+                  internal::ShellWord(folder.string())));
 }
 
 }  // namespace
@@ -48,7 +49,7 @@ Dataset::Dataset(fs::path folder) : folder_(std::move(folder)) {
   // An empty folder may become one.
   std::error_code error;
   if (ids_.empty() && broken_.empty() && !fs::is_empty(folder_, error)) RequireDataset(folder_);
-  for (const auto& [name, id] : misnamed_) LogWarn(MisnamedText(folder_ / name, id));
+  for (const auto& [name, id] : misnamed_) LogWarn(internal::MisnamedText(folder_ / name, id));
 }
 
 void Dataset::Refresh() {
@@ -60,12 +61,12 @@ void Dataset::Refresh() {
   if (!fs::exists(folder_, error) && !error) ThrowNoDataset(folder_);
   for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
-    const bool committed = IsEpisodeId(name) && IsCommitted(it->path());
-    if (auto id = committed ? OtherIdIn(it->path()) : std::nullopt)
+    const bool committed = IsEpisodeId(name) && internal::IsCommitted(it->path());
+    if (auto id = committed ? internal::OtherIdIn(it->path()) : std::nullopt)
       misnamed_[name] = std::move(*id);
     else if (committed)
       ids_.push_back(name);
-    else if (IsEpisodeFolder(it->path()))
+    else if (internal::IsEpisodeFolder(it->path()))
       broken_.push_back(name);
   }
   if (error) ThrowIoError("list dataset", folder_, error.value());
@@ -121,12 +122,12 @@ std::optional<std::string> ReadManifest(const fs::path& dataset) {
   if (type == fs::file_type::not_found) return std::nullopt;
   if (type == fs::file_type::none)
     ThrowIoError("look at the dataset's folder", dataset, error.value());
-  std::string text = ReadRealFile(path);
+  std::string text = internal::ReadRealFile(path);
   if (const auto damage = JsonDamage(text))
     throw IoError(
         fmt::format("'{}' is damaged: {}. `robocell verify --repair {}` sets it aside, `robocell "
                     "generate` with the run's file writes it again",
-                    path.string(), *damage, ShellWord(dataset.string())));
+                    path.string(), *damage, internal::ShellWord(dataset.string())));
   return text;
 }
 

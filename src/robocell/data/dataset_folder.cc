@@ -35,7 +35,7 @@ bool Is(const fs::path& path, std::initializer_list<fs::file_type> types) {
 
 bool IsOfDataset(const fs::path& folder, const std::string& name) {
   return name == kManifestFile || name == kQuarantineFolder || name == kModelsFolder ||
-         IsReportFile(name) || IsTemporaryName(name) || IsEpisodeFolder(folder / name);
+         IsReportFile(name) || IsTemporaryName(name) || internal::IsEpisodeFolder(folder / name);
 }
 
 // Finds the dataset that the user may have meant: around the folder, or one below.
@@ -61,7 +61,7 @@ std::string NearestDataset(const fs::path& folder, const std::vector<std::string
 std::vector<ForeignThing> NotOwn(const fs::path& dataset) {
   std::vector<ForeignThing> found;
   const auto add = [&](const fs::path& path) {
-    found.push_back({path.lexically_relative(dataset).generic_string(), WhatIsAt(path)});
+    found.push_back({path.lexically_relative(dataset).generic_string(), internal::WhatIsAt(path)});
   };
   for (const std::string_view name : {kModelsFolder, kQuarantineFolder, kLogsFolder}) {
     const fs::path folder = dataset / name;
@@ -102,7 +102,7 @@ void RequireDataset(const fs::path& folder) {
 std::string Quarantine(const fs::path& dataset, const std::string& name) {
   const fs::path folder = dataset / kQuarantineFolder;
   std::error_code error;
-  RequireRealFolder(folder);
+  internal::RequireRealFolder(folder);
   fs::create_directory(folder, error);
   if (error) ThrowIoError("create", folder, error.value());
   const std::string own = fs::path(name).filename().string();

@@ -27,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 void CreateIfMissing(const fs::path& path) {
-  const RealFile file(path, O_WRONLY | O_CREAT, "lock");
+  const internal::RealFile file(path, O_WRONLY | O_CREAT, "lock");
 }
 
 const std::string kWhole(kLockFile);
@@ -37,23 +37,23 @@ const std::string kStart = kWhole + "-start";  // of a shard that takes its lock
 // Who has a lock alone, for messages of others; nobody depends on it. Nobody takes it back either:
 // the start tells whether it is still about the process of that number.
 void WriteOwner(const fs::path& path) {
-  const RealFile file(path, O_WRONLY | O_TRUNC, "lock");
+  const internal::RealFile file(path, O_WRONLY | O_TRUNC, "lock");
   const int64_t self = ::getpid();
   const std::string owner =
-      fmt::format("process {} on {}\nsince {}\nat {:%FT%TZ}\n", self, HostName(),
-                  ProcessStart(self).value_or(0),
+      fmt::format("process {} on {}\nsince {}\nat {:%FT%TZ}\n", self, internal::HostName(),
+                  internal::ProcessStart(self).value_or(0),
                   std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now()));
   [[maybe_unused]] const ssize_t written = ::write(file.descriptor(), owner.data(), owner.size());
 }
 
 // "process 7 on host since 2026-01-31T12:00:00Z"; "" when it is not known, or has ended.
 std::string Owner(const fs::path& path) {
-  std::istringstream text(ReadRealFile(path));
+  std::istringstream text(internal::ReadRealFile(path));
   std::string word, host;
   int64_t process = 0;
   uint64_t start = 0;
   if (!(text >> word >> process >> word >> host >> word >> start)) return "";
-  if (host == HostName() && ProcessStart(process) != start) return "";
+  if (host == internal::HostName() && internal::ProcessStart(process) != start) return "";
   std::string at;
   text >> word >> at;  // not of earlier versions
   return fmt::format("process {} on {}{}{}", process, host, at.empty() ? "" : " since ", at);

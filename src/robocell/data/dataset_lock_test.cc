@@ -54,9 +54,10 @@ TEST(DatasetLock, NamesNoProcessThatHasEnded) {
   EXPECT_THAT(Refusal(folder.path()), HasSubstr("in use by process " + std::to_string(getpid())));
   EXPECT_THAT(Refusal(folder.path()), ContainsRegex(" since 20[0-9-]+T[0-9:]+Z\\. Wait until"));
   for (const std::string& other :
-       {"process 999999999 on " + HostName() + "\nsince 7\n",            // no such process
+       {"process 999999999 on " + internal::HostName() + "\nsince 7\n",  // no such process
         mine.substr(0, mine.find("since")) + "since 7\n",                // another one's number
-        "process " + std::to_string(getpid()) + " on " + HostName()}) {  // nobody knows which
+        "process " + std::to_string(getpid()) + " on " +
+            internal::HostName()}) {  // nobody knows which
     AtomicWrite(folder / "text", other);
     std::filesystem::copy_file(folder / "text", folder / ".lock",
                                std::filesystem::copy_options::overwrite_existing);
@@ -69,7 +70,7 @@ TEST(DatasetLock, NamesTheShardsAndWritersThatShareIt) {
   { const DatasetLock former(folder.path()); }
   const DatasetLock shard(folder.path(), 3, 8), other(folder.path(), 0, 8);
   const std::string me =
-      "\\(process " + std::to_string(getpid()) + " on " + HostName() + " since [^)]*Z\\)";
+      "\\(process " + std::to_string(getpid()) + " on " + internal::HostName() + " since [^)]*Z\\)";
   EXPECT_THAT(Refusal(folder.path()),
               ContainsRegex("in use by shards: 0-of-8 " + me + ", 3-of-8 " + me + "\\. Wait"));
   const DatasetLock writer = DatasetLock::Writing(folder.path());

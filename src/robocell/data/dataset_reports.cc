@@ -24,7 +24,7 @@ using nlohmann::json;
 // themselves.
 void AddSuccesses(const fs::path& dataset, const std::string& name, std::set<std::string>& ids) {
   try {
-    const std::string text = ReadRealFile(dataset / name);
+    const std::string text = internal::ReadRealFile(dataset / name);
     if (JsonDamage(text) || OtherRunOf(text, dataset)) return;
     const json account = json::parse(text);
     for (const json& episode : account.at("episodes")) {
@@ -45,8 +45,8 @@ bool IsOf(std::string_view id, std::string_view name) {
 
 // Failed attempts are kept beside a success, and are none.
 bool MayBeASuccess(const fs::path& episode) {
-  const EpisodeLook look = LookAtEpisode(episode);
-  return look.success || look.state == EpisodeState::kBroken;
+  const internal::EpisodeLook look = internal::LookAtEpisode(episode);
+  return look.success || look.state == internal::EpisodeState::kBroken;
 }
 
 // Whether one of an id's names, among sorted ones, fits.

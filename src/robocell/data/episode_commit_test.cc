@@ -18,7 +18,7 @@
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -150,4 +150,4 @@ TEST(EpisodeCommit, KillingTheProcessAtAnyMomentLeavesWholeEpisodesOnly) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

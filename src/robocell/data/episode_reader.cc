@@ -52,8 +52,8 @@ std::vector<SegmentLabel> ReadLabels(const Json& episode) {
   return labels;
 }
 
-ColumnInfo ReadColumn(const hdf5::File& file, const std::string& name) {
-  const hdf5::H5Dataset dataset = file.Open(name);
+ColumnInfo ReadColumn(const internal::hdf5::File& file, const std::string& name) {
+  const internal::hdf5::H5Dataset dataset = file.Open(name);
   ColumnInfo info;
   info.spec = {.name = name,
                .type = dataset.type(),
@@ -89,12 +89,12 @@ struct OpenSteps {
   std::filesystem::path path;
   std::string identity;  // of the file
   std::string sha256;    // that it was compared with, or just written with
-  hdf5::File file;
+  internal::hdf5::File file;
 };
 
 // Open files cost memory and descriptors, opening one a tenth of a millisecond and more.
-IdlePool<OpenSteps>& StepsPool() {
-  static IdlePool<OpenSteps> pool(32);
+internal::IdlePool<OpenSteps>& StepsPool() {
+  static internal::IdlePool<OpenSteps> pool(32);
   return pool;
 }
 
@@ -124,7 +124,7 @@ std::string_view NameOf(ImageKind kind) {
 
 void ReleaseIdleFiles() {
   StepsPool().Clear();
-  FramePool::Shared().Clear();
+  internal::FramePool::Shared().Clear();
 }
 
 struct Episode::Impl {
@@ -189,7 +189,7 @@ struct Episode::Impl {
   }
 
   std::string Advice() const {
-    const std::string dataset = ShellWord(folder.parent_path().string());
+    const std::string dataset = internal::ShellWord(folder.parent_path().string());
     return fmt::format(
         ". `robocell verify {}` names all that is damaged, `robocell verify "
         "--repair {}` sets it aside",
@@ -199,10 +199,10 @@ struct Episode::Impl {
   void RequireFiles() const {
     for (const auto& [file, facts] : json.at("files").items()) {
       std::error_code error;
-      if (!ValidFileName(file))
+      if (!internal::ValidFileName(file))
         throw IoError(fmt::format("{}: episode.json lists a file '{}'", Name(), file));
-      const std::string what = WhatIsAt(folder / file);
-      if (what != "nothing" && !CanReadFile(folder / file))
+      const std::string what = internal::WhatIsAt(folder / file);
+      if (what != "nothing" && !internal::CanReadFile(folder / file))
         throw IoError(fmt::format("{}: '{}' is {}, not a file{}", Name(), file, what, Advice()));
       const auto size = fs::file_size(folder / file, error);
       if (error)
@@ -218,7 +218,7 @@ struct Episode::Impl {
     const auto models = json.find("models");
     if (models == json.end()) return;
     for (const auto& [name, path] : models->items()) {
-      if (!IsStoredModelPath(path.get<std::string>()))
+      if (!internal::IsStoredModelPath(path.get<std::string>()))
         throw IoError(
             fmt::format("{}: episode.json keeps model '{}' at {}", Name(), name, path.dump()));
     }
@@ -226,10 +226,10 @@ struct Episode::Impl {
 
   // A file in the folder itself.
   fs::path FileOf(const std::string& name) const {
-    if (!ValidFileName(name))
+    if (!internal::ValidFileName(name))
       throw IoError(fmt::format(
           "{}: episode.json names a file '{}', which is not one of its folder", Name(), name));
-    return RequireReadable(folder / name);
+    return internal::RequireReadable(folder / name);
   }
 
   fs::path VideoOf(const CameraInfo& camera, ImageKind kind) const {
@@ -254,13 +254,13 @@ struct Episode::Impl {
       throw ArgumentError(fmt::format("{}: no frame {} of '{}'. It has {} frames: 0 ... {}", Name(),
                                       index, camera.name, camera.frames, camera.frames - 1));
     }
-    FramePool::Shared().Read(video, index, pixels);
+    internal::FramePool::Shared().Read(video, index, pixels);
   }
 
   // The HDF5 library ends the process on some files that a single bit was flipped in.
   void RequireUndamagedSteps() const {
     const std::string name(kStepsFile), written = WrittenHash();
-    if (!written.empty() && written == Sha256RealFile(folder / name)) return;
+    if (!written.empty() && written == internal::Sha256RealFile(folder / name)) return;
     throw IoError(fmt::format("{}: '{}' is not what was written: the hash does not fit{}", Name(),
                               name, Advice()));
   }
@@ -282,8 +282,8 @@ struct Episode::Impl {
   // Opened on first use: lists of episodes need episode.json only.
   template <typename Use>
   void WithSteps(const Use& use) const {
-    const fs::path path = RequireReadable(folder / kStepsFile);
-    const std::string identity = FileIdentity(path), hash = WrittenHash();
+    const fs::path path = internal::RequireReadable(folder / kStepsFile);
+    const std::string identity = internal::FileIdentity(path), hash = WrittenHash();
     const auto same_path = [&](const OpenSteps& open) { return open.path == path; };
     auto steps = StepsPool().Take(same_path);
     // What was written over is closed before it is opened anew: HDF5 takes a file that it has open
@@ -294,7 +294,7 @@ struct Episode::Impl {
     }
     if (!steps) {
       CompareOnce(identity);
-      steps.emplace(OpenSteps{path, identity, hash, hdf5::File::OpenReadOnly(path)});
+      steps.emplace(OpenSteps{path, identity, hash, internal::hdf5::File::OpenReadOnly(path)});
     }
     use(steps->file);
     StepsPool().Give(std::move(*steps));
@@ -302,7 +302,7 @@ struct Episode::Impl {
 
   const std::vector<ColumnInfo>& Columns() const {
     std::call_once(listed, [&] {
-      WithSteps([&](const hdf5::File& file) {
+      WithSteps([&](const internal::hdf5::File& file) {
         std::vector<ColumnInfo> found;
         for (const std::string& name : file.DatasetNames()) found.push_back(ReadColumn(file, name));
         columns = std::move(found);
@@ -325,7 +325,7 @@ struct Episode::Impl {
 Episode::Episode(const fs::path& folder, StepsBytes steps) : impl_(std::make_unique<Impl>()) {
   impl_->folder = folder;
   impl_->steps_bytes = steps;
-  impl_->text = ReadRealFile(folder / kEpisodeFile);
+  impl_->text = internal::ReadRealFile(folder / kEpisodeFile);
   impl_->Parse();
 }
 
@@ -402,8 +402,8 @@ void Episode::ReadBytes(const std::string& name, const RowRange& range, ColumnTy
     throw ArgumentError(
         fmt::format("{}: '{}' needs {} bytes, got {}", impl_->Name(), name, needed, bytes.size()));
   }
-  impl_->WithSteps([&](const hdf5::File& file) {
-    const hdf5::H5Dataset dataset = file.Open(name);
+  impl_->WithSteps([&](const internal::hdf5::File& file) {
+    const internal::hdf5::H5Dataset dataset = file.Open(name);
     if (info.table.empty()) return dataset.ReadAll(bytes);
     const auto [first, count] = impl_->Rows(info, range);
     dataset.ReadRows(first, count, bytes);

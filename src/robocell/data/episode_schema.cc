@@ -27,7 +27,7 @@ void RequirePath(const std::string& name) {
   for (;;) {
     const size_t slash = name.find('/', begin);
     const std::string part = name.substr(begin, slash - begin);
-    if (!ValidFileName(part)) {
+    if (!internal::ValidFileName(part)) {
       throw ArgumentError(fmt::format("column '{}': '{}' is no valid part of a path", name, part));
     }
     if (slash == std::string::npos) return;
@@ -105,7 +105,7 @@ TableSpec& EpisodeSchema::Target(TableId id) {
 }
 
 TableId EpisodeSchema::AddTable(const std::string& name, int64_t chunk_rows) {
-  RequireFileName("table", name);
+  internal::RequireFileName("table", name);
   if (chunk_rows < 1)
     throw ArgumentError(fmt::format("table '{}': chunk_rows {} is less than 1", name, chunk_rows));
   for (const TableSpec& table : tables_) {
@@ -150,7 +150,7 @@ void EpisodeSchema::AddConstant(ColumnSpec column, std::span<const double> value
 CameraId EpisodeSchema::AddCamera(CameraStream stream, TableId table) {
   Target(table);
   const std::string name = fmt::format("camera '{}'", stream.name);
-  RequireFileName("camera", stream.name);
+  internal::RequireFileName("camera", stream.name);
   RequireVideoOptions(name, {.width = stream.width,
                              .height = stream.height,
                              .fps_num = stream.fps_num,

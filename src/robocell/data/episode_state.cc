@@ -13,7 +13,7 @@
 #include "robocell/data/episode_reader.h"
 #include "robocell/data/episode_writer.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 namespace fs = std::filesystem;
 
@@ -102,4 +102,4 @@ EpisodeLook LookAtEpisode(const fs::path& folder) {
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-namespace robocell {
+namespace robocell::internal {
 
 enum class EpisodeState {
   kAbsent,  // nothing has its name, or an empty folder that a commit replaces
@@ -43,4 +43,4 @@ std::string MisnamedText(const std::filesystem::path& folder, const std::string&
 // there. A folder that cannot be listed counts as one; LookAtEpisode and Verify report why.
 bool IsEpisodeFolder(const std::filesystem::path& folder);
 
-}  // namespace robocell
+}  // namespace robocell::internal

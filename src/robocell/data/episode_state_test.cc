@@ -9,7 +9,7 @@
 #include "robocell/data/verify.h"
 #include "robocell/testing/temp_dir.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -93,4 +93,4 @@ TEST_F(EpisodeStateTest, ForeignThingsAreLeftAloneWithAWordAboutIt) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

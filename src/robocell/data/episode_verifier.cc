@@ -18,7 +18,7 @@
 #include "robocell/data/isolated_reader.h"
 #include "robocell/media/video_info.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -240,4 +240,4 @@ std::vector<VerifyProblem> EpisodeVerifier::Verify(const fs::path& folder) {
   return EpisodeVerification(folder, decode_, columns_).Run();
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -8,7 +8,7 @@
 #include "robocell/data/isolated_reader.h"
 #include "robocell/data/verify.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // A file is parsed only after its hash was found right, and HDF5 reads in a process of its own: who
 // hashes a file may also have made it to hurt. With `decode` every frame of the videos is decoded.
@@ -23,4 +23,4 @@ class EpisodeVerifier {
   IsolatedReader columns_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

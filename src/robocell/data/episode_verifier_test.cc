@@ -11,7 +11,7 @@
 #include "robocell/data/verify.h"
 #include "robocell/testing/temp_dir.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -100,4 +100,4 @@ TEST_F(EpisodeVerifierTest, SwappedVideosOfTwoEpisodesAreFound) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -40,12 +40,14 @@ enum class State { kOpen, kFailed, kCommitted, kAborted };
 
 }  // namespace
 
-bool IsEpisodeId(std::string_view id) { return ValidFileName(id) && !id.starts_with('.'); }
+bool IsEpisodeId(std::string_view id) {
+  return internal::ValidFileName(id) && !id.starts_with('.');
+}
 
 struct EpisodeWriter::Impl {
   fs::path dataset;
   fs::path final;
-  std::unique_ptr<WorkFolder> work;
+  std::unique_ptr<internal::WorkFolder> work;
   std::string id;
   std::string name;  // for messages
   std::string started = internal::UtcNow();
@@ -53,7 +55,7 @@ struct EpisodeWriter::Impl {
   Json metadata;
   Json features;  // what the columns are
   Json versions;
-  std::unique_ptr<StepsFile> steps;
+  std::unique_ptr<internal::StepsFile> steps;
   // By the camera's number.
   std::unique_ptr<std::vector<CameraFiles>> owned_videos =
       std::make_unique<std::vector<CameraFiles>>();
@@ -143,8 +145,8 @@ struct EpisodeWriter::Impl {
 };
 
 void EpisodeWriter::Impl::Open(const EpisodeOptions& options) {
-  work = std::make_unique<WorkFolder>(dataset, id);
-  steps = std::make_unique<StepsFile>(work->path() / kStepsFile, name, schema);
+  work = std::make_unique<internal::WorkFolder>(dataset, id);
+  steps = std::make_unique<internal::StepsFile>(work->path() / kStepsFile, name, schema);
   for (const CameraEntry& camera : schema.cameras()) {
     const CameraStream& stream = camera.stream;
     VideoOptions video{.width = stream.width,
@@ -231,10 +233,10 @@ EpisodeWriter::EpisodeWriter(const fs::path& dataset, const std::string& id,
   impl_->versions = internal::ParseObject(impl_->name, "versions_json", options.versions_json);
   impl_->features = Json::parse(options.features.ToJson());
   impl_->Do("opening", [&] {
-    const EpisodeLook there = LookAtEpisode(impl_->final);
-    if (there.state == EpisodeState::kWhole)
+    const internal::EpisodeLook there = internal::LookAtEpisode(impl_->final);
+    if (there.state == internal::EpisodeState::kWhole)
       throw IoError(fmt::format("'{}' exists already", impl_->final.string()));
-    if (there.state == EpisodeState::kBroken) throw IoError(there.problem);
+    if (there.state == internal::EpisodeState::kBroken) throw IoError(there.problem);
     impl_->Open(options);
   });
 }
@@ -319,7 +321,7 @@ void EpisodeWriter::WriteSegmentation(CameraId camera, std::span<const uint16_t>
 
 void EpisodeWriter::AddFile(const std::string& name, std::string_view bytes) {
   impl_->Do("AddFile()", [&] {
-    RequireFileName("file", name);
+    internal::RequireFileName("file", name);
     if (name.starts_with('.') || name == kEpisodeFile || fs::exists(impl_->work->path() / name)) {
       throw ArgumentError(
           fmt::format("{}: '{}' cannot be added, the name is taken", impl_->name, name));
@@ -339,7 +341,7 @@ void EpisodeWriter::AddFile(const std::string& name, std::string_view bytes) {
 
 void EpisodeWriter::AddModel(const std::string& name, const FileSet& model) {
   impl_->Do("AddModel()", [&] {
-    impl_->models[name] = StoredModelPath(model);
+    impl_->models[name] = internal::StoredModelPath(model);
     impl_->model_files.push_back(model);
   });
 }
@@ -351,7 +353,7 @@ fs::path EpisodeWriter::Commit(const EpisodeSummary& summary) {
     impl_->CloseFiles();
     internal::DescribeEpisode(impl_->Content(), summary, results);
     // Now: an episode that is given up leaves no model behind.
-    for (const FileSet& model : impl_->model_files) StoreModel(impl_->dataset, model);
+    for (const FileSet& model : impl_->model_files) internal::StoreModel(impl_->dataset, model);
     try {
       internal::PutInPlace(*impl_->work, impl_->final);
     } catch (...) {

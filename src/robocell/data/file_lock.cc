@@ -42,7 +42,7 @@ void WarnOfNoLocks(const std::filesystem::path& path, int error) {
 
 std::optional<FileLock> FileLock::Try(const std::filesystem::path& path, LockKind kind) {
   FileLock lock(OpenFor(path, kind));
-  if (lock.descriptor_ < 0) ThrowOpenError("lock", path, errno);
+  if (lock.descriptor_ < 0) internal::ThrowOpenError("lock", path, errno);
   int result;
   do {
     result =

@@ -14,7 +14,7 @@
 
 #include "robocell/base/error.h"
 
-namespace robocell::hdf5 {
+namespace robocell::internal::hdf5 {
 namespace {
 
 static_assert(std::is_same_v<hid_t, int64_t> && std::is_same_v<herr_t, int>);
@@ -460,4 +460,4 @@ void File::Discard() noexcept {
   close(nowhere);
 }
 
-}  // namespace robocell::hdf5
+}  // namespace robocell::internal::hdf5

@@ -16,7 +16,7 @@
 
 #include "robocell/data/column.h"
 
-namespace robocell::hdf5 {
+namespace robocell::internal::hdf5 {
 
 // "1.10.8".
 std::string Version();
@@ -130,4 +130,4 @@ class File {
   std::string path_;
 };
 
-}  // namespace robocell::hdf5
+}  // namespace robocell::internal::hdf5

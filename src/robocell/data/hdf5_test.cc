@@ -9,7 +9,7 @@
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 std::vector<double> Numbers(int count) {
@@ -76,4 +76,4 @@ TEST(Hdf5, ErrorsNameTheFile) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

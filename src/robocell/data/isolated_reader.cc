@@ -19,7 +19,7 @@
 #include "robocell/base/error.h"
 #include "robocell/data/hdf5.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -61,7 +61,7 @@ bool Receive(int socket, std::string& text) {
   return ReceiveBytes(socket, text.data(), size);
 }
 
-std::string TextOf(const IsolatedReader::Answer& answer, const std::string& question) {
+std::string AnswerText(const IsolatedReader::Answer& answer, const std::string& question) {
   std::string text(1, kAnswered);
   try {
     for (const std::string& line : answer(question)) text += line + '\n';
@@ -93,7 +93,7 @@ void KeepOnly(int socket) {
   std::string question;
   while (Receive(3, question)) {
     ::alarm(static_cast<unsigned>(2 * most.count()));
-    if (!Send(3, TextOf(answer, question))) break;
+    if (!Send(3, AnswerText(answer, question))) break;
     ::alarm(0);
   }
   ::_exit(0);  // nothing of this process is its own to close
@@ -203,4 +203,4 @@ std::vector<std::string> IsolatedReader::Ask(const std::string& question) {
   throw IoError(fmt::format("reading it had not ended after {} s", most_.count()), ETIMEDOUT);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -18,7 +18,7 @@
 #include <string_view>
 #include <vector>
 
-namespace robocell {
+namespace robocell::internal {
 
 inline constexpr std::chrono::seconds kIsolatedTimeout{60};
 
@@ -51,4 +51,4 @@ class IsolatedReader {
   pid_t child_ = -1;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -16,7 +16,7 @@
 #include "robocell/base/error.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::ElementsAre;
@@ -143,4 +143,4 @@ TEST(Apart, WhatDoesNotEndOrIsEndedByOthersIsTheSystems) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -25,7 +25,7 @@ void AddUnfinished(const fs::path& folder, const std::string& prefix,
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
-    if (TemporaryName::Parse(name)) names.push_back(prefix + name);
+    if (internal::TemporaryName::Parse(name)) names.push_back(prefix + name);
   }
   if (error) ThrowIoError("list", folder, error.value());
 }
@@ -41,7 +41,7 @@ void AddWhatCanBeListed(const fs::path& folder, const std::string& prefix,
 
 std::vector<std::string> ModelsThatCanBeListed(const fs::path& dataset) {
   try {
-    return StoredModels(dataset);
+    return internal::StoredModels(dataset);
   } catch (const IoError&) {
     return {};
   }
@@ -52,14 +52,14 @@ bool IsOfModel(const std::string& name) {
 }
 
 bool IsOf(const DeadWriter& writer, const std::string& name) {
-  const auto parsed = TemporaryName::Parse(fs::path(name).filename().string());
+  const auto parsed = internal::TemporaryName::Parse(fs::path(name).filename().string());
   return parsed->process == writer.process &&
          (IsOfModel(name) || parsed->name.starts_with(writer.episode));
 }
 
 // "<prefix>-000017"; names of other prefixes may begin with this one too.
 bool IsOfNumbering(const std::string& prefix, const std::string& name) {
-  const std::string episode = TemporaryName::Parse(name)->name;
+  const std::string episode = internal::TemporaryName::Parse(name)->name;
   return episode.starts_with(prefix + "-") &&
          episode.find_first_not_of("0123456789", prefix.size() + 1) == std::string::npos;
 }
@@ -80,7 +80,7 @@ bool Remove(const fs::path& leftover) {
   std::error_code error;
   if (!IsFolder(leftover)) return fs::remove(leftover, error);
   try {
-    const auto lock = TryLockOfWork(leftover, LockKind::kExclusive);
+    const auto lock = internal::TryLockOfWork(leftover, LockKind::kExclusive);
     if (!lock || !lock->holds()) return false;
     Empty(leftover);
   } catch (const IoError&) {  // it went away by itself
@@ -96,7 +96,8 @@ bool IsBeingWritten(const fs::path& unfinished) {
   std::error_code error;
   if (!IsFolder(unfinished) || !fs::exists(unfinished / kLockFile, error)) return false;
   try {
-    const auto lock = TryLockOfWork(unfinished, LockKind::kShared);  // nothing is written for it
+    const auto lock =
+        internal::TryLockOfWork(unfinished, LockKind::kShared);  // nothing is written for it
     return !lock || !lock->holds();
   } catch (const IoError&) {
     return fs::exists(unfinished / kLockFile, error);

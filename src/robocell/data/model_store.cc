@@ -16,7 +16,7 @@
 #include "robocell/data/episode_files.h"
 #include "robocell/data/work_folder.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -261,4 +261,4 @@ bool IsModelOfRun(const fs::path& dataset, const std::string& path) {
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -12,7 +12,7 @@
 
 #include "robocell/base/file_set.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // The list of a stored model's files.
 inline constexpr std::string_view kModelListFile = "SHA256SUMS";
@@ -74,4 +74,4 @@ std::map<std::string, std::string> ChangedModels(const std::filesystem::path& da
 // that dataset.json lists. False without a readable dataset.json.
 bool IsModelOfRun(const std::filesystem::path& dataset, const std::string& path);
 
-}  // namespace robocell
+}  // namespace robocell::internal

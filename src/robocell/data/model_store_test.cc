@@ -15,7 +15,7 @@
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -198,4 +198,4 @@ TEST_F(ModelStoreTest, FoldersAreNoLinksAndFilesMayBeLinksToFiles) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

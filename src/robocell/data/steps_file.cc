@@ -10,7 +10,7 @@
 #include "robocell/base/suggestions.h"
 #include "robocell/data/episode_files.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 std::string_view AsText(std::span<const std::byte> bytes) {
@@ -198,4 +198,4 @@ void StepsFile::VerifyContent() const {
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -16,7 +16,7 @@
 #include "robocell/data/episode_schema.h"
 #include "robocell/data/hdf5.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class StepsFile {
  public:
@@ -70,4 +70,4 @@ class StepsFile {
   std::vector<Table> tables_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

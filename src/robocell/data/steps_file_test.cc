@@ -8,7 +8,7 @@
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 struct TwoColumns {
@@ -75,4 +75,4 @@ TEST(StepsFile, AChangedByteIsFound) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

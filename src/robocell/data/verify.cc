@@ -52,7 +52,7 @@ void VerifyManifest(const fs::path& dataset, VerifyResult& result) {
 
 void VerifyReportFile(const fs::path& dataset, const std::string& name, VerifyResult& result) {
   try {
-    const std::string text = ReadRealFile(dataset / name);
+    const std::string text = internal::ReadRealFile(dataset / name);
     if (const auto damage = JsonDamage(text))
       return AddPart(name, *damage, ProblemKind::kDamage, result);
     const auto other = OtherRunOf(text, dataset);
@@ -97,7 +97,7 @@ void VerifyModelsOf(const fs::path& folder, const std::map<std::string, std::str
   const Episode episode(folder);
   if (HasOwnSampler(episode)) return;
   for (const auto& [name, path] : episode.models()) {
-    const auto it = changed.find(StoredModelFolder(path));
+    const auto it = changed.find(internal::StoredModelFolder(path));
     if (it == changed.end()) continue;
     problems.push_back(
         {episode.id(), "",
@@ -120,14 +120,14 @@ void VerifyOwnFolders(const fs::path& dataset, VerifyResult& result) {
 }
 
 void VerifyStoredModel(const fs::path& dataset, const std::string& model, VerifyResult& result) {
-  const auto damage = DamageOfStoredModel(dataset, model);
+  const auto damage = internal::DamageOfStoredModel(dataset, model);
   for (const auto& [file, reason] : damage) {
     const fs::path place = file.empty() ? fs::path(model) : fs::path(model) / file;
     result.problems.push_back({"", place.string(), reason});
   }
   if (!damage.empty()) return result.bad_parts.push_back(model);
-  if (HasModelList(dataset, model)) return;
-  result.problems.push_back({"", model + "/" + std::string(kModelListFile),
+  if (internal::HasModelList(dataset, model)) return;
+  result.problems.push_back({"", model + "/" + std::string(internal::kModelListFile),
                              "it is missing or damaged; the model's files are what was stored, and "
                              "`robocell verify --repair` lists them again"});
   result.unlisted.push_back(model);
@@ -136,7 +136,7 @@ void VerifyStoredModel(const fs::path& dataset, const std::string& model, Verify
 // False when their folder is closed to this user, or cannot be read: then nothing is known of them.
 bool CanLookAtModels(const fs::path& dataset, VerifyResult& result) {
   try {
-    StoredModels(dataset);
+    internal::StoredModels(dataset);
     return true;
   } catch (const Error& error) {
     AddPart(std::string(kModelsFolder), error.what(), KindOf(error), result);
@@ -145,16 +145,17 @@ bool CanLookAtModels(const fs::path& dataset, VerifyResult& result) {
 }
 
 void VerifyStoredModels(const fs::path& dataset, VerifyResult& result) {
-  for (const std::string& model : StoredModels(dataset)) {
+  for (const std::string& model : internal::StoredModels(dataset)) {
     try {
       VerifyStoredModel(dataset, model, result);
     } catch (const Error& error) {
       AddPart(model, error.what(), KindOf(error), result);
     }
   }
-  const StrayModels stray = StrayModelsIn(dataset);
+  const internal::StrayModels stray = internal::StrayModelsIn(dataset);
   for (const std::string& name : stray.in_the_way) {
-    AddPart(name, fmt::format("it has the name of a model and is {}", WhatIsAt(dataset / name)),
+    AddPart(name,
+            fmt::format("it has the name of a model and is {}", internal::WhatIsAt(dataset / name)),
             ProblemKind::kForeign, result);
     result.foreign.push_back(name);
   }
@@ -181,9 +182,9 @@ void VerifyMissingModels(const fs::path& dataset, VerifyResult& result) {
   for (const std::string& id : result.good) {
     std::set<std::string> folders;
     for (const auto& [name, path] : Episode(dataset / id).models())
-      folders.insert(StoredModelFolder(path));
+      folders.insert(internal::StoredModelFolder(path));
     for (const std::string& folder : folders) {
-      if (!IsStored(dataset, folder)) ++missing[folder];
+      if (!internal::IsStored(dataset, folder)) ++missing[folder];
     }
   }
   for (const auto& [folder, episodes] : missing) {
@@ -243,7 +244,7 @@ VerifyResult Verify(const fs::path& dataset, const VerifyOptions& options) {
         name == kModelsFolder || IsReportFile(name)) {
       continue;
     }
-    if (IsEpisodeFolder(dataset / name)) {
+    if (internal::IsEpisodeFolder(dataset / name)) {
       episodes.push_back(name);
     } else {
       result.others.push_back(name);
@@ -251,8 +252,8 @@ VerifyResult Verify(const fs::path& dataset, const VerifyOptions& options) {
   }
   for (const std::string& name : UnfinishedIn(dataset))
     (IsBeingWritten(dataset / name) ? result.being_written : result.leftovers).push_back(name);
-  const std::map<std::string, std::string> changed = ChangedModels(dataset);
-  EpisodeVerifier verifier(options.decode_videos);
+  const std::map<std::string, std::string> changed = internal::ChangedModels(dataset);
+  internal::EpisodeVerifier verifier(options.decode_videos);
   for (size_t i = 0; i < episodes.size(); ++i) {
     const fs::path folder = dataset / episodes[i];
     std::vector<VerifyProblem> problems = verifier.Verify(folder);
@@ -287,9 +288,10 @@ RepairResult Repair(const fs::path& dataset, const VerifyOptions& options) {
     }
   }
   for (const std::string& model : found.unlisted) {
-    const std::string list = model + "/" + std::string(kModelListFile);
-    if (WhatIsAt(dataset / list) != "nothing") result.moved.push_back(Quarantine(dataset, list));
-    WriteModelList(dataset, model);
+    const std::string list = model + "/" + std::string(internal::kModelListFile);
+    if (internal::WhatIsAt(dataset / list) != "nothing")
+      result.moved.push_back(Quarantine(dataset, list));
+    internal::WriteModelList(dataset, model);
   }
   FsyncDirectory(dataset);
   VerifyResult after{.good = found.good};

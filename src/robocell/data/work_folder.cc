@@ -11,7 +11,7 @@
 #include "robocell/base/io_error.h"
 #include "robocell/data/episode_files.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 namespace fs = std::filesystem;
 
@@ -81,4 +81,4 @@ void WorkFolder::Commit(const fs::path& final) {
   committed_ = true;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

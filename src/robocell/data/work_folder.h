@@ -9,7 +9,7 @@
 
 #include "robocell/data/file_lock.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Removed when it goes out of scope; what Commit() gave its name stays.
 class WorkFolder {
@@ -37,4 +37,4 @@ class WorkFolder {
 // The lock of a work folder, of this process or another's; as FileLock::Try.
 std::optional<FileLock> TryLockOfWork(const std::filesystem::path& folder, LockKind kind);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -7,7 +7,7 @@
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -56,4 +56,4 @@ TEST(WorkFolder, NeedsItsParent) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

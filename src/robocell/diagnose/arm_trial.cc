@@ -19,7 +19,7 @@
 #include "robocell/scene/hold_ctrl.h"
 #include "robocell/spec/problems.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr double kHoldSeconds = 1.0;
@@ -395,4 +395,4 @@ void TryArms(Robot& robot, const TrialOptions& options, Findings& findings) {
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

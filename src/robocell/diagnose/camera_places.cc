@@ -14,7 +14,7 @@
 #include "robocell/mujoco/owners.h"
 #include "robocell/mujoco/tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // How far away a camera may be: it looks at what the robot does, or, carried by the arm, at what is
@@ -124,4 +124,4 @@ void CheckCameraPlaces(const CompiledRobot& robot, Findings& findings) {
   CameraCheck(robot, home.get(), findings).Run(cameras);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -5,13 +5,14 @@
 namespace robocell {
 
 std::vector<Finding> CheckRobot(Robot robot, const RobotCheckOptions& options) {
-  Findings findings("robot '" + robot.name() + "'",
-                    [&](const std::string& /*subject*/, std::string_view field) {
-                      return robot.config().locations.At(field);
-                    });
-  const TrialOptions trial{.beside_warnings = options.beside_warnings, .for_run = options.for_run};
+  internal::Findings findings("robot '" + robot.name() + "'",
+                              [&](const std::string& /*subject*/, std::string_view field) {
+                                return robot.config().locations.At(field);
+                              });
+  const internal::TrialOptions trial{.beside_warnings = options.beside_warnings,
+                                     .for_run = options.for_run};
   robot.scene().Reset();
-  for (RobotTrial* attempt : RobotTrials()) attempt(robot, trial, findings);
+  for (internal::RobotTrial* attempt : internal::RobotTrials()) attempt(robot, trial, findings);
   return findings.list();
 }
 

@@ -1,6 +1,6 @@
 #include "robocell/diagnose/checks.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 #define ROBOCELL_ADDRESS(function) &(function),
@@ -30,4 +30,4 @@ void InspectCompiled(const CompiledRobot& robot, CompileLog& log) {
 std::span<ModelCheck* const> ModelChecks() { return kModelChecks; }
 std::span<RobotTrial* const> RobotTrials() { return kRobotTrials; }
 
-}  // namespace robocell
+}  // namespace robocell::internal

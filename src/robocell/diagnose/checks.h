@@ -29,7 +29,7 @@
   TRIAL(TryArms)                     \
   TRIAL(TryUndrivenGroups)
 
-namespace robocell {
+namespace robocell::internal {
 
 using ModelCheck = void(const CompiledRobot&, Findings&);
 #define ROBOCELL_DECLARE(function) ModelCheck function;
@@ -51,4 +51,4 @@ ROBOCELL_ROBOT_TRIALS(ROBOCELL_DECLARE)
 std::span<ModelCheck* const> ModelChecks();
 std::span<RobotTrial* const> RobotTrials();
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -5,7 +5,7 @@
 
 #include "robocell/scene/testing/arm_with_hand.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::AllOf;
@@ -33,4 +33,4 @@ TEST_F(CompileWarnings, AreThoseOfAllModelChecksInTheirOrder) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

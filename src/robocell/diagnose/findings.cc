@@ -2,7 +2,7 @@
 
 #include "robocell/spec/locations.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 void Findings::WarnAbout(const std::string& field, const std::string& text, std::string edit) {
   auto [source, rest] = SplitPlace(text);
@@ -12,4 +12,4 @@ void Findings::WarnAbout(const std::string& field, const std::string& text, std:
     WarnAt(std::move(source), std::move(rest), std::move(edit));
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

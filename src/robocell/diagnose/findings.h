@@ -9,7 +9,7 @@
 
 #include "robocell/diagnose/finding.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class Findings {
  public:
@@ -49,4 +49,4 @@ class Findings {
   std::vector<Finding> list_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::ElementsAre;
@@ -30,4 +30,4 @@ TEST(Findings, KnowWhereFieldsStand) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

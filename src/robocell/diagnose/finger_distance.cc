@@ -10,7 +10,7 @@
 #include "robocell/diagnose/checks.h"
 #include "robocell/robot/gripper_group.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // A gripper's opening is the distance of its fingers.
@@ -60,4 +60,4 @@ void TryFingerDistance(Robot& robot, const TrialOptions&, Findings& findings) {
   WarnOfEarlyMeeting(robot, findings);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -17,7 +17,7 @@
 #include "robocell/scene/finger_bodies.h"
 #include "robocell/scene/hold_ctrl.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // The joints between the hand and a finger, the finger's first.
@@ -220,4 +220,4 @@ void CheckFingers(const CompiledRobot& robot, Findings& findings) {
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -9,7 +9,7 @@
 #include "robocell/base/suggestions.h"
 #include "robocell/diagnose/checks.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // Groups of a kind, in the order of the file.
@@ -57,4 +57,4 @@ void TryFirstArm(Robot& robot, const TrialOptions& options, Findings& findings) 
                   robot.gripper_of(arms.front()), findings);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -13,7 +13,7 @@
 #include "robocell/mujoco/tree.h"
 #include "robocell/robot/gripper_group.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // Whether a gripper moves both bodies: a closed one touches itself.
@@ -73,4 +73,4 @@ void TryHomeContacts(Robot& robot, const TrialOptions&, Findings& findings) {
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -21,7 +21,7 @@
 #include "robocell/scene/compile_problem.h"
 #include "robocell/scene/servo_stability.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr double kDensest = 22600;   // kg/m^3, osmium
@@ -135,4 +135,4 @@ void CheckInertia(const CompiledRobot& robot, Findings& findings) {
   InertiaCheck(robot, findings).Run();
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

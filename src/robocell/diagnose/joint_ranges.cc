@@ -9,7 +9,7 @@
 #include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/control_modes.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 std::string Reach::text() const { return fmt::format("{:.4g} to {:.4g}", lower, upper); }
 
@@ -61,4 +61,4 @@ bool JointRanges::Drives(int actuator, int joint) const {
          IsPositionServo(m_, actuator);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -12,7 +12,7 @@
 
 #include "robocell/scene/robot_inspection.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 struct Reach {
   double lower = 0, upper = 0;
@@ -53,4 +53,4 @@ class JointRanges {
   const Part& part_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

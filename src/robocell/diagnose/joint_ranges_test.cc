@@ -6,7 +6,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/testing/arm_with_hand.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // Looks at the compiled robot in the place of diagnose's own checks.
@@ -47,4 +47,4 @@ TEST_F(JointRangesTest, AreThoseOfTheRobotsOwnNames) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -10,7 +10,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using Eigen::Vector3d;
@@ -112,4 +112,4 @@ void CheckPedestals(const CompiledRobot& robot, Findings& findings) {
                             record.config.reset_root_pose.value_or(false) ? "false" : "true"));
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

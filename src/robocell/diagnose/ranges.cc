@@ -15,7 +15,7 @@
 #include "robocell/scene/spec_tree.h"
 #include "robocell/scene/validate_keyframes.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr double kMostTurn = 4 * kPi;            // what a hinge's limit may be, rad
@@ -295,4 +295,4 @@ void CheckRanges(const CompiledRobot& robot, Findings& findings) {
   RangeCheck(robot, findings).Run();
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

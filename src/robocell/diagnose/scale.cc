@@ -7,7 +7,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr double kLargestPart = 10;  // metres; of what a robot moves
@@ -38,4 +38,4 @@ void CheckScale(const CompiledRobot& robot, Findings& findings) {
                   size / 1000));
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

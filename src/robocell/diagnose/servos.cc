@@ -19,7 +19,7 @@
 #include "robocell/scene/control_modes.h"
 #include "robocell/scene/hold_ctrl.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr double kHardlyAny = 0.05;  // of a joint's range: no safety margin
@@ -148,4 +148,4 @@ void CheckServos(const CompiledRobot& robot, Findings& findings) {
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -13,7 +13,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/robot/gripper_group.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using Eigen::Vector3d;
@@ -107,4 +107,4 @@ void TryTcpPlaces(Robot& robot, const TrialOptions&, Findings& findings) {
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

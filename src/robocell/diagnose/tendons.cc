@@ -9,7 +9,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // Whether a tendon is led past bodies on both sides of a joint, by sites and geoms.
@@ -57,4 +57,4 @@ void CheckTendons(const CompiledRobot& robot, Findings& findings) {
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -15,7 +15,7 @@
 #include "robocell/robot/unused_groups.h"
 #include "robocell/scene/actuator_kind.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // Whether its actuators act on bodies, sites or tendons: no controller is made for these, whatever
@@ -74,4 +74,4 @@ void TryUndrivenGroups(Robot& robot, const TrialOptions&, Findings& findings) {
   WarnOfIdle(robot, findings);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

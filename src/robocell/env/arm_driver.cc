@@ -121,7 +121,7 @@ ArmDriver::ArmDriver(const EnvConfig& config, Robot robot, RobotLayout layout)
       lead_(config.target_lead()),
       binary_gripper_(config.wrappers.binary_gripper),
       robot_(std::move(robot)),
-      watch_(ArrivalTolerances(robot_, robot_.arm().name()), robot_.scene().timestep()),
+      watch_(internal::ArrivalTolerances(robot_, robot_.arm().name()), robot_.scene().timestep()),
       still_(watch_.tolerances().size()),
       pos_(still_),
       vel_(still_),
@@ -343,7 +343,7 @@ bool ArmDriver::SendPose(std::span<const double> command, RobotAction& commands)
   const Pose target = base_in_shared_.inverse() * next;
   bool solved = false;
   if (bounded) {
-    const IkResult ik = IkStep(robot_.chain(), target, joints);
+    const IkResult ik = internal::IkStep(robot_.chain(), target, joints);
     solved = ik.success;
     if (solved) commands[arm] = GroupCommand::Joints(PositionsOf(ik.q));
   } else {
@@ -355,7 +355,7 @@ bool ArmDriver::SendPose(std::span<const double> command, RobotAction& commands)
     const bool small =
         relative_to_ == RelativeTo::kLastStep || IsSmallStep(robot_.FkFrame(joints), target);
     if (!small) return false;
-    const IkResult near = IkTowards(robot_.chain(), target, joints);
+    const IkResult near = internal::IkTowards(robot_.chain(), target, joints);
     if (!near.success) return false;
     sent_.position_shortfall = near.position_error;
     sent_.rotation_shortfall = near.rotation_error;
@@ -400,8 +400,8 @@ void ArmDriver::Watch(double time) {
 bool ArmDriver::IsHeldAwayByGravity() {
   if (!GetSteadyTarget(watch_.pos(), still_, steady_)) return false;
   const std::vector<double>& tolerances = watch_.tolerances();
-  if (!AreWithin(steady_, controller_->commanded_joint_pos(), tolerances)) return false;
-  return !AreWithin(steady_, watch_.pos(), tolerances);
+  if (!internal::AreWithin(steady_, controller_->commanded_joint_pos(), tolerances)) return false;
+  return !internal::AreWithin(steady_, watch_.pos(), tolerances);
 }
 
 ArmStatus ArmDriver::Status(double time) {

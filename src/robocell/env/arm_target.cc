@@ -63,7 +63,7 @@ void ObserveTquat(const Pose& pose, std::span<double> out) {
 }
 
 double ObservedTurn(double position, double most) {
-  return std::abs(position) <= most ? position : std::remainder(position, 2 * kPi);
+  return std::abs(position) <= most ? position : std::remainder(position, 2 * internal::kPi);
 }
 
 Pose PoseOfAction(ControlMode mode, std::span<const double> action) {

@@ -69,7 +69,7 @@ TEST(ArmTarget, ObservationsStayInTheirRanges) {
   for (int i = 0; i < 3000; ++i) {
     // A turn by half a turn about one axis, as a product of others.
     const Pose first = RandomPose(rng);
-    const Pose turn = first.inverse() * (first * Pose::FromRpy({0, 0, 0}, {kPi, 0, 0}));
+    const Pose turn = first.inverse() * (first * Pose::FromRpy({0, 0, 0}, {internal::kPi, 0, 0}));
     std::array<double, 7> seen{};
     ObserveTquat(turn, seen);
     longer += std::abs(turn.quaternion()[0]) > 1 ? 1 : 0;
@@ -77,8 +77,8 @@ TEST(ArmTarget, ObservationsStayInTheirRanges) {
   }
   EXPECT_GT(longer, 0);
   EXPECT_EQ(ObservedTurn(6.7, 6.8), 6.7);
-  EXPECT_NEAR(ObservedTurn(6.9, 6.8), 6.9 - 2 * kPi, 1e-14);
-  EXPECT_NEAR(ObservedTurn(-101, 6.8), -101 + 32 * kPi, 1e-13);
+  EXPECT_NEAR(ObservedTurn(6.9, 6.8), 6.9 - 2 * internal::kPi, 1e-14);
+  EXPECT_NEAR(ObservedTurn(-101, 6.8), -101 + 32 * internal::kPi, 1e-13);
 }
 
 TEST(ArmTarget, ReadsBothKindsOfCartesianActions) {
@@ -107,7 +107,7 @@ TEST(ArmTarget, QuaternionsOfAnyLengthAreTheSameRotation) {
   const double most = std::numeric_limits<double>::max();  // its length is more than a double holds
   EXPECT_TRUE(
       PoseOfAction(ControlMode::kCartesianTquat, std::vector<double>{0, 0, 0, most, 0, 0, most})
-          .is_close(Pose::FromRpy({0, 0, 0}, {kPi / 2, 0, 0}), 1e-12, 0));
+          .is_close(Pose::FromRpy({0, 0, 0}, {internal::kPi / 2, 0, 0}), 1e-12, 0));
 }
 
 TEST(ArmTarget, PlacesThatAreAsFarAsNumbersGoAreApproachedByTheLimit) {

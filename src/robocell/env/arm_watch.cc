@@ -48,7 +48,7 @@ void ArmWatch::Look(std::span<const double> q, std::span<const double> wanted, d
 }
 
 bool ArmWatch::IsNear(std::span<const double> wanted) const {
-  return AreWithin(seen_[0], wanted, tolerances_);
+  return internal::AreWithin(seen_[0], wanted, tolerances_);
 }
 
 double ArmWatch::Velocity(size_t joint) const {

@@ -41,10 +41,10 @@ CollisionMonitor::CollisionMonitor(std::vector<Watched> watched)
 }
 
 void CollisionMonitor::HideGripper(const MoveGroup& gripper) {
-  const auto* fingers = dynamic_cast<const ActuatedGripper*>(&gripper);
+  const auto* fingers = dynamic_cast<const internal::ActuatedGripper*>(&gripper);
   if (!fingers) return;
   const mjModel* m = scene_.model();
-  const std::vector<bool> of_hand = SubtreeMask(m, fingers->hand_body());
+  const std::vector<bool> of_hand = internal::SubtreeMask(m, fingers->hand_body());
   for (int g = 0; g < m->ngeom; ++g) {
     if (of_hand[m->geom_bodyid[g]]) owner_[g] = -1;
   }

@@ -150,20 +150,20 @@ Env::Env(EnvConfig config, Scene scene, std::optional<int> copy,
 void Env::RequireDistances(const ArmDriver& arm) const {
   for (const Robot& robot : arm.robots()) {
     Problems problems(robot.config().locations);
-    ValidateDistances(robot, problems);
+    internal::ValidateDistances(robot, problems);
     problems.Throw(fmt::format("{} / robot '{}'", place(), robot.name()));
   }
 }
 
 void Env::TellUndriven(const Robot& robot) const {
-  const std::string unused = TellUnusedGroups(robot);
+  const std::string unused = internal::TellUnusedGroups(robot);
   if (unused.empty()) return;
   LogWarn(fmt::format(
       "{} / robot '{}': has several arms or grippers, and a robot of an environment acts with one "
       "of each: {}, and no action or observation has them. Command them beside the steps with {}, "
       "or make each arm a robot of the environment, from one model with "
       "`alternative_combined_robot_mjcf`",
-      place(), robot.name(), unused, CppAndPythonName("Robot::Apply")));
+      place(), robot.name(), unused, internal::CppAndPythonName("Robot::Apply")));
 }
 
 void Env::Reset(const EnvResetOptions& options) {

@@ -144,7 +144,7 @@ TEST(EnvArrival, ArmsThatAreSentToOnePlaceAreThereWithinTheToleranceOfTheirJoint
   Rng rng = Rng::Stream(1, "env arrival");
   int both = 0;
   for (int i = 0; i < 20; ++i) {
-    const Pose down = Pose::FromRpy({0.35, 0, 0.3}, {kPi, 0, 0});
+    const Pose down = Pose::FromRpy({0.35, 0, 0.3}, {internal::kPi, 0, 0});
     const Pose there = MovedBy(down, Pose::FromRpy(RandomVector(rng, 0.1), RandomVector(rng, 0.5)));
     int arrived = 0;
     Eigen::Vector3d place[2];

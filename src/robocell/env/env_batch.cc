@@ -116,7 +116,7 @@ EnvBatch::EnvBatch(const EnvConfig& config, int count, int threads,
   step_.terminated.resize(count);
   step_.truncated.resize(count);
   step_.steps.resize(count);
-  workers_ = std::make_unique<WorkerThreads>(threads, count);
+  workers_ = std::make_unique<internal::WorkerThreads>(threads, count);
 }
 
 EnvBatch::~EnvBatch() = default;

@@ -28,7 +28,9 @@
 
 namespace robocell {
 
+namespace internal {
 class WorkerThreads;
+}
 
 struct BatchStep {
   std::vector<double> reward;
@@ -89,7 +91,7 @@ class EnvBatch {
   std::vector<double> observations_;
   BatchStep step_;
   std::shared_ptr<SharedDrawing> pictures_;
-  std::unique_ptr<WorkerThreads> workers_;
+  std::unique_ptr<internal::WorkerThreads> workers_;
 };
 
 }  // namespace robocell

@@ -163,7 +163,7 @@ TEST(EnvBatch, ImagesAreThoseOfSingleEnvironmentsAlsoOfObjectsThatVary) {
     EnvBatch batch(config, 2, 2);
     batch.Reset(std::vector<std::optional<uint64_t>>{1, 2});
     std::vector<double> action(8);
-    PutTquat(Pose::FromRpy({0.4, 0, 0.3}, {kPi, 0, 0}), action);
+    PutTquat(Pose::FromRpy({0.4, 0, 0.3}, {internal::kPi, 0, 0}), action);
     std::vector<double> actions = action;
     actions.insert(actions.end(), action.begin(), action.end());
     batch.Step(actions);

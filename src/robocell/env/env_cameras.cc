@@ -63,7 +63,7 @@ void EnvCameras::Bind() {
   const mjModel* m = scene_.model();
   for (Stream& stream : streams_) {
     const CameraConfig& config = stream.config;
-    stream.view = ViewOfStream(scene_, config);
+    stream.view = internal::ViewOfStream(scene_, config);
     stream.qpos.resize(m->nq);
     stream.mocap_pos.resize(3 * m->nmocap);
     stream.mocap_quat.resize(4 * m->nmocap);

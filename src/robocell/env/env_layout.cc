@@ -176,7 +176,8 @@ class Builder {
     tquat.Add(-1, 1, 4);
     layout.tquat =
         Observe({layout.robot, "tquat"}, TquatColumn("Pose of the TCP."), std::move(tquat));
-    for (const double most : {kPi, kPi / 2, kPi}) xyzrpy.Add(-most, most);
+    for (const double most : {internal::kPi, internal::kPi / 2, internal::kPi})
+      xyzrpy.Add(-most, most);
     layout.xyzrpy = Observe({layout.robot, "xyzrpy"},
                             {.units = "m, rad",
                              .frame = kSharedBase,
@@ -231,7 +232,7 @@ class Builder {
       bounds.Add(-most, most, 3);
     }
     const bool quaternion = config_.control_mode == ControlMode::kCartesianTquat;
-    double most = quaternion ? 1 : kPi;
+    double most = quaternion ? 1 : internal::kPi;
     if (!quaternion && config_.relative_to == RelativeTo::kLastStep)
       most = std::min(most, config_.step_limit().rotation);
     bounds.Add(-most, most, quaternion ? 4 : 3);
@@ -254,7 +255,7 @@ std::vector<Interval> CommandLimits(const Robot& robot) {
           "one in `edits`: {{joint: {}, range: [0, 1]}}",
           robot.name(), robot.joint_names()[i], robot.joint_names()[i]));
     }
-    limits[i] = {-2 * kPi, 2 * kPi};
+    limits[i] = {-2 * internal::kPi, 2 * internal::kPi};
   }
   return limits;
 }

@@ -92,7 +92,8 @@ void AddCameras(const EnvConfig& config, SceneSpec& scene) {
 std::shared_ptr<CompiledScene> CompileEnvScene(const EnvConfig& config) {
   const SceneSpec spec = EnvSceneSpec(config);
   if (config.saved_scene.empty()) return CompileScene(spec);
-  return CompileSavedScene(spec, std::filesystem::path(config.source_dir) / config.saved_scene);
+  return internal::CompileSavedScene(spec,
+                                     std::filesystem::path(config.source_dir) / config.saved_scene);
 }
 
 std::string MountedGripperName(const std::string& robot) { return "gripper" + robot; }

@@ -79,7 +79,7 @@ TEST(EnvSingular, SmallActionsBesideASingularityGoOn) {
       const Numbers from(before.begin(), before.end());
       const Pose commanded =
           MovedBy(TargetPose(env), PoseOfAction(ControlMode::kCartesianTrpy, action));
-      const double most = LargestJointStep(robot.chain(), TargetPose(env), commanded);
+      const double most = internal::LargestJointStep(robot.chain(), TargetPose(env), commanded);
       EXPECT_THAT(env.Step(action).ik_failed, IsEmpty()) << wrist << " " << step;
       const auto after = robot.controller("arm").commanded_joint_pos();
       for (size_t i = 0; i < from.size(); ++i)

@@ -59,7 +59,7 @@ std::string ChangeOf(const Pose& before, const Pose& after) {
   const double tilt = std::acos(cosine) * 180 / std::numbers::pi;
   if (-way.z() > kMostDrop) return fmt::format("falls by {:.2f} m", -way.z());
   const double aside = way.head<2>().norm();
-  if (aside > kMostSettling) return fmt::format("moves away by {:.2f} m", aside);
+  if (aside > internal::kMostSettling) return fmt::format("moves away by {:.2f} m", aside);
   if (tilt > kMostTilt) return fmt::format("tips over by {:.0f} degrees", tilt);
   return "";
 }
@@ -187,8 +187,8 @@ void Env::RequireRest(const std::string& doubt) {
   std::vector<Pose> before;
   for (const std::string& object : resting) before.push_back(RootPose(scene_, object));
   const auto why_not =
-      Settle(scene_, robots, body,
-             {.resting = resting, .most_drift = std::numeric_limits<double>::infinity()});
+      internal::Settle(scene_, robots, body,
+                       {.resting = resting, .most_drift = std::numeric_limits<double>::infinity()});
   for (size_t i = 0; !why_not && i < resting.size(); ++i) {
     const std::string change = ChangeOf(before[i], RootPose(scene_, resting[i]));
     if (change.empty()) continue;

@@ -74,11 +74,11 @@ struct Movables {
 Movables MovablesOf(const mjModel* m, int root) {
   Movables out;
   for (int j = 0; j < m->njnt; ++j) {
-    if (m->jnt_type[j] == mjJNT_FREE && IsInSubtree(m, m->jnt_bodyid[j], root))
+    if (m->jnt_type[j] == mjJNT_FREE && internal::IsInSubtree(m, m->jnt_bodyid[j], root))
       out.joints.push_back(j);
   }
   for (int b = 0; b < m->nbody; ++b) {
-    if (m->body_mocapid[b] >= 0 && IsInSubtree(m, b, root))
+    if (m->body_mocapid[b] >= 0 && internal::IsInSubtree(m, b, root))
       out.mocaps.push_back(m->body_mocapid[b]);
   }
   return out;
@@ -111,26 +111,26 @@ std::vector<double> EnvState::numbers() const {
   std::vector<double> out(7);
   PutTquat(root_frame_to_world, out);
   out.push_back(static_cast<double>(ticks));
-  PutList(physics, out);
-  PutList(task, out);
-  PutList(variations, out);
+  internal::PutList(physics, out);
+  internal::PutList(task, out);
+  internal::PutList(variations, out);
   std::vector<double> pairs;
   for (const auto& [a, b] : touching)
     pairs.insert(pairs.end(), {static_cast<double>(a), static_cast<double>(b)});
-  PutList(pairs, out);
+  internal::PutList(pairs, out);
   out.push_back(static_cast<double>(arms.size()));
   for (const ArmDriver::Memory& arm : arms) {
     out.push_back(static_cast<double>(arm.commanded.size()));
     const std::vector<double> own = arm.numbers();
     out.insert(out.end(), own.begin(), own.end());
-    PutList(arm.fingers.window, out);
+    internal::PutList(arm.fingers.window, out);
   }
   out.push_back(names_hash);
   return out;
 }
 
 EnvState EnvState::FromNumbers(std::span<const double> numbers) {
-  NumberReader reader(numbers, "state of an environment");
+  internal::NumberReader reader(numbers, "state of an environment");
   EnvState state;
   const std::span<const double> p = reader.Take(7);
   state.root_frame_to_world = Pose({p[0], p[1], p[2]}, Quaternion{p[3], p[4], p[5], p[6]});

@@ -31,7 +31,7 @@ std::vector<double> Seen(const Env& env) {
 
 EnvStep GoTo(Env& env, const Eigen::Vector3d& tcp, double gripper) {
   std::vector<double> action(8);
-  PutTquat(Pose::FromRpy(tcp, {kPi, 0, 0}), action);
+  PutTquat(Pose::FromRpy(tcp, {internal::kPi, 0, 0}), action);
   action[7] = gripper;
   return env.Step(action);
 }

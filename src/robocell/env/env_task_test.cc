@@ -61,7 +61,7 @@ class EnvTaskTest : public ::testing::Test {
     const Pose object = Object(env);
     const Pose grasp(
         object.translation(),
-        Pose::FromRpy(Eigen::Vector3d::Zero(), {kPi, 0, object.rpy().z()}).quaternion());
+        Pose::FromRpy(Eigen::Vector3d::Zero(), {internal::kPi, 0, object.rpy().z()}).quaternion());
     const auto above = [&](double height) {
       return Pose(grasp.translation() + Eigen::Vector3d(0, 0, height), grasp.quaternion());
     };
@@ -102,7 +102,7 @@ class EnvTaskTest : public ::testing::Test {
   static std::vector<EnvStep> PutDown(Env& env) {
     const Eigen::Vector3d goal = Goal(env);
     const auto at = [&](double height) {
-      return Pose::FromRpy(goal + Eigen::Vector3d(0, 0, height), {kPi, 0, 0});
+      return Pose::FromRpy(goal + Eigen::Vector3d(0, 0, height), {internal::kPi, 0, 0});
     };
     return {MoveTo(env, at(0.12), 0), MoveTo(env, at(0.003), 0), MoveTo(env, at(0.003), 1),
             MoveTo(env, at(0.12), 1)};
@@ -187,7 +187,7 @@ TEST_F(EnvTaskTest, WhatWasNeverLiftedWasNotPlaced) {
   env.Reset();
   const Pose goal = env.scene().root_frame_to_world() * Pose(Goal(env));
   Scene(env.scene()).SetBodyPose("cube_cube", goal);
-  const EnvStep step = MoveTo(env, Pose::FromRpy({0.4, 0, 0.4}, {kPi, 0, 0}), 1);
+  const EnvStep step = MoveTo(env, Pose::FromRpy({0.4, 0, 0.4}, {internal::kPi, 0, 0}), 1);
   EXPECT_LT((Object(env).translation() - Goal(env)).norm(), 0.01);
   EXPECT_FALSE(step.success);
   EXPECT_LT(step.reward, 0.5);
@@ -341,7 +341,7 @@ TEST_F(EnvTaskTest, TasksOfOnesOwnAreRegistered) {
   EXPECT_EQ(task[1], 1) << "cut to its range";
   EXPECT_EQ(task[2], -1);
   EXPECT_EQ(NameOfObservation(env.layout(), env.layout().observation.size() - 1), "task.big[1]");
-  const Pose up = Pose::FromRpy({0.4, 0, task[0] + 0.12}, {kPi, 0, 0});
+  const Pose up = Pose::FromRpy({0.4, 0, task[0] + 0.12}, {internal::kPi, 0, 0});
   EnvStep step = MoveTo(env, up, 1);
   EXPECT_TRUE(step.success);
   EXPECT_GT(step.reward, 0.1);
@@ -422,7 +422,7 @@ TEST_F(EnvTaskTest, PickingItUpIsSuccessWhereverTheRootIs) {
     Env env(config);
     env.Reset({.seed = 3});
     EXPECT_EQ(env.instruction(), "pick up the cube");
-    EnvStep step = MoveTo(env, Pose::FromRpy({0.4, 0, 0.3}, {kPi, 0, 0}), 1);
+    EnvStep step = MoveTo(env, Pose::FromRpy({0.4, 0, 0.3}, {internal::kPi, 0, 0}), 1);
     EXPECT_FALSE(step.success);
     EXPECT_GT(step.reward, 0);
     EXPECT_LT(step.reward, 0.5);
@@ -447,7 +447,7 @@ class EnvPickTest : public EnvTaskTest {
     env_ = std::make_unique<Env>(config);
     env_->Reset({.seed = 1});
     Robot robot = Robot::Of(env_->scene(), "robot");
-    auto& gripper = dynamic_cast<ActuatedGripper&>(robot.gripper());
+    auto& gripper = dynamic_cast<internal::ActuatedGripper&>(robot.gripper());
     gripper.SetJointPos(std::vector{0.018, 0.018});  // 38 mm apart, and the cube has 40
     Scene(env_->scene()).Forward();
     held_.setZero();
@@ -485,7 +485,7 @@ TEST_F(EnvPickTest, PickedIsWhatOnlyRobotsHoldACentimetreAboveItsStart) {
       Make(root, kind);
       EXPECT_FALSE(IsPicked()) << "at its start";
       Put("cube_cube", 0.009);
-      EXPECT_TRUE(OnlyRobotsTouch(env_->scene(), "cube_cube"));
+      EXPECT_TRUE(internal::OnlyRobotsTouch(env_->scene(), "cube_cube"));
       EXPECT_FALSE(IsPicked()) << "9 mm";
       Put("cube_cube", 0.1, 1);
       EXPECT_FALSE(IsPicked()) << "nobody touches it";
@@ -504,14 +504,15 @@ TEST_F(EnvPickTest, PickedIsWhatOnlyRobotsHoldACentimetreAboveItsStart) {
 
 TEST_F(EnvTaskTest, APlaceIsTurnedInTheRootFrameWithWhatLiesThere) {
   EnvConfig config = Picking();
-  config.root_frame_objects["cube"].offset = Pose::FromRpy({0.45, 0, 0.02}, {0, 0, kPi / 2});
+  config.root_frame_objects["cube"].offset =
+      Pose::FromRpy({0.45, 0, 0.02}, {0, 0, internal::kPi / 2});
   config.task->As<PickTaskConfig>().spread = {0, 0.1};
   config.task->As<PickTaskConfig>().rotate = false;
   Env env(config);
   for (int i = 0; i < 5; ++i) {
     env.Reset();
     EXPECT_NEAR(Object(env).translation().x(), 0.45, 1e-9) << "along the root frame's y";
-    EXPECT_NEAR(Object(env).rpy().z(), kPi / 2, 1e-9);
+    EXPECT_NEAR(Object(env).rpy().z(), internal::kPi / 2, 1e-9);
   }
 }
 
@@ -526,7 +527,7 @@ TEST_F(EnvTaskTest, AFixedObjectIsNothingToPick) {
 TEST_F(EnvTaskTest, FromASavedStateEverythingIsTheSameToTheBit) {
   Env env(Picking());
   env.Reset({.seed = 1});
-  MoveTo(env, Pose::FromRpy({0.4, 0.1, 0.2}, {kPi, 0, 0}), 0);
+  MoveTo(env, Pose::FromRpy({0.4, 0.1, 0.2}, {internal::kPi, 0, 0}), 0);
   env.Save("before");
   const auto go_on = [&] {
     std::vector<double> seen;

@@ -77,7 +77,7 @@ TEST(EnvFrames, TheSamePoseSendsAllArmsToTheSamePlaceInTheWorld) {
   Rng rng = Rng::Stream(1, "env frames");
   int reached = 0;
   for (int i = 0; i < 40; ++i) {
-    const Pose down = Pose::FromRpy({0.35, 0, 0.3}, {kPi, 0, 0});
+    const Pose down = Pose::FromRpy({0.35, 0, 0.3}, {internal::kPi, 0, 0});
     const Pose pose = MovedBy(down, Pose::FromRpy(RandomVector(rng, 0.1), RandomVector(rng, 0.5)));
     if (!env.Step(ForAll(env, Tquat(pose))).ik_failed.empty()) continue;  // out of reach of one
     if (env.motions()[0].position_shortfall + env.motions()[1].position_shortfall > 0) continue;
@@ -490,7 +490,7 @@ TEST(EnvLayouts, RangesAreTheRobotsOwn) {
     EXPECT_EQ(joints.action.lower[i], limits[i].lower);
     EXPECT_EQ(joints.action.upper[i], limits[i].upper);
   }
-  EXPECT_NEAR(Env(Rc7Env()).layout().action.upper[0], 5 * kPi / 180, 1e-12);
+  EXPECT_NEAR(Env(Rc7Env()).layout().action.upper[0], 5 * internal::kPi / 180, 1e-12);
   const Env cartesian(Rc7Env(ControlMode::kCartesianTquat, RelativeTo::kNone));
   EXPECT_NEAR(cartesian.layout().action.upper[0], Robot::Of(cartesian.scene(), "robot").reach(),
               1e-9);

@@ -81,7 +81,7 @@ TEST_F(EnvTrouble, AHingeWithoutLimitsTurnsForEverAndIsObservedInItsRange) {
       EXPECT_LE(env.observation()[i], layout.observation.upper[i]) << i;
     }
   }
-  EXPECT_GT(farthest, 2 * kPi + 1);
+  EXPECT_GT(farthest, 2 * internal::kPi + 1);
 }
 
 TEST_F(EnvTrouble, OnlyAResetGoesOnAfterAnErrorHalfway) {

@@ -36,7 +36,7 @@ void FingerWatch::Bind() {
   std::vector<int> ids;
   for (const std::string& name : gripper().joint_names())
     ids.push_back(FindId(m, mjOBJ_JOINT, name));
-  if (const auto* fingers = dynamic_cast<const ActuatedGripper*>(&gripper())) {
+  if (const auto* fingers = dynamic_cast<const internal::ActuatedGripper*>(&gripper())) {
     for (const int i : {0, 1}) AddPath(m, fingers->finger(i).body, fingers->hand_body(), ids);
   }
   std::ranges::sort(ids);

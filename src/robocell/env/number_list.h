@@ -9,7 +9,7 @@
 
 #include "robocell/base/error.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Says how many follow, then these.
 inline void PutList(std::span<const double> list, std::vector<double>& out) {
@@ -49,4 +49,4 @@ class NumberReader {
   std::string what_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -35,13 +35,13 @@ ObjectVariations::Varied ObjectVariations::Read(const std::string& object,
   const int root = RequireId(m, mjOBJ_BODY, scene_.compiled()->object(object).root_body,
                              "scene '" + scene_.name() + "'");
   for (int b = 0; b < m->nbody; ++b) {
-    if (!IsInSubtree(m, b, root)) continue;
+    if (!internal::IsInSubtree(m, b, root)) continue;
     out.bodies.push_back(b);
     out.mass.push_back(m->body_mass[b]);
     out.inertia.insert(out.inertia.end(), m->body_inertia + 3 * b, m->body_inertia + 3 * b + 3);
   }
   for (int g = 0; g < m->ngeom; ++g) {
-    if (!IsInSubtree(m, m->geom_bodyid[g], root)) continue;
+    if (!internal::IsInSubtree(m, m->geom_bodyid[g], root)) continue;
     out.geoms.push_back(g);
     out.friction.insert(out.friction.end(), m->geom_friction + 3 * g, m->geom_friction + 3 * g + 3);
     // A geom with a material has that one's colour as long as its own is not set.
@@ -91,7 +91,7 @@ void ObjectVariations::Apply(std::span<const double> drawn) {
     Write(objects_[i], drawn.subspan(kNumbers * i, kNumbers));
   mjModel* m = scene_.mutable_model();
   const mjStatistic before = m->stat;
-  Guarded("scene '" + scene_.name() + "'", [&] { mj_setConst(m, scratch_.get()); });
+  internal::Guarded("scene '" + scene_.name() + "'", [&] { mj_setConst(m, scratch_.get()); });
   // The appearance stays; the solver's scale follows from the masses.
   m->stat.extent = before.extent;
   m->stat.meansize = before.meansize;

@@ -8,7 +8,7 @@
 
 #include "robocell/base/error.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr std::chrono::milliseconds kMeanwhile{10};
@@ -107,4 +107,4 @@ void WorkerThreads::Run(int count, const std::function<void(int)>& work,
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-namespace robocell {
+namespace robocell::internal {
 
 class WorkerThreads {
  public:
@@ -47,4 +47,4 @@ class WorkerThreads {
   std::vector<std::thread> threads_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

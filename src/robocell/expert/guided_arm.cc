@@ -30,7 +30,7 @@ GuidedArm::GuidedArm(const Robot& robot, double tick)
       tick_(tick),
       target_(robot_.controller(robot_.arm().name()).commanded_joint_pos()),
       path_(target_, tick),
-      arrival_tolerances_(ArrivalTolerances(robot_, robot_.arm().name())) {
+      arrival_tolerances_(internal::ArrivalTolerances(robot_, robot_.arm().name())) {
   for (size_t i = 0; i < arrival_tolerances_.size(); ++i) {
     arrival_tolerances_[i] = std::max(kNearlyArrived * arrival_tolerances_[i],
                                       IsSlide(robot_, i) ? kNearMetres : kNearRad);
@@ -85,7 +85,7 @@ double GuidedArm::Lag() const {
 }
 
 bool GuidedArm::Arrived() const {
-  return AreWithin(robot_.arm().joint_pos(), target_, arrival_tolerances_);
+  return internal::AreWithin(robot_.arm().joint_pos(), target_, arrival_tolerances_);
 }
 
 }  // namespace robocell

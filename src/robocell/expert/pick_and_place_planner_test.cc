@@ -25,7 +25,7 @@ struct PlaceOutcome {
 using PlaceMeddle = std::function<void(Scene&, const PickAndPlacePlanner&)>;
 
 EpisodeStart StartWith(const RunConfig& run, uint64_t seed) {
-  PickAndPlaceSampler sampler(run);
+  internal::PickAndPlaceSampler sampler(run);
   for (int attempt = 0; attempt < 20; ++attempt) {
     Rng rng = Rng::Stream(seed, "start", attempt);
     SampleResult result = sampler.Sample({.attempt = attempt}, rng);

@@ -94,7 +94,7 @@ class PickRunValidator {
  private:
   // The expert acts with one arm.
   void WarnOfUnusedGroups() {
-    const std::string unused = TellUnusedGroups(robot_);
+    const std::string unused = internal::TellUnusedGroups(robot_);
     if (unused.empty()) return;
     Problems doubt(run_.locations);
     doubt.AddAt("robot", fmt::format("has several arms or grippers, and pick tasks act with one of "
@@ -160,7 +160,7 @@ bool ValidatePickRobot(const Robot& robot, const SimOptions& options, double tim
                        Problems& problems) {
   const size_t before = problems.list().size();
   ValidateBaseMoves(robot.config(), problems);
-  ValidateTakesJointPositions(robot, problems);
+  internal::ValidateTakesJointPositions(robot, problems);
   AsProblem(problems, [&] { RequirePickParts(robot, options, timestep); });
   return problems.list().size() == before;
 }

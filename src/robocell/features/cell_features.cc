@@ -14,8 +14,8 @@ namespace robocell {
 
 CellFeatures::CellFeatures(const Scene& scene, const std::vector<Robot>& robots,
                            CellFeatureOptions options) {
-  sources_.push_back(std::make_unique<SceneFeatures>(scene, robots, options.objects));
-  sources_.push_back(std::make_unique<SensorFeatures>(scene));
+  sources_.push_back(std::make_unique<internal::SceneFeatures>(scene, robots, options.objects));
+  sources_.push_back(std::make_unique<internal::SensorFeatures>(scene));
   for (const Robot& robot : robots) sources_.push_back(std::make_unique<RobotFeatures>(robot));
   if (!options.own.empty())
     sources_.push_back(std::make_unique<OwnFeatureSource>(scene, options.own));

@@ -14,7 +14,7 @@ CellImages::CellImages(const Scene& scene, const CameraSystemConfig& config, Ren
   renderer_->SetModel(scene.model());
   for (const CameraConfig& stream : config.streams) {
     CellImage image{.name = stream.name,
-                    .view = ViewOfStream(scene, stream),
+                    .view = internal::ViewOfStream(scene, stream),
                     .width = config.width(stream),
                     .height = config.height(stream),
                     .camera = {},

@@ -40,8 +40,8 @@ ChosenFeatures::ChosenFeatures(const Scene& scene, const std::vector<Robot>& rob
   std::vector<std::unique_ptr<FeatureSource>> all;
   std::vector<std::string> objects;
   for (const ObjectRecord& object : scene.compiled()->objects()) objects.push_back(object.name);
-  all.push_back(std::make_unique<SceneFeatures>(scene, robots, objects));
-  all.push_back(std::make_unique<SensorFeatures>(scene));
+  all.push_back(std::make_unique<internal::SceneFeatures>(scene, robots, objects));
+  all.push_back(std::make_unique<internal::SensorFeatures>(scene));
   for (const Robot& robot : robots) all.push_back(std::make_unique<RobotFeatures>(robot));
   all.push_back(std::make_unique<OwnFeatureSource>(scene, OwnAmong(names)));
   for (const std::string& name : names) Choose(name, all);

@@ -45,7 +45,7 @@ void RegisterFeature(const std::string& name, Feature feature, FeatureFunction f
                      bool replace, FeatureCode code) {
   if (const std::string& plugin = PluginBeingLoaded(); !code.files && !plugin.empty())
     code.files = [plugin] { return std::vector<std::string>{plugin}; };
-  RequireFileName("feature", name);
+  internal::RequireFileName("feature", name);
   if (!function) throw ArgumentError("feature '" + name + "' needs a function that reads it");
   if (feature.column.type != ColumnType::kFloat64)
     throw ArgumentError(

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace robocell {
+namespace robocell::internal {
 
 SceneFeatures::SceneFeatures(Scene given, std::vector<Robot> robots,
                              const std::vector<std::string>& objects)
@@ -41,4 +41,4 @@ void SceneFeatures::ReadNumbers(std::span<double> out) {
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -11,7 +11,7 @@
 #include "robocell/scene/body_handle.h"
 #include "robocell/scene/scene.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class SceneFeatures final : public FeatureSource {
  public:
@@ -25,4 +25,4 @@ class SceneFeatures final : public FeatureSource {
   std::vector<BodyHandle> objects_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

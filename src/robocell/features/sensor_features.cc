@@ -10,7 +10,7 @@
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // An actuator's length is that of its joint times the gear; elsewhere metres.
@@ -190,4 +190,4 @@ void SensorFeatures::ReadNumbers(std::span<double> out) {
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

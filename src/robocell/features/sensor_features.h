@@ -13,7 +13,7 @@
 #include "robocell/scene/ft_sensor.h"
 #include "robocell/scene/scene.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class SensorFeatures final : public FeatureSource {
  public:
@@ -36,4 +36,4 @@ class SensorFeatures final : public FeatureSource {
   std::vector<double> state_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -13,7 +13,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/testing/temp_dir.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::ElementsAre;
@@ -195,4 +195,4 @@ TEST(SensorFeatures, ASceneWithoutSensorsHasNone) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

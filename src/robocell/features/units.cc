@@ -8,7 +8,7 @@
 #include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/hold_ctrl.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr const char* kOwn = "actuator";
@@ -52,4 +52,4 @@ std::vector<std::string> CtrlUnits(const mjModel* model) {
   return units;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

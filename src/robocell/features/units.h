@@ -6,7 +6,7 @@
 
 #include "robocell/mujoco/forward.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // "m" for a slide, "rad" for all other joints.
 std::string JointUnit(const mjModel* model, int joint);
@@ -17,4 +17,4 @@ std::string JointUnit(const mjModel* model, int joint);
 // tendons, at sites and bodies, for muscles.
 std::vector<std::string> CtrlUnits(const mjModel* model);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -7,7 +7,7 @@
 #include "robocell/scene/scene.h"
 #include "robocell/testing/temp_dir.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::ElementsAre;
@@ -65,4 +65,4 @@ TEST(CtrlUnits, OfWhatHasAScaleOfItsOwn) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -2,7 +2,7 @@
 
 #include "robocell/kinematics/chain_model.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // Returns the part of a link's inertia that is symmetric about its frame's z axis.
@@ -30,4 +30,4 @@ ChainModel WithBaseInertialParameters(const ChainModel& chain) {
   return out;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

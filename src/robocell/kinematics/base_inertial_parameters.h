@@ -8,10 +8,10 @@
 
 #include "robocell/kinematics/chain_model.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // In the result, links of hinges have neither mass, nor first moment along z, nor inertia about y.
 // Mass matrix, gravity torques and inverse dynamics stay the same.
 ChainModel WithBaseInertialParameters(const ChainModel& chain);
 
-}  // namespace robocell
+}  // namespace robocell::internal

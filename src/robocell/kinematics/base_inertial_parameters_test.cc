@@ -6,9 +6,7 @@
 #include "robocell/kinematics/link_kernel.h"
 #include "robocell/kinematics/testing/models.h"
 
-namespace robocell {
-
-using namespace internal;
+namespace robocell::internal {
 
 namespace {
 
@@ -72,4 +70,4 @@ TEST(BaseInertialParameters, OfAHingesLinkHasNothingThatLooksTheSameFromAllSides
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -16,18 +16,16 @@
 
 namespace robocell {
 
-using namespace internal;
-
 struct Chain::Lazy {
   std::once_flag made;
-  std::optional<LaneChain> lanes;
-  std::atomic<const LaneChain*> ready = nullptr;  // sooner looked at than the flag
+  std::optional<internal::LaneChain> lanes;
+  std::atomic<const internal::LaneChain*> ready = nullptr;  // sooner looked at than the flag
   std::shared_ptr<void> companion;
 };
 
-const LaneChain& Chain::lanes() const {
+const internal::LaneChain& Chain::lanes() const {
   Lazy& lazy = *parts_->lazy;
-  if (const LaneChain* ready = lazy.ready.load(std::memory_order_acquire)) return *ready;
+  if (const internal::LaneChain* ready = lazy.ready.load(std::memory_order_acquire)) return *ready;
   std::call_once(lazy.made, [&] {
     lazy.ready.store(&lazy.lanes.emplace(model()), std::memory_order_release);
   });
@@ -42,7 +40,8 @@ Chain::Chain(const mjModel* model, std::string_view base_body, const ChainTip& t
         Parts parts{
             .base_body = base_body == "world" ? "world" : options.prefix + std::string(base_body),
             .tip = {tip.kind, options.prefix + tip.name}};
-        BuiltChain built = BuildChain(model, parts.base_body, parts.tip, options);
+        internal::BuiltChain built =
+            internal::BuildChain(model, parts.base_body, parts.tip, options);
         parts.model = built.model;
         parts.joints = std::move(built.joints);
         parts.couplings = std::move(built.couplings);

@@ -12,8 +12,6 @@
 
 namespace robocell {
 
-using namespace internal;
-
 namespace {
 
 // Adds NaN for what is not finite, in several sums that do not wait for each other.
@@ -48,9 +46,9 @@ class BatchRows {
                     chain_.description(), count_, tips.size()));
   }
 
-  PoseRows Joints(std::string_view what, std::span<const double> values) const {
+  internal::PoseRows Joints(std::string_view what, std::span<const double> values) const {
     const size_t n = static_cast<size_t>(chain_.n_joints());
-    const PoseRows rows = Rows(what, values, n);
+    const internal::PoseRows rows = Rows(what, values, n);
     if (AllFinite(values)) return rows;
     for (size_t row = 0;; ++row) {
       const auto of_row = values.subspan(row * n, n);
@@ -60,14 +58,15 @@ class BatchRows {
     }
   }
 
-  PoseRows Gravity(std::span<const double> values) const {
-    const PoseRows rows = Rows("gravity", values, 3);
+  internal::PoseRows Gravity(std::span<const double> values) const {
+    const internal::PoseRows rows = Rows("gravity", values, 3);
     if (AllFinite(values)) return rows;
     throw ArgumentError(chain_.description() + ": gravity has numbers that are not finite");
   }
 
  private:
-  PoseRows Rows(std::string_view what, std::span<const double> values, size_t per_row) const {
+  internal::PoseRows Rows(std::string_view what, std::span<const double> values,
+                          size_t per_row) const {
     if (values.size() == per_row) return {values.data(), 0};
     if (values.size() == count_ * per_row) return {values.data(), per_row};
     throw ArgumentError(
@@ -79,34 +78,37 @@ class BatchRows {
   size_t count_;
 };
 
-void Run(const Chain& chain, PosePart part, const PoseQuery& query, std::span<double> out) {
-  ComputePoses(chain.lanes().poses(), part, query, out.data());
+void Run(const Chain& chain, internal::PosePart part, const internal::PoseQuery& query,
+         std::span<double> out) {
+  internal::ComputePoses(chain.lanes().poses(), part, query, out.data());
 }
 
 }  // namespace
 
 void FkBatch(const Chain& chain, std::span<const double> q, std::span<double> tips) {
   const BatchRows batch(chain, tips, 16);
-  Run(chain, PosePart::kTip, {.count = batch.count(), .q = batch.Joints("q", q)}, tips);
+  Run(chain, internal::PosePart::kTip, {.count = batch.count(), .q = batch.Joints("q", q)}, tips);
 }
 
 void JacobianBatch(const Chain& chain, std::span<const double> q, std::span<double> jacobians) {
   const BatchRows batch(chain, jacobians, 6 * static_cast<size_t>(chain.n_joints()));
-  Run(chain, PosePart::kJacobian, {.count = batch.count(), .q = batch.Joints("q", q)}, jacobians);
+  Run(chain, internal::PosePart::kJacobian, {.count = batch.count(), .q = batch.Joints("q", q)},
+      jacobians);
 }
 
 void JacobianBatch(const Chain& chain, std::span<const double> q, std::span<double> jacobians,
                    std::span<double> tips) {
   const BatchRows batch(chain, jacobians, 6 * static_cast<size_t>(chain.n_joints()));
   batch.RequireTips(tips);
-  ComputePoses(chain.lanes().poses(), PosePart::kJacobian,
-               {.count = batch.count(), .q = batch.Joints("q", q)}, jacobians.data(), tips.data());
+  internal::ComputePoses(chain.lanes().poses(), internal::PosePart::kJacobian,
+                         {.count = batch.count(), .q = batch.Joints("q", q)}, jacobians.data(),
+                         tips.data());
 }
 
 void GravityTorquesBatch(const Chain& chain, std::span<const double> q,
                          std::span<const double> gravity_in_base, std::span<double> torques) {
   const BatchRows batch(chain, torques, static_cast<size_t>(chain.n_joints()));
-  Run(chain, PosePart::kGravity,
+  Run(chain, internal::PosePart::kGravity,
       {.count = batch.count(),
        .q = batch.Joints("q", q),
        .gravity = batch.Gravity(gravity_in_base)},
@@ -116,7 +118,8 @@ void GravityTorquesBatch(const Chain& chain, std::span<const double> q,
 void MassMatrixBatch(const Chain& chain, std::span<const double> q, std::span<double> masses) {
   const auto n = static_cast<size_t>(chain.n_joints());
   const BatchRows batch(chain, masses, n * n);
-  Run(chain, PosePart::kMass, {.count = batch.count(), .q = batch.Joints("q", q)}, masses);
+  Run(chain, internal::PosePart::kMass, {.count = batch.count(), .q = batch.Joints("q", q)},
+      masses);
   for (const JointCoupling& c : chain.couplings()) {
     const auto first = static_cast<size_t>(c.first), second = static_cast<size_t>(c.second);
     for (double* mass = masses.data(); mass < masses.data() + masses.size(); mass += n * n) {
@@ -136,8 +139,8 @@ void CoriolisTorquesBatch(const Chain& chain, std::span<const double> q, std::sp
 
 void ManipulabilityBatch(const Chain& chain, std::span<const double> q, std::span<double> values) {
   const BatchRows batch(chain, values, 1);
-  Run(chain, PosePart::kManipulability, {.count = batch.count(), .q = batch.Joints("q", q)},
-      values);
+  Run(chain, internal::PosePart::kManipulability,
+      {.count = batch.count(), .q = batch.Joints("q", q)}, values);
 }
 
 void InverseDynamicsBatch(const Chain& chain, std::span<const double> q, std::span<const double> qd,
@@ -145,12 +148,12 @@ void InverseDynamicsBatch(const Chain& chain, std::span<const double> q, std::sp
                           std::span<double> torques) {
   const auto n = static_cast<size_t>(chain.n_joints());
   const BatchRows batch(chain, torques, n);
-  const PoseQuery query{.count = batch.count(),
-                        .q = batch.Joints("q", q),
-                        .qd = batch.Joints("qd", qd),
-                        .qdd = batch.Joints("qdd", qdd),
-                        .gravity = batch.Gravity(gravity_in_base)};
-  Run(chain, PosePart::kMotion, query, torques);
+  const internal::PoseQuery query{.count = batch.count(),
+                                  .q = batch.Joints("q", q),
+                                  .qd = batch.Joints("qd", qd),
+                                  .qdd = batch.Joints("qdd", qdd),
+                                  .gravity = batch.Gravity(gravity_in_base)};
+  Run(chain, internal::PosePart::kMotion, query, torques);
   for (const JointCoupling& c : chain.couplings()) {
     for (size_t row = 0; row < batch.count(); ++row) {
       const double* change = query.qdd.data + row * query.qdd.stride;

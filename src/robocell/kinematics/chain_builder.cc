@@ -15,7 +15,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -362,4 +362,4 @@ BuiltChain BuildChain(const mjModel* m, std::string_view base_body, const ChainT
   return chain;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -8,7 +8,7 @@
 #include "robocell/kinematics/chain.h"
 #include "robocell/mujoco/forward.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 struct BuiltChain {
   ChainModel model;
@@ -24,4 +24,4 @@ BuiltChain BuildChain(const mjModel* model, std::string_view base_body, const Ch
 // the sum of its parts.
 void MeasureLength(ChainModel* chain);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -6,11 +6,9 @@
 
 namespace robocell {
 
-using namespace internal;
-
 namespace {
 
-void CopyTorques(const LinkAnswer& answer, std::span<double> out) {
+void CopyTorques(const internal::LinkAnswer& answer, std::span<double> out) {
   std::copy_n(answer.torques, out.size(), out.begin());
 }
 
@@ -18,9 +16,9 @@ void CopyTorques(const LinkAnswer& answer, std::span<double> out) {
 
 Pose Chain::Fk(std::span<const double> q) const {
   RequireJointValues("q", q);
-  LinkAnswer answer;
-  ComputeLinks(*links_, LinkPart::kTip, {.q = q.data()}, &answer);
-  return TipOf(answer).pose();
+  internal::LinkAnswer answer;
+  internal::ComputeLinks(*links_, internal::LinkPart::kTip, {.q = q.data()}, &answer);
+  return internal::TipOf(answer).pose();
 }
 
 Pose Chain::FkAll(std::span<const double> q, std::span<Pose> bodies) const {
@@ -36,20 +34,21 @@ Pose Chain::Jacobian(std::span<const double> q,
                      Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out) const {
   RequireJointValues("q", q);
   RequireSize("columns of the Jacobian", out.cols());
-  LinkAnswer answer;
-  ComputeLinks(*links_, LinkPart::kJacobian, {.q = q.data()}, &answer);
+  internal::LinkAnswer answer;
+  internal::ComputeLinks(*links_, internal::LinkPart::kJacobian, {.q = q.data()}, &answer);
   for (int i = 0; i < n_joints(); ++i) {
     for (int r = 0; r < 6; ++r) out(r, i) = answer.jacobian[r][i];
   }
-  return TipOf(answer).pose();
+  return internal::TipOf(answer).pose();
 }
 
 void Chain::GravityTorques(std::span<const double> q, const Eigen::Vector3d& gravity,
                            std::span<double> out) const {
   RequireSize("q", q.size());
   RequireSize("torques", out.size());
-  LinkAnswer answer;
-  ComputeLinks(*links_, LinkPart::kGravity, {.q = q.data(), .gravity = gravity.data()}, &answer);
+  internal::LinkAnswer answer;
+  internal::ComputeLinks(*links_, internal::LinkPart::kGravity,
+                         {.q = q.data(), .gravity = gravity.data()}, &answer);
   CopyTorques(answer, out);
 }
 
@@ -57,8 +56,8 @@ void Chain::MassMatrix(std::span<const double> q, Eigen::Ref<Eigen::MatrixXd> ou
   RequireSize("q", q.size());
   RequireSize("rows of the mass matrix", out.rows());
   RequireSize("columns of the mass matrix", out.cols());
-  LinkAnswer answer;
-  ComputeLinks(*links_, LinkPart::kMass, {.q = q.data()}, &answer);
+  internal::LinkAnswer answer;
+  internal::ComputeLinks(*links_, internal::LinkPart::kMass, {.q = q.data()}, &answer);
   for (int j = 0; j < n_joints(); ++j) {
     for (int i = 0; i < n_joints(); ++i) out(i, j) = answer.mass[j][i];
   }
@@ -81,10 +80,10 @@ void Chain::InverseDynamics(std::span<const double> q, std::span<const double> q
   RequireSize("qd", qd.size());
   RequireSize("qdd", qdd.size());
   RequireSize("torques", out.size());
-  LinkAnswer answer;
-  const LinkQuery query{
+  internal::LinkAnswer answer;
+  const internal::LinkQuery query{
       .q = q.data(), .qd = qd.data(), .qdd = qdd.data(), .gravity = gravity_in_base.data()};
-  ComputeLinks(*links_, LinkPart::kMotion, query, &answer);
+  internal::ComputeLinks(*links_, internal::LinkPart::kMotion, query, &answer);
   CopyTorques(answer, out);
   for (const JointCoupling& c : couplings()) {
     out[c.first] += c.inertia * qdd[c.second];

@@ -8,7 +8,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 ChainSource::ChainSource(const mjModel* m, const Chain& chain) : model_(m) {
   const int base = FindId(m, mjOBJ_BODY, chain.base_body());
@@ -75,4 +75,4 @@ bool ChainSource::IsStale(const mjModel* m) const {
   });
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -16,7 +16,7 @@
 #include "robocell/kinematics/chain.h"
 #include "robocell/mujoco/forward.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class ChainSource {
  public:
@@ -43,4 +43,4 @@ class ChainSource {
   std::vector<std::byte> numbers_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

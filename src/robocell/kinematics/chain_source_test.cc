@@ -8,7 +8,7 @@
 
 #include "robocell/kinematics/testing/engine_says.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // All that a chain can be asked, at one place.
@@ -111,4 +111,4 @@ TEST(ChainSource, DoesNotLookAtAnotherModelOrWhatIsBesideTheChain) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -42,7 +42,8 @@ class DifferentialIkTest : public testing::TestWithParam<int> {
       before[i] -= kStep * velocity[i];
       after[i] += kStep * velocity[i];
     }
-    const PoseError way = ErrorTo(ToTransform(chain_.Fk(after)), ToTransform(chain_.Fk(before)));
+    const internal::PoseError way =
+        internal::ErrorTo(ToTransform(chain_.Fk(after)), ToTransform(chain_.Fk(before)));
     return {way.linear / (2 * kStep), way.angular / (2 * kStep)};
   }
 

@@ -6,7 +6,7 @@
 
 #include "robocell/kinematics/ik.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class FilterCall {
  public:
@@ -29,4 +29,4 @@ class FilterCall {
   int count_ = 0;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

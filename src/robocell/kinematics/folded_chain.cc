@@ -6,7 +6,7 @@
 #include "robocell/kinematics/chain_model.h"
 #include "robocell/kinematics/normal_frames.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 PlainTransform Plain(const Transform& transform, double per_metre) {
@@ -56,4 +56,4 @@ FoldedChain Fold(const ChainModel& chain) {
   return folded;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

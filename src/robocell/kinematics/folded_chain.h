@@ -16,6 +16,10 @@
 #include "robocell/kinematics/joint_count.h"
 
 namespace robocell {
+struct ChainModel;
+}
+
+namespace robocell::internal {
 
 // A rigid transform of plain numbers.
 struct PlainTransform {
@@ -47,7 +51,6 @@ struct FoldedChain {
   PlainTransform tip;   // last screw -> tip
 };
 
-struct ChainModel;
 FoldedChain Fold(const ChainModel& chain);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -6,7 +6,7 @@
 #include "robocell/kinematics/chain_model.h"
 #include "robocell/kinematics/testing/models.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 Transform Whole(const PlainTransform& plain) {
@@ -86,4 +86,4 @@ TEST(FoldedChain, LosesNoDigitsWhereAxesAreNearlyParallel) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

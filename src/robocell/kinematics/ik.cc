@@ -11,16 +11,14 @@
 
 namespace robocell {
 
-using namespace internal;
-
 namespace {
 
 IkResult ChooseOne(const Chain& chain, const Transform& target, const IkOptions& options,
                    const std::function<void()>& poll) {
-  const LaneQuestion question{.target = target, .seed = options.seed};
-  std::array<IkChoice::Search, IkChoice::kSearches> searches;
+  const internal::LaneQuestion question{.target = target, .seed = options.seed};
+  std::array<internal::IkChoice::Search, internal::IkChoice::kSearches> searches;
   IkResult answer;
-  IkChoice choice(chain, options, {&question, 1}, searches, {&answer, 1});
+  internal::IkChoice choice(chain, options, {&question, 1}, searches, {&answer, 1});
   const std::atomic<bool> ended = false;
   do {
     choice.Run(0, 1, ended, poll);
@@ -89,7 +87,7 @@ void RequireIkOptions(const Chain& chain, const IkOptions& options) {
     throw ArgumentError(fmt::format("inverse kinematics: tolerance is {}; it must be more than 0",
                                     options.tolerance));
   }
-  RequireIkTask(options);
+  internal::RequireIkTask(options);
   RequirePreference(chain, options);
   RequireCount("max_restarts", options.max_restarts);
   RequireCount("max_iterations", options.max_iterations);
@@ -100,8 +98,8 @@ IkResult Ik(const Chain& chain, const Pose& tip_in_base, const IkOptions& option
   RequireIkTarget(tip_in_base, "target");
   RequireIkOptions(chain, options);
   const Transform target = ToTransform(tip_in_base);
-  return IsChosen(options) ? ChooseOne(chain, target, options, poll)
-                           : SearchInLanes(chain, target, options, poll);
+  return internal::IsChosen(options) ? ChooseOne(chain, target, options, poll)
+                                     : internal::SearchInLanes(chain, target, options, poll);
 }
 
 }  // namespace robocell

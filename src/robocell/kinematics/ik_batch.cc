@@ -16,8 +16,6 @@
 
 namespace robocell {
 
-using namespace internal;
-
 namespace {
 
 // Questions that a thread takes at a time: neighbours, so that threads hardly ever write to the
@@ -58,14 +56,14 @@ class Batch {
   }
 
   void Run() {
-    const bool chosen = IsChosen(options_.ik);
+    const bool chosen = internal::IsChosen(options_.ik);
     // More threads would find nothing to take.
     const int shares = chosen ? std::min(out_.size, kChosenTogether)
                               : (out_.size + kTakenTogether - 1) / kTakenTogether;
     const int threads = std::clamp(options_.threads, 1, std::max(1, shares));
     if (threads > 1) chain_.lanes().starts(chain_.model());  // what throws, throws here
     if (chosen) return ChooseAll(threads);
-    OnThreads(threads, [&](int t) { SolveShare(t == 0 ? options_.poll : kNoPoll); });
+    internal::OnThreads(threads, [&](int t) { SolveShare(t == 0 ? options_.poll : kNoPoll); });
   }
 
  private:
@@ -120,11 +118,11 @@ class Batch {
   };
 
   // What one thread solves: some questions, and some more when it is done with them.
-  class Share : public LaneQueue {
+  class Share : public internal::LaneQueue {
    public:
     Share(Batch* batch, const std::function<void()>& poll) : batch_(*batch), poll_(poll) {}
 
-    bool Next(LaneQuestion* question) override {
+    bool Next(internal::LaneQuestion* question) override {
       PollNowAndThen();
       if (next_ == end_) TakeMore();
       if (next_ == end_ || batch_.ended_) return false;
@@ -140,7 +138,7 @@ class Batch {
 
    private:
     void PollNowAndThen() {
-      if (poll_ && ++asked_ % kPollEvery == 1) poll_();
+      if (poll_ && ++asked_ % internal::kPollEvery == 1) poll_();
     }
     void TakeMore() {
       const int64_t first = batch_.taken_.fetch_add(kTakenTogether, std::memory_order_relaxed);
@@ -158,23 +156,25 @@ class Batch {
   void SolveShare(const std::function<void()>& poll) {
     const Ending ending{ended_};
     Share share(this, poll);
-    SolveLanes(chain_, options_.ik, &share);
+    internal::SolveLanes(chain_, options_.ik, &share);
   }
 
   void ChooseAll(int threads) {
-    std::vector<LaneQuestion> questions;
-    std::vector<IkChoice::Search> searches(std::size_t{kChosenTogether} * IkChoice::kSearches);
+    std::vector<internal::LaneQuestion> questions;
+    std::vector<internal::IkChoice::Search> searches(std::size_t{kChosenTogether} *
+                                                     internal::IkChoice::kSearches);
     std::vector<IkResult> answers(kChosenTogether);
     for (int first = 0; first < out_.size; first += kChosenTogether) {
       const int count = std::min(kChosenTogether, out_.size - first);
       questions.clear();
       for (int b = first; b < first + count; ++b)
         questions.push_back({.target = targets_[b], .seed = SeedOf(b)});
-      IkChoice choice(chain_, options_.ik, questions,
-                      std::span(searches).first(std::size_t(count) * IkChoice::kSearches), answers);
+      internal::IkChoice choice(
+          chain_, options_.ik, questions,
+          std::span(searches).first(std::size_t(count) * internal::IkChoice::kSearches), answers);
       do {
         if (options_.poll) options_.poll();
-        OnThreads(threads, [&](int t) {
+        internal::OnThreads(threads, [&](int t) {
           const Ending ending{ended_};
           choice.Run(t, threads, ended_, t == 0 ? options_.poll : kNoPoll);
         });

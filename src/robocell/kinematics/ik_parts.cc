@@ -8,9 +8,7 @@
 #include "robocell/kinematics/pose_error.h"
 #include "robocell/kinematics/start_range.h"
 
-namespace robocell {
-
-using namespace internal;
+namespace robocell::internal {
 
 namespace {
 
@@ -137,4 +135,4 @@ void UnwindTowards(const FoldedChain& chain, const JointVector& seed, const Lock
   return result;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

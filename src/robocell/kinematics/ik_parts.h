@@ -8,7 +8,7 @@
 #include "robocell/kinematics/ik_task.h"
 #include "robocell/kinematics/transform.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 inline constexpr double kTurn = 2 * std::numbers::pi;  // rad
 // Number of queries, and of starts, between two polls of a thread.
@@ -42,4 +42,4 @@ void UnwindTowards(const FoldedChain& chain, const JointVector& seed, const Lock
 IkResult Judged(const Chain& chain, const Transform& target, const IkTask& task, double tolerance,
                 const JointVector& q);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -8,7 +8,7 @@
 
 #include "robocell/base/rng.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // Tries all whole turns within the limits.
@@ -59,4 +59,4 @@ TEST(UnwindTowards, LeavesSlidesAndLockedJoints) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

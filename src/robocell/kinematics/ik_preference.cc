@@ -8,7 +8,7 @@
 #include "robocell/kinematics/manipulability.h"
 #include "robocell/kinematics/start_range.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr double kPart = 0.3;
@@ -93,4 +93,4 @@ double IkPreference::Cost(const JointVector& q, const JointVector& goal) const {
   return sum;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -5,7 +5,7 @@
 #include "robocell/kinematics/chain_model.h"
 #include "robocell/kinematics/ik.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class IkPreference {
  public:
@@ -37,4 +37,4 @@ class IkPreference {
   IkPrefer prefer_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

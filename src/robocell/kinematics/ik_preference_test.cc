@@ -11,7 +11,7 @@
 #include "robocell/kinematics/testing/random_chain_ik.h"
 #include "robocell/testing/decompositions.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using Eigen::Vector3d;
@@ -171,4 +171,4 @@ TEST_P(IkPrefers, TheSameAloneInABatchAndOnThreads) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -40,12 +40,12 @@ std::vector<SixJoints> SixJointArms() {
           {"puma560", Puma560()},
           // The Stanford arm, whose third joint slides.
           {"stanford",
-           {{0, -kQuarterTurn, 0.412, Radians(-170), Radians(170)},
-            {0, kQuarterTurn, 0.154, Radians(-170), Radians(170)},
+           {{0, -kQuarterTurn, 0.412, internal::Radians(-170), internal::Radians(170)},
+            {0, kQuarterTurn, 0.154, internal::Radians(-170), internal::Radians(170)},
             {0, 0, 0, 0.3048, 1.27, true},
-            {0, -kQuarterTurn, 0, Radians(-170), Radians(170)},
-            {0, kQuarterTurn, 0, Radians(-90), Radians(90)},
-            {0, 0, 0.263, Radians(-170), Radians(170)}}},
+            {0, -kQuarterTurn, 0, internal::Radians(-170), internal::Radians(170)},
+            {0, kQuarterTurn, 0, internal::Radians(-90), internal::Radians(90)},
+            {0, 0, 0.263, internal::Radians(-170), internal::Radians(170)}}},
           {"desk6", {}}};
 }
 

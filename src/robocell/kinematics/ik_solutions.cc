@@ -15,8 +15,6 @@
 
 namespace robocell {
 
-using namespace internal;
-
 namespace {
 
 // Far beyond what finds anything new; their answers have to fit into memory.
@@ -26,17 +24,17 @@ constexpr int kStartsBetweenPolls = 16;
 constexpr int kQuietStarts = 600, kMoreAtATime = 100;
 
 // Every start is a question of its own.
-class EveryStart : public LaneQueue {
+class EveryStart : public internal::LaneQueue {
  public:
   EveryStart(const Transform& target, const IkOptions& options, const std::function<void()>& poll)
       : target_(target), options_(options), poll_(poll) {}
 
   void Run(const Chain& chain, int starts) {
     answers_.resize(answers_.size() + starts);
-    SolveLanes(chain, options_, this);
+    internal::SolveLanes(chain, options_, this);
   }
 
-  bool Next(LaneQuestion* question) override {
+  bool Next(internal::LaneQuestion* question) override {
     if (poll_ && next_ % kStartsBetweenPolls == 0) poll_();
     if (next_ >= static_cast<int>(answers_.size())) return false;
     *question = {.number = next_,
@@ -69,7 +67,7 @@ class EveryStart : public LaneQueue {
 
 void Filter(const IkFilter& filter, std::vector<IkResult>* solutions) {
   if (!filter) return;
-  FilterCall call;
+  internal::FilterCall call;
   for (const IkResult& s : *solutions) call.Add(s.q);
   const std::span<const uint8_t> keep = call.Ask(filter);
   std::size_t row = 0;
@@ -79,8 +77,9 @@ void Filter(const IkFilter& filter, std::vector<IkResult>* solutions) {
 // In order of preference; equals in the order of their starts.
 std::vector<IkResult> BestFirst(const ChainModel& chain, const IkOptions& options,
                                 std::vector<IkResult> solutions) {
-  const IkPreference preference(chain, options);
-  const JointVector goal = preference.GoalFor(SeedOf(chain, options.seed, options.locked));
+  const internal::IkPreference preference(chain, options);
+  const JointVector goal =
+      preference.GoalFor(internal::SeedOf(chain, options.seed, options.locked));
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t k = 0; k < solutions.size(); ++k)
     order.emplace_back(preference.Cost(solutions[k].q, goal), k);
@@ -93,13 +92,13 @@ std::vector<IkResult> BestFirst(const ChainModel& chain, const IkOptions& option
 bool IsNew(const ChainModel& chain, const IkResult& found, std::span<const JointVector> known,
            double least) {
   return found.success && std::all_of(known.begin(), known.end(), [&](const JointVector& other) {
-           return AreApart(chain, found.q, other, least);
+           return internal::AreApart(chain, found.q, other, least);
          });
 }
 
 // Starts on, after those that were asked for, until nothing new has come for long.
 void GoOn(const Chain& chain, const IkOptions& options, double separation, EveryStart* every) {
-  const double least = std::max(separation, kAnother);
+  const double least = std::max(separation, internal::kAnother);
   std::vector<JointVector> known;
   int begun = 0, newest = 0;
   while (true) {
@@ -109,7 +108,7 @@ void GoOn(const Chain& chain, const IkOptions& options, double separation, Every
       known.push_back(found.q);
       newest = begun;
     }
-    if (known.empty() || !MayFindAnother(options, newest, begun, kQuietStarts)) return;
+    if (known.empty() || !internal::MayFindAnother(options, newest, begun, kQuietStarts)) return;
     every->Run(chain, kMoreAtATime);
   }
 }
@@ -135,14 +134,15 @@ std::vector<IkResult> IkSolutions(const Chain& chain, const Pose& tip_in_base,
   const Transform target = ToTransform(tip_in_base);
   EveryStart every(target, options, poll);
   every.Run(chain, options.max_restarts + 1);
-  if (LooksForAll(chain, IkTask(options), options)) GoOn(chain, options, separation, &every);
+  if (internal::LooksForAll(chain, internal::IkTask(options), options))
+    GoOn(chain, options, separation, &every);
   std::vector<IkResult> solutions = every.Solutions();
   Filter(options.filter, &solutions);
 
   std::vector<IkResult> apart;
   for (const IkResult& s : BestFirst(model, options, std::move(solutions))) {
     const auto is_apart = [&](const IkResult& other) {
-      return AreApart(model, s.q, other.q, separation);
+      return internal::AreApart(model, s.q, other.q, separation);
     };
     if (std::all_of(apart.begin(), apart.end(), is_apart)) apart.push_back(s);
   }

@@ -7,7 +7,7 @@
 #include "robocell/kinematics/differential_ik.h"
 #include "robocell/math/rotation.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // If the search from the present joint values fails, others begin; for an unreachable target that
@@ -140,4 +140,4 @@ IkResult IkTowards(const Chain& chain, const Pose& tip_in_base, std::span<const 
   return result;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

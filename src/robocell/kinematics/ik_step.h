@@ -16,7 +16,7 @@
 #include "robocell/kinematics/chain.h"
 #include "robocell/kinematics/ik.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // How far a joint may go while the tip goes from one pose to another: kLeastJointStep and
 // kJointStepGain for each radian that it turns and each chain length (ChainModel::length) that it
@@ -39,4 +39,4 @@ IkResult IkStep(const Chain& chain, const Pose& tip_in_base, std::span<const dou
 //   if (next.success) Command(next.q);  // next.position_error is what is left
 IkResult IkTowards(const Chain& chain, const Pose& tip_in_base, std::span<const double> from);
 
-}  // namespace robocell
+}  // namespace robocell::internal

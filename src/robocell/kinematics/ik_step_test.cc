@@ -9,7 +9,7 @@
 #include "robocell/math/rotation.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr const char* kStraightArm = R"(<mujoco><compiler angle="radian"/>
@@ -81,4 +81,4 @@ TEST(IkTowards, RejectsWhatIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

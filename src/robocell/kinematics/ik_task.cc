@@ -9,7 +9,7 @@
 #include "robocell/base/error.h"
 #include "robocell/kinematics/pose_error.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using Weights = std::array<double, 3>;
@@ -141,4 +141,4 @@ void RequireIkTask(const IkOptions& options) {
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -7,7 +7,7 @@
 #include "robocell/kinematics/ik.h"
 #include "robocell/kinematics/transform.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 struct IkTask {
   explicit IkTask(const IkOptions& options);
@@ -48,4 +48,4 @@ struct IkTask {
 // ArgumentError for weights, axes and cones that make no sense.
 void RequireIkTask(const IkOptions& options);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -15,7 +15,7 @@
 #include "robocell/kinematics/testing/random_chain_ik.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using Eigen::Vector3d;
@@ -267,4 +267,4 @@ TEST(IkMoreOptions, MakeSense) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -19,8 +19,6 @@
 
 namespace robocell {
 
-using namespace internal;
-
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -448,15 +446,15 @@ TEST(Ik, RefusesQuestionsThatMakeNoSense) {
 
 TEST(LowDiscrepancy, FillsEveryAxisAndEveryPairOfAxesEvenlyFromTheCentreOn) {
   for (int d = 0; d < kMaxChainJoints; ++d) {
-    EXPECT_EQ(LowDiscrepancy(0, d), 0.5);
+    EXPECT_EQ(internal::LowDiscrepancy(0, d), 0.5);
     std::array<int, 8> bins{};
-    for (int k = 0; k < 800; ++k) ++bins[static_cast<int>(LowDiscrepancy(k, d) * 8)];
+    for (int k = 0; k < 800; ++k) ++bins[static_cast<int>(internal::LowDiscrepancy(k, d) * 8)];
     for (const int count : bins) EXPECT_NEAR(count, 100, 5) << "axis " << d;
     for (int e = 0; e < d; ++e) {
       std::array<int, 16> squares{};
       for (int k = 0; k < 1600; ++k) {
-        ++squares[static_cast<int>(LowDiscrepancy(k, d) * 4) * 4 +
-                  static_cast<int>(LowDiscrepancy(k, e) * 4)];
+        ++squares[static_cast<int>(internal::LowDiscrepancy(k, d) * 4) * 4 +
+                  static_cast<int>(internal::LowDiscrepancy(k, e) * 4)];
       }
       for (const int count : squares) EXPECT_NEAR(count, 100, 40) << "axes " << d << " and " << e;
     }
@@ -467,13 +465,13 @@ TEST(StartRange, IsOneTurnForHingesAndTheLimitsForSlides) {
   JointModel joint;
   joint.lower = -4 * kPi;
   joint.upper = 6 * kPi;
-  EXPECT_NEAR(StartRangeOf(joint, 1).upper, 2 * kPi, 1e-12);
+  EXPECT_NEAR(internal::StartRangeOf(joint, 1).upper, 2 * kPi, 1e-12);
   joint.slide = true;
-  EXPECT_EQ(StartRangeOf(joint, 1).upper, 6 * kPi);
+  EXPECT_EQ(internal::StartRangeOf(joint, 1).upper, 6 * kPi);
   joint.lower = -INFINITY;
   joint.upper = INFINITY;
   joint.reference = 3;
-  EXPECT_EQ(StartRangeOf(joint, 0.5).lower, 2.5);
+  EXPECT_EQ(internal::StartRangeOf(joint, 0.5).lower, 2.5);
 }
 
 TEST(StartRange, OfOneLimitIsAsLargeAsOfNoneAndInsideOfIt) {
@@ -482,7 +480,7 @@ TEST(StartRange, OfOneLimitIsAsLargeAsOfNoneAndInsideOfIt) {
       const JointModel low{.slide = slide, .lower = limit, .upper = INFINITY};
       const JointModel high{.slide = slide, .lower = -INFINITY, .upper = limit};
       for (const JointModel& joint : {low, high}) {
-        const StartRange range = StartRangeOf(joint, 0.5);
+        const internal::StartRange range = internal::StartRangeOf(joint, 0.5);
         EXPECT_GE(range.lower, joint.lower);
         EXPECT_LE(range.upper, joint.upper);
         EXPECT_NEAR(range.upper - range.lower, slide ? 1 : 2 * kPi, 1e-12);
@@ -496,7 +494,9 @@ TEST(RestartsFor, AreFewWhereNoStretchedChainTouchesTheTarget) {
   const ChainModel& chain = arm.chain->model();
   const Transform far{Eigen::Matrix3d::Identity(), {3 * chain.reach_bound, 0, 0}};
   IkOptions options;
-  const auto restarts = [&] { return RestartsFor(chain, IkTask(options), options, far); };
+  const auto restarts = [&] {
+    return internal::RestartsFor(chain, internal::IkTask(options), options, far);
+  };
   EXPECT_EQ(restarts(), 8);
   // Beyond its limits a slide may carry the tip there.
   options.locked[2] = true;

@@ -100,7 +100,7 @@ class SegmentReader {
           fmt::format("KDL chain: {} limits for {} moving joints", limits_.size(), joints.size()));
     }
     model.last_to_tip = frame_;
-    MeasureLength(&model);
+    internal::MeasureLength(&model);
   }
 
   ChainModel model;
@@ -188,7 +188,7 @@ void SetOffset(const Transform& pose_at_zero, double speed, KdlSegment* segment)
   }
   segment->offset = segment->motion == KdlSegment::Motion::kSlide
                         ? (pose_at_zero.translation - segment->origin).dot(segment->axis)
-                        : RotationVector(pose_at_zero.rotation).dot(segment->axis);
+                        : internal::RotationVector(pose_at_zero.rotation).dot(segment->axis);
 }
 
 void SetInertiaAboutOrigin(const Eigen::Matrix3d& inertia, KdlSegment* segment) {

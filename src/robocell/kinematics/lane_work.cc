@@ -71,7 +71,8 @@ double LaneWork::ShareOf(int joint) const {
 }
 
 JointVector LaneWork::SeedOf(std::span<const double> seed) const {
-  return seed.empty() ? lane_chain_.middle() : robocell::SeedOf(chain_, seed, options_.locked);
+  return seed.empty() ? lane_chain_.middle()
+                      : robocell::internal::SeedOf(chain_, seed, options_.locked);
 }
 
 void LaneWork::Clear(int first, int end) {
@@ -173,11 +174,11 @@ const StartTable* LaneWork::table() const {
 }
 
 int LaneWork::RestartsFor(const Transform& tip_in_base) const {
-  return robocell::RestartsFor(chain_, task_, options_, tip_in_base);
+  return robocell::internal::RestartsFor(chain_, task_, options_, tip_in_base);
 }
 
 int LaneWork::MoreRestartsFor(const Transform& tip_in_base, double best_cost) const {
-  return robocell::MoreRestartsFor(chain_, task_, options_, tip_in_base, best_cost);
+  return robocell::internal::MoreRestartsFor(chain_, task_, options_, tip_in_base, best_cost);
 }
 
 }  // namespace robocell::internal

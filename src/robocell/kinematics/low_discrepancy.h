@@ -13,7 +13,7 @@
 
 #include "robocell/kinematics/joint_vector.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Coordinate `dimension` (less than kMaxChainJoints) of point k, in [0, 1).
 inline double LowDiscrepancy(int k, int dimension) {
@@ -32,4 +32,4 @@ inline double RadicalInverse(uint64_t index, uint64_t base) {
   return value;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

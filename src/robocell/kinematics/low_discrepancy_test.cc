@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // The largest difference between the share of points below a number and that number.
@@ -55,4 +55,4 @@ TEST(LowDiscrepancy, BothSequencesSpreadBetterThanRandomPoints) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

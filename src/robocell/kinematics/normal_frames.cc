@@ -4,7 +4,7 @@
 
 #include "robocell/kinematics/chain_model.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // A cosine that is nothing but rounding.
@@ -110,4 +110,4 @@ std::optional<CommonNormal> CommonNormalOf(const Transform& step) {
   return link;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -12,7 +12,7 @@
 #include "robocell/kinematics/chain_model.h"
 #include "robocell/kinematics/transform.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Tip, axes, inertias and joint values mean the same.
 ChainModel InNormalFrames(const ChainModel& chain);
@@ -33,4 +33,4 @@ struct CommonNormal {
 // digits are lost.
 std::optional<CommonNormal> CommonNormalOf(const Transform& step);
 
-}  // namespace robocell
+}  // namespace robocell::internal

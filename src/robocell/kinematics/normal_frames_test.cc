@@ -5,7 +5,7 @@
 
 #include "robocell/kinematics/testing/models.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // The point on the axis that is nearest to the base's origin.
@@ -92,4 +92,4 @@ TEST(NormalFrames, HaveNoLengthsThatAreNothingButRounding) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

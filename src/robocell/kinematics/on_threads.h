@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-namespace robocell {
+namespace robocell::internal {
 
 // Calls work(0 .. threads - 1), number 0 on the caller's thread; returns when all have ended. Of
 // what they throw the first is thrown here: `work` sees to it that the others end early.
@@ -30,4 +30,4 @@ void OnThreads(int threads, const Work& work) {
   if (first != thrown.end()) std::rethrow_exception(*first);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -7,7 +7,7 @@
 #include <string>
 #include <thread>
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 TEST(OnThreads, CallsEveryNumberOnceAndTheFirstOnTheCallersThread) {
@@ -51,4 +51,4 @@ TEST(OnThreads, OfSeveralTheLowestNumbersIsThrown) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -5,7 +5,7 @@
 
 #include "robocell/kinematics/transform.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // angle / (2 sin(angle)) for the square of a sine up to 1/16: the polynomial that comes closest, to
 // 1e-18.
@@ -59,4 +59,4 @@ inline PoseError ErrorTo(const Transform& target, const Transform& tip) {
           RotationVector(target.rotation * tip.rotation.transpose())};
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

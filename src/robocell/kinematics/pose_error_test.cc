@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 TEST(PoseError, RotationVectorsAndTheirLengthsAreThoseThatRotationsAreMadeOf) {
@@ -17,4 +17,4 @@ TEST(PoseError, RotationVectorsAndTheirLengthsAreThoseThatRotationsAreMadeOf) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

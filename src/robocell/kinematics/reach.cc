@@ -8,8 +8,6 @@
 
 namespace robocell {
 
-using namespace internal;
-
 namespace {
 
 constexpr int kSamples = 2048;
@@ -19,7 +17,8 @@ constexpr double kFinestStep = 1e-3;
 class ReachSearch {
  public:
   explicit ReachSearch(const ChainModel& chain) : chain_(chain) {
-    for (int i = 0; i < chain_.n; ++i) ranges_[i] = StartRangeOf(chain_.joints[i], chain_.length);
+    for (int i = 0; i < chain_.n; ++i)
+      ranges_[i] = internal::StartRangeOf(chain_.joints[i], chain_.length);
   }
 
   double Run() const {
@@ -35,7 +34,7 @@ class ReachSearch {
  private:
   JointVector Sample(int k) const {
     JointVector q(chain_.n);
-    for (int i = 0; i < chain_.n; ++i) q[i] = ranges_[i].at(LowDiscrepancy(k, i));
+    for (int i = 0; i < chain_.n; ++i) q[i] = ranges_[i].at(internal::LowDiscrepancy(k, i));
     return q;
   }
 
@@ -56,7 +55,7 @@ class ReachSearch {
   }
 
   bool MoveJointOut(int i, double part, JointVector* q, double* best) const {
-    const StartRange& range = ranges_[i];
+    const internal::StartRange& range = ranges_[i];
     for (const double sign : {-1.0, 1.0}) {
       JointVector moved = *q;
       moved[i] = std::clamp(moved[i] + sign * part * (range.upper - range.lower), range.lower,
@@ -71,7 +70,7 @@ class ReachSearch {
   }
 
   const ChainModel& chain_;
-  std::array<StartRange, kMaxChainJoints> ranges_;
+  std::array<internal::StartRange, kMaxChainJoints> ranges_;
 };
 
 }  // namespace

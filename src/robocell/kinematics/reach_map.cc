@@ -78,7 +78,7 @@ ReachMap MapReach(const Chain& chain, const ReachGrid& grid, const ReachMapOptio
   const std::size_t cells = map.index(map.cells[0] - 1, map.cells[1] - 1, map.cells[2] - 1) + 1;
   map.fraction.assign(cells, 0);
   map.manipulability.assign(cells, 0);
-  ReachMapper(chain, options, &map).Run();
+  internal::ReachMapper(chain, options, &map).Run();
   return map;
 }
 

@@ -7,7 +7,7 @@
 #include "robocell/kinematics/chain_batch.h"
 #include "robocell/kinematics/on_threads.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // Poses that are solved together: enough for all threads, few enough for the caches.
@@ -181,4 +181,4 @@ void ReachMapper::FillCell(std::size_t slot, std::vector<double>* q, std::vector
   map_.manipulability[cell] = static_cast<float>(sum / static_cast<double>(reached));
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -11,7 +11,7 @@
 #include "robocell/kinematics/ik_batch.h"
 #include "robocell/kinematics/reach_map.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class ReachMapper {
  public:
@@ -60,4 +60,4 @@ class ReachMapper {
   IkBatchResult found_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -20,7 +20,7 @@
 
 #include "robocell/base/error.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -250,4 +250,4 @@ std::string ChildProcess::Errors() const {
   return text;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -22,7 +22,7 @@
 #include <string>
 #include <vector>
 
-namespace robocell {
+namespace robocell::internal {
 
 struct ChildProcessOptions {
   bool pipe_stdin = false;   // otherwise stdin is /dev/null
@@ -74,4 +74,4 @@ class ChildProcess {
   int errors_ = -1;  // a memory file
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

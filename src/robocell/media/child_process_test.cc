@@ -13,7 +13,7 @@
 #include "robocell/media/testing/videos.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 std::string Output(ChildProcess& child) {
@@ -148,4 +148,4 @@ TEST(ChildProcess, ItStartsWithDefaultSignalsWhateverOursAre) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -36,8 +36,8 @@ std::string OnPath(const std::string& program) {
 }
 
 std::string AskVersion(const std::string& program) {
-  ChildProcess child({program, "-hide_banner", "-version"},
-                     {.pipe_stdout = true, .stall_timeout_s = 20});
+  internal::ChildProcess child({program, "-hide_banner", "-version"},
+                               {.pipe_stdout = true, .stall_timeout_s = 20});
   std::string text(4096, '\0');
   text.resize(child.Read({reinterpret_cast<uint8_t*>(text.data()), text.size()}));
   const std::string line = text.substr(0, text.find('\n'));
@@ -93,7 +93,7 @@ std::string FindFfmpeg() {
 std::string FfmpegVersion(const std::string& program) {
   Answers& all = answers();
   const std::lock_guard lock(all.mutex);
-  const std::string file = FileIdentity(program);
+  const std::string file = internal::FileIdentity(program);
   auto found = all.known.find(file);
   if (found == all.known.end()) {
     std::string version = HandedOver(file);

@@ -10,7 +10,7 @@
 #include "robocell/base/real_file.h"
 #include "robocell/media/video_reader.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 template <typename Pixel>
@@ -99,4 +99,4 @@ void FramePool::Clear() {
 
 size_t FramePool::idle() const { return impl_->colour.idle() + impl_->gray.idle(); }
 
-}  // namespace robocell
+}  // namespace robocell::internal

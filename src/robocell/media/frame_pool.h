@@ -19,7 +19,7 @@
 #include <memory>
 #include <span>
 
-namespace robocell {
+namespace robocell::internal {
 
 struct FramePoolOptions {
   size_t decoders = 8;                    // that may wait for the next call, of each kind of video
@@ -49,4 +49,4 @@ class FramePool {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -20,7 +20,7 @@
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -196,4 +196,4 @@ TEST(FramePool, AForkedChildAndItsParentDoNotTakeEachOthersFrames) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -215,7 +215,7 @@ void WritePng(const std::filesystem::path& path, const GrayImage16& image) {
 }
 
 RgbImage ReadPngRgb(const std::filesystem::path& path) {
-  const std::string file = ReadRealFile(path, kMostFileBytes);
+  const std::string file = internal::ReadRealFile(path, kMostFileBytes);
   Decoder decoder(path, file);
   const Format format = decoder.format();
   RgbImage image{format.width, format.height,
@@ -225,7 +225,7 @@ RgbImage ReadPngRgb(const std::filesystem::path& path) {
 }
 
 GrayImage16 ReadPngGray16(const std::filesystem::path& path) {
-  const std::string file = ReadRealFile(path, kMostFileBytes);
+  const std::string file = internal::ReadRealFile(path, kMostFileBytes);
   Decoder decoder(path, file);
   const Format format = decoder.format();
   if (format.depth != 16 || format.color != PNG_COLOR_TYPE_GRAY) {

@@ -214,7 +214,8 @@ size_t FrameBytes(VideoKind kind, int width, int height) {
 VideoInfo ReadVideoInfo(const std::filesystem::path& path) {
   File file;
   std::error_code ignored;
-  if (std::filesystem::exists(path, ignored)) RequireReadable(path);  // a pipe may never end
+  if (std::filesystem::exists(path, ignored))
+    internal::RequireReadable(path);  // a pipe may never end
   file.stream.open(path, std::ios::binary | std::ios::ate);
   if (!file.stream)
     throw IoError(fmt::format("video '{}': {}", path.string(), std::strerror(errno)), errno);

@@ -24,7 +24,7 @@ std::span<uint8_t> LittleEndian(std::span<uint16_t> pixels) {
 struct VideoReader::Impl {
   std::filesystem::path path;
   VideoInfo info;
-  std::unique_ptr<ChildProcess> decoder;
+  std::unique_ptr<internal::ChildProcess> decoder;
   int64_t position = 0;
   std::vector<uint8_t> skipped;
 
@@ -54,7 +54,8 @@ struct VideoReader::Impl {
     const bool gray = info.kind == VideoKind::kGray16;
     if (!gray) add({"-vf", "scale=flags=bicubic+accurate_rnd+full_chroma_int+bitexact"});
     add({"-f", "rawvideo", "-pix_fmt", gray ? "gray16le" : "rgb24", "pipe:1"});
-    decoder = std::make_unique<ChildProcess>(arguments, ChildProcessOptions{.pipe_stdout = true});
+    decoder = std::make_unique<internal::ChildProcess>(
+        arguments, internal::ChildProcessOptions{.pipe_stdout = true});
     position = index;
   }
 

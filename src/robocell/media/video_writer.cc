@@ -129,7 +129,7 @@ struct VideoWriter::Impl {
   std::string name;
   VideoOptions options;
   std::optional<internal::Yuv420Converter> convert;  // of colour: half the bytes go to the encoder
-  std::unique_ptr<ChildProcess> encoder;
+  std::unique_ptr<internal::ChildProcess> encoder;
   int64_t frames = 0;
   std::string failure;
   bool finished = false;
@@ -213,9 +213,10 @@ VideoWriter::VideoWriter(std::filesystem::path path, const VideoOptions& options
   if (options.kind == VideoKind::kColour) impl_->convert.emplace(options.width, options.height);
   const std::string ffmpeg = FindFfmpeg();
   impl_->Guarded([&] { impl_->partial = MakeTempFile(impl_->path); });
-  impl_->encoder = std::make_unique<ChildProcess>(
+  impl_->encoder = std::make_unique<internal::ChildProcess>(
       Arguments(ffmpeg, impl_->partial.string(), options),
-      ChildProcessOptions{.pipe_stdin = true, .stall_timeout_s = options.stall_timeout_s});
+      internal::ChildProcessOptions{.pipe_stdin = true,
+                                    .stall_timeout_s = options.stall_timeout_s});
 }
 
 VideoWriter::~VideoWriter() = default;

@@ -162,8 +162,8 @@ TEST(VideoWriter, WithoutFinishThereIsNoFileAndNoZombie) {
 TEST(VideoWriter, WhileItIsWrittenItHasATemporaryName) {
   TempDir folder;
   const VideoWriter video(folder / "a.mp4", kSmall);
-  const auto name =
-      TemporaryName::Parse(fs::directory_iterator(folder.path())->path().filename().string());
+  const auto name = internal::TemporaryName::Parse(
+      fs::directory_iterator(folder.path())->path().filename().string());
   ASSERT_TRUE(name);
   EXPECT_EQ(name->name, "a.mp4");
   EXPECT_EQ(name->process, getpid());

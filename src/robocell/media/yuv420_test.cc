@@ -17,8 +17,7 @@
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/instruction_sets.h"
 
-namespace robocell {
-using internal::Yuv420Converter;
+namespace robocell::internal {
 namespace {
 
 struct RgbTestImage {
@@ -129,4 +128,4 @@ TEST(Yuv420, RejectsOddSizesAndOtherBuffers) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

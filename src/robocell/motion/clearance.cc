@@ -8,7 +8,7 @@
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // Bounding spheres farther apart than the horizon need no exact distance. Planes have no sphere.
@@ -47,4 +47,4 @@ Clearance RobotClearance(const Scene& scene, const Robot& robot, double horizon)
   return {nearest, Describe(m, mjOBJ_GEOM, robot_geom), Describe(m, mjOBJ_GEOM, other_geom)};
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -7,7 +7,7 @@
 #include "robocell/robot/robot.h"
 #include "robocell/scene/scene.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 struct Clearance {
   // metres; at most the horizon that was asked for; negative when they overlap
@@ -21,4 +21,4 @@ struct Clearance {
 // to date. Planes (floors) count for the arm but not for the pedestal, which may stand in them.
 Clearance RobotClearance(const Scene& scene, const Robot& robot, double horizon);
 
-}  // namespace robocell
+}  // namespace robocell::internal

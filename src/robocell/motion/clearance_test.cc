@@ -4,7 +4,7 @@
 
 #include "robocell/scene/testing/scenes.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // A robot of two balls: of radius 0.1 in the origin, of radius 0.05 at (0.3, 0, 0).
@@ -74,4 +74,4 @@ TEST_F(ClearanceOfBalls, HasTheFloorForTheArmButNotForThePedestal) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -9,7 +9,7 @@
 
 #include "robocell/mujoco/tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // Half the extent of a shape around its own centre, `u` in the geom's frame.
@@ -97,4 +97,4 @@ RayHit CastRay(const mjModel* m, const mjData* d, const std::vector<int>& geoms,
   return nearest;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -8,7 +8,7 @@
 #include "robocell/mujoco/forward.h"
 #include "robocell/robot/move_group.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Smallest and largest coordinate of a geom along a unit vector of the world, metres; infinite for
 // planes. The geom's pose in `data` must be up to date.
@@ -29,4 +29,4 @@ struct RayHit {
 RayHit CastRay(const mjModel* model, const mjData* data, const std::vector<int>& geoms,
                const Eigen::Vector3d& from, const Eigen::Vector3d& direction);
 
-}  // namespace robocell
+}  // namespace robocell::internal

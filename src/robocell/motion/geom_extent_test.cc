@@ -7,7 +7,7 @@
 #include "robocell/testing/pick_scene.h"
 #include "robocell/testing/random_values.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // The engine's distance to a floor is an oracle for how far something reaches down.
@@ -48,4 +48,4 @@ TEST(GeomExtent, TheOtherWayRoundIsTheSameWithItsSignsChanged) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

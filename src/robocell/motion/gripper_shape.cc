@@ -36,8 +36,9 @@ constexpr size_t kMostKept = 32;
 // Fingers are rarely mounted askew; millimetres of asymmetry should not turn the grasp frame.
 constexpr double kAskew = 0.99;  // cosine to an axis of the TCP
 // Jaws on a hinge: the direction in which they close turns, and an axis of the TCP is meant.
-constexpr double kTurned = 0.85;         // cosine to it where they meet what is held
-constexpr double kTurning = Radians(5);  // between open and there; parallel fingers do not
+constexpr double kTurned = 0.85;  // cosine to it where they meet what is held
+constexpr double kTurning =
+    internal::Radians(5);  // between open and there; parallel fingers do not
 // Assumed gap between the pads, m, at which jaws on a hinge hold an object: the width of small
 // objects. It is not critical, because only the axis nearest to their closing direction counts.
 constexpr double kHeldGap = 0.02;
@@ -63,7 +64,7 @@ SceneSpec RobotAlone(const RobotConfig& config, const SimOptions& options, doubl
 class GripperSweep {
  public:
   GripperSweep(Scene scene, Robot robot) : scene_(std::move(scene)), robot_(std::move(robot)) {
-    gripper_ = dynamic_cast<ActuatedGripper*>(&robot_.gripper());
+    gripper_ = dynamic_cast<internal::ActuatedGripper*>(&robot_.gripper());
     if (!gripper_) {
       throw ArgumentError(fmt::format(
           "robot '{}': planning a grasp needs a gripper with two fingers moved by actuators, not "
@@ -73,14 +74,15 @@ class GripperSweep {
     const mjModel* m = scene_.model();
     hand_ = gripper_->hand_body();
     for (int g = 0; g < m->ngeom; ++g) {
-      if (IsInSubtree(m, m->geom_bodyid[g], hand_)) hand_geoms_.push_back(g);
+      if (internal::IsInSubtree(m, m->geom_bodyid[g], hand_)) hand_geoms_.push_back(g);
     }
     const std::vector<std::string>& arm = robot_.joint_names();
     for (int j = 0; j < m->njnt; ++j) {
       const std::string name = ElementName(m, mjOBJ_JOINT, j);
       const bool single = m->jnt_type[j] == mjJNT_HINGE || m->jnt_type[j] == mjJNT_SLIDE;
       const bool of_arm = std::find(arm.begin(), arm.end(), name) != arm.end();
-      if (single && !of_arm && IsInSubtree(m, m->jnt_bodyid[j], hand_)) joints_.push_back(j);
+      if (single && !of_arm && internal::IsInSubtree(m, m->jnt_bodyid[j], hand_))
+        joints_.push_back(j);
     }
   }
 
@@ -150,7 +152,7 @@ class GripperSweep {
 
   // The pad of a finger in a frame at the TCP.
   Box PadBox(int finger, const Pose& frame_in_tcp) const {
-    const Finger& f = gripper_->finger(finger);
+    const internal::Finger& f = gripper_->finger(finger);
     const Pose world = robot_.tcp_in_world() * frame_in_tcp;
     if (f.site >= 0) {
       const Eigen::Vector3d at =
@@ -170,7 +172,7 @@ class GripperSweep {
     for (int i = 0; i < 3; ++i) {
       const double origin = axes.col(i).dot(frame.translation());
       for (const int g : geoms) {
-        const Interval e = GeomExtent(scene_.model(), scene_.data(), g, axes.col(i));
+        const Interval e = internal::GeomExtent(scene_.model(), scene_.data(), g, axes.col(i));
         box.lower[i] = std::min(box.lower[i], e.lower - origin);
         box.upper[i] = std::max(box.upper[i], e.upper - origin);
       }
@@ -227,7 +229,7 @@ class GripperSweep {
     const Eigen::Vector3d approach = world.rotation().col(2);
     row.tip = -1e9;
     for (const int g : hand_geoms_) {
-      const double end = GeomExtent(scene_.model(), scene_.data(), g, approach).upper;
+      const double end = internal::GeomExtent(scene_.model(), scene_.data(), g, approach).upper;
       row.tip = std::max(row.tip, end - approach.dot(world.translation()));
     }
     return row;
@@ -235,7 +237,7 @@ class GripperSweep {
 
   Scene scene_;
   Robot robot_;
-  ActuatedGripper* gripper_ = nullptr;
+  internal::ActuatedGripper* gripper_ = nullptr;
   int hand_ = 0;
   std::vector<int> hand_geoms_, joints_;
   Pose frame_;
@@ -248,8 +250,8 @@ std::shared_ptr<const GripperShape> GripperShape::Of(const RobotConfig& config,
   static std::map<std::string, std::shared_ptr<const GripperShape>> known;
   const SceneSpec spec = RobotAlone(config, options, timestep);
   std::string key = ToYaml(spec);  // and what its models hold: files are edited while we run
-  assets::ForEachModel(spec, [&](const std::string& name, const std::string& directory) {
-    key += ModelFileSet(assets::Resolve(name, directory)).hash + "\n";
+  internal::ForEachModel(spec, [&](const std::string& name, const std::string& directory) {
+    key += internal::ModelFileSet(assets::Resolve(name, directory)).hash + "\n";
   });
   {
     const std::lock_guard lock(mutex);
@@ -265,7 +267,7 @@ std::shared_ptr<const GripperShape> GripperShape::Of(const RobotConfig& config,
 }
 
 bool GripperShape::Supports(const GripperGroup& gripper) {
-  return dynamic_cast<const ActuatedGripper*>(&gripper) != nullptr;
+  return dynamic_cast<const internal::ActuatedGripper*>(&gripper) != nullptr;
 }
 
 GripperShape::Place GripperShape::Find(double gap) const {

@@ -31,7 +31,7 @@ struct PlanningScene::State {
   void Place(const JointVector& q, double gap);
   void PlaceTarget(const Pose& in_world);
 
-  ScratchRobot scratch;
+  internal::ScratchRobot scratch;
   std::shared_ptr<const GripperShape> shape;
   int target = -1;
   std::vector<char> is_target;  // per geom
@@ -49,7 +49,8 @@ PlanningScene::PlanningScene(const Scene& scene, const Robot& robot, const std::
   const mjModel* m = s.scratch.model();
   s.target = RequireId(m, mjOBJ_BODY, target_body, "scene '" + scene.name() + "'");
   s.is_target.assign(m->ngeom, 0);
-  for (int g = 0; g < m->ngeom; ++g) s.is_target[g] = IsInSubtree(m, m->geom_bodyid[g], s.target);
+  for (int g = 0; g < m->ngeom; ++g)
+    s.is_target[g] = internal::IsInSubtree(m, m->geom_bodyid[g], s.target);
   for (const std::string& name : s.shape->joint_names()) {
     const int joint =
         RequireId(m, mjOBJ_JOINT, robot.prefix() + name, "robot '" + robot.name() + "'");
@@ -102,7 +103,7 @@ bool PlanningScene::IsFree(const JointVector& q, const FreedomDemand& demand) {
   s.Place(q, demand.gap);
   s.in_the_way = {};
   if (!s.scratch.FindTouches()) return false;  // what is missing may be in the way
-  for (const ScratchRobot::Touch& touch : s.scratch.touches()) {
+  for (const internal::ScratchRobot::Touch& touch : s.scratch.touches()) {
     if (!touch.itself) {
       const bool wanted = s.is_target[touch.own_geom] || s.is_target[touch.other_geom];
       if (touch.distance >= demand.clearance || (demand.touch_target && wanted)) continue;

@@ -134,7 +134,8 @@ TEST(PlanningScene, ClearanceIsTheDistanceToWhatIsNotTheRobot) {
     const JointVector q = RandomJoints(pick, rng);
     if (!planning.IsFree(q, {.gap = open})) continue;
     pick.robot.SetJointPos(q);
-    const Clearance nearest = RobotClearance(pick.scene, pick.robot, kMostClearance);
+    const internal::Clearance nearest =
+        internal::RobotClearance(pick.scene, pick.robot, kMostClearance);
     if (nearest.distance < 0.004 || nearest.distance > kMostClearance - 0.004) continue;
     if (nearest.robot_geom.find("pedestal") != std::string::npos) continue;
     ++compared;
@@ -214,7 +215,7 @@ TEST(PlanningScene, OnlyTheConfiguredCollisionGeomsCount) {
     EXPECT_TRUE(free_of_few || !free_of_all);
     only_all += free_of_few && !free_of_all;
     robot.SetJointPos(q);
-    EXPECT_TRUE(names.contains(RobotClearance(scene, robot, 0.5).robot_geom));
+    EXPECT_TRUE(names.contains(internal::RobotClearance(scene, robot, 0.5).robot_geom));
   }
   EXPECT_GT(only_all, 5);
 }

@@ -36,10 +36,10 @@ RobotOutline::RobotOutline(const Robot& robot) {
   const Eigen::Vector3d origin = axes.transpose() * base.translation();
   for (const int g : robot.collision_geom_ids()) {
     // The pedestal of a mocap base collides with nothing in the engine, but takes room.
-    if (!IsCollisionGeom(m, g) && m->body_mocapid[m->geom_bodyid[g]] < 0) continue;
+    if (!internal::IsCollisionGeom(m, g) && m->body_mocapid[m->geom_bodyid[g]] < 0) continue;
     Eigen::AlignedBox3d box;
     for (int i = 0; i < 3; ++i) {
-      const Interval extent = GeomExtent(m, d, g, axes.col(i));
+      const Interval extent = internal::GeomExtent(m, d, g, axes.col(i));
       box.min()[i] = extent.lower - origin[i];
       box.max()[i] = extent.upper - origin[i];
     }

@@ -44,10 +44,11 @@ TEST(RobotOutline, NeverCallsAPlaceClearThatIsNot) {
     const Pose base =
         kPlate.frame_to_world *
         Pose::FromRpy({rng.Uniform(-0.9, 0.9), rng.Uniform(-0.9, 0.9), rng.Uniform(-0.6, 0.1)},
-                      {0, 0, rng.Uniform(-kPi, kPi)});
+                      {0, 0, rng.Uniform(-internal::kPi, internal::kPi)});
     cell.robot.base().SetPose(base);
     cell.scene.Forward();
-    const bool is_free = RobotClearance(cell.scene, cell.robot, kMargin).robot_geom.empty();
+    const bool is_free =
+        internal::RobotClearance(cell.scene, cell.robot, kMargin).robot_geom.empty();
     const bool is_clear = outline.IsClearOf(kPlate, base, kMargin);
     EXPECT_TRUE(is_free || !is_clear) << i;
     free += is_free;
@@ -62,7 +63,7 @@ TEST(RobotOutline, TurnsWithTheBase) {
   const RobotOutline outline(cell.robot);
   const double wide = std::hypot(kPlate.half_x, kPlate.half_y) + cell.robot.reach() + 0.3;
   for (int i = 0; i < 12; ++i) {
-    const double bearing = 2 * kPi * i / 12;
+    const double bearing = 2 * internal::kPi * i / 12;
     const Pose far = kPlate.frame_to_world *
                      Pose::FromRpy({wide * std::cos(bearing), wide * std::sin(bearing), -0.2},
                                    {0, 0, 3 * bearing});
@@ -81,7 +82,7 @@ TEST(RobotOutline, IsTheSameWhereverTheRobotStands) {
   Rng rng = Rng::Stream(3, "outline");
   for (int i = 0; i < 200; ++i) {
     const Pose base = Pose::FromRpy({rng.Uniform(-1, 1), rng.Uniform(-1, 1), rng.Uniform(0, 0.5)},
-                                    {0, 0, rng.Uniform(-kPi, kPi)});
+                                    {0, 0, rng.Uniform(-internal::kPi, internal::kPi)});
     EXPECT_EQ(before.IsClearOf(kPlate, base, kMargin), after.IsClearOf(kPlate, base, kMargin)) << i;
   }
 }

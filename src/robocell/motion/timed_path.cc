@@ -26,7 +26,7 @@ double LargestForce(const mjModel* m, int actuator, int joint) {
   }
   if (m->jnt_actfrclimited[joint]) {
     const double* range = m->jnt_actfrcrange + 2 * joint;
-    const double gear = std::abs(Gear(m, actuator));
+    const double gear = std::abs(internal::Gear(m, actuator));
     most = std::min({most, std::abs(range[0]) / gear, std::abs(range[1]) / gear});
   }
   return most;
@@ -35,7 +35,7 @@ double LargestForce(const mjModel* m, int actuator, int joint) {
 bool AreServos(const mjModel* m, const std::vector<std::string>& actuators) {
   return std::all_of(actuators.begin(), actuators.end(), [&](const std::string& name) {
     const int id = FindId(m, mjOBJ_ACTUATOR, name);
-    return id < 0 || IsPositionServo(m, id);
+    return id < 0 || internal::IsPositionServo(m, id);
   });
 }
 
@@ -81,7 +81,7 @@ std::vector<double> ServoJumps(const mjModel* m, const MoveGroup& arm) {
   arm.CtrlForJointPos(q, there);
   for (size_t a = 0; a < actuators.size(); ++a) {
     const int actuator = FindId(m, mjOBJ_ACTUATOR, actuators[a]);
-    if (actuator < 0 || !ActsOnJoint(m, actuator)) continue;
+    if (actuator < 0 || !internal::ActsOnJoint(m, actuator)) continue;
     const int joint = m->actuator_trnid[2 * actuator];
     const auto at = std::find(joints.begin(), joints.end(), ElementName(m, mjOBJ_JOINT, joint));
     const double force_per_jump =

@@ -2,7 +2,7 @@
 
 #include "robocell/kinematics/ik.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // Largest motion of a joint along the line, rad (m): a solution farther away is on another branch.
@@ -27,4 +27,4 @@ double MissingShare(const JointPath& line) {
   return 1 - (static_cast<double>(line.size()) - 1) / kLinePoints;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

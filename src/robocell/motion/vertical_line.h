@@ -7,7 +7,7 @@
 #include "robocell/kinematics/chain.h"
 #include "robocell/motion/joint_path.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 inline constexpr double kLineIkTolerance = 1e-4;  // m and rad
 inline constexpr int kLinePoints = 4;             // besides the start
@@ -21,4 +21,4 @@ JointPath LineAbove(const Chain& chain, const Pose& tcp, const JointVector& q,
 // The share of such a line that the arm does not get along, 0 to 1.
 double MissingShare(const JointPath& line);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -4,7 +4,7 @@
 
 #include "robocell/testing/pick_scene.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 TEST(VerticalLine, KeepsTheOrientationAndRisesEvenly) {
@@ -36,4 +36,4 @@ TEST(VerticalLine, EndsWhereTheArmGetsNoFurther) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -2,7 +2,7 @@
 
 #include "robocell/mujoco/tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 int BodyOfTendon(const mjModel* m, int tendon) {
@@ -65,4 +65,4 @@ int BodyOfActuator(const mjModel* m, int actuator) {
   return kind == mjOBJ_TENDON ? BodyOfTendon(m, id) : BodyOf(m, kind, id);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

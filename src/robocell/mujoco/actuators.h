@@ -10,7 +10,7 @@
 
 #include "robocell/mujoco/forward.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // The six numbers of its first output; all but the first are 0 on a hinge, slide or tendon.
 inline const mjtNum* Gears(const mjModel* model, int actuator) {
@@ -44,4 +44,4 @@ int BodyOfWrap(const mjModel* model, int wrap);
 // One body that an actuator acts on; of those of a tendon the first. -1 when that is not known.
 int BodyOfActuator(const mjModel* model, int actuator);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -9,7 +9,7 @@
 #include "robocell/mujoco/owners.h"
 #include "robocell/mujoco/tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::ElementsAre;
@@ -102,4 +102,4 @@ TEST_F(Actuators, MoveTheBodyThatTheyAreSaidToActOn) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -5,7 +5,7 @@
 
 #include "robocell/base/error.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 void RequireOrder(double near_m, double far_m) {
@@ -39,4 +39,4 @@ void SetClipPlanes(mjSpec* spec, double extent_m, double near_m, double far_m) {
   Set(spec->visual, extent_m, near_m, far_m);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -12,7 +12,7 @@
 
 #include "robocell/mujoco/forward.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 struct ClipPlanes {
   double near_m = 0.01;
@@ -26,4 +26,4 @@ void SetClipPlanes(mjModel* model, double near_m, double far_m);
 // Sets the extent too (metres, > 0): half the size of what one usually looks at.
 void SetClipPlanes(mjSpec* spec, double extent_m, double near_m, double far_m);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -53,8 +53,8 @@ std::string ModelsBeside(const Path& path) {
 void RequireReadableModel(const Path& path, std::string_view context) {
   std::error_code error;
   // A pipe or a device is not even opened: that may wait for ever.
-  if (std::filesystem::exists(path, error) && !CanReadFile(path)) {
-    throw IoError(Prefix(context) + "'" + path.string() + "' is " + WhatIsAt(path) +
+  if (std::filesystem::exists(path, error) && !internal::CanReadFile(path)) {
+    throw IoError(Prefix(context) + "'" + path.string() + "' is " + internal::WhatIsAt(path) +
                   ", not a model file");
   }
   if (!std::ifstream(path)) {
@@ -98,12 +98,13 @@ SpecPtr Parsed(Parse parse, const std::string& file, std::string_view context) {
   std::array<char, 2048> error{};
   const std::string place =
       Prefix(context) + (file.empty() ? "model text" : "model file '" + file + "'");
-  const WarningCapture told;  // of a file that they do not name
-  SpecPtr spec(Tried(place, [&] { return parse(error.data(), static_cast<int>(error.size())); }));
+  const internal::WarningCapture told;  // of a file that they do not name
+  SpecPtr spec(
+      internal::Tried(place, [&] { return parse(error.data(), static_cast<int>(error.size())); }));
   const std::string begin = file.empty() ? place + ": " : Prefix(context);
-  if (!spec) throw SpecError(begin + ParseProblem(Trim(error.data()), file));
+  if (!spec) throw SpecError(begin + internal::ParseProblem(Trim(error.data()), file));
   for (const std::string& text : told.messages()) {
-    if (IsAboutNan(text)) throw SpecError(begin + NanProblem(file));
+    if (internal::IsAboutNan(text)) throw SpecError(begin + internal::NanProblem(file));
     LogWarn(fmt::format("{}: MuJoCo: {}", place, text));
   }
   return spec;
@@ -128,11 +129,11 @@ ModelPtr Compile(mjSpec* spec, mjVFS* vfs, std::string_view context,
                  std::vector<std::string>* warnings, JacobianGuard guard) {
   spec->option.disableflags |= mjDSBL_AUTORESET;
   const std::string place = Prefix(context) + "building the model";
-  WarningCapture
+  internal::WarningCapture
       replayed;  // the engine repeats the spec's warnings through the log; they are read below
-  ModelPtr model(Tried(place, [&] { return mj_compile(spec, vfs); }));
+  ModelPtr model(internal::Tried(place, [&] { return mj_compile(spec, vfs); }));
   if (!model) throw SpecError(place + ": " + Trim(mjs_getError(spec)));
-  const std::string problem = NonFiniteElement(model.get());
+  const std::string problem = internal::NonFiniteElement(model.get());
   if (!problem.empty()) throw SpecError(place + ": " + problem);
   Report(SpecWarnings(spec), context, warnings);
   if (guard == JacobianGuard::kOn && Guard(model.get(), context))
@@ -145,7 +146,7 @@ std::string SaveXmlString(const mjSpec* spec, std::string_view context) {
   std::array<char, 2048> error{};
   std::string xml(1 << 16, '\0');
   for (;;) {
-    const int rc = Tried(place, [&] {
+    const int rc = internal::Tried(place, [&] {
       return mj_saveXMLString(spec, xml.data(), static_cast<int>(xml.size()), error.data(),
                               static_cast<int>(error.size()));
     });
@@ -162,8 +163,9 @@ void SaveXml(const mjSpec* spec, const Path& path, std::string_view context) {
 
 std::string SaveBinaryString(const mjModel* model) {
   std::string bytes(static_cast<size_t>(mj_sizeModel(model)), '\0');
-  Tried("saving a model as binary",
-        [&] { mj_saveModel(model, nullptr, bytes.data(), static_cast<mjtSize>(bytes.size())); });
+  internal::Tried("saving a model as binary", [&] {
+    mj_saveModel(model, nullptr, bytes.data(), static_cast<mjtSize>(bytes.size()));
+  });
   return bytes;
 }
 
@@ -174,8 +176,8 @@ void SaveBinary(const mjModel* model, const Path& path, std::string_view context
 
 ModelPtr LoadBinaryString(std::string_view bytes, std::string_view context, JacobianGuard guard) {
   const std::string place = Prefix(context) + "loading a binary model";
-  WarningCapture reasons;
-  ModelPtr model(Tried(
+  internal::WarningCapture reasons;
+  ModelPtr model(internal::Tried(
       place, [&] { return mj_loadModelBuffer(bytes.data(), static_cast<mjtSize>(bytes.size())); }));
   if (!model) throw SpecError(place + ": " + Joined(reasons.messages()));
   model->opt.disableflags |= mjDSBL_AUTORESET;
@@ -185,7 +187,7 @@ ModelPtr LoadBinaryString(std::string_view bytes, std::string_view context, Jaco
 
 ModelPtr LoadBinary(const Path& path, std::string_view context, JacobianGuard guard) {
   constexpr uint64_t kMost = uint64_t{8} << 30;
-  const std::string bytes = InContext(context, [&] { return ReadRealFile(path, kMost); });
+  const std::string bytes = InContext(context, [&] { return internal::ReadRealFile(path, kMost); });
   return LoadBinaryString(bytes, Prefix(context) + "'" + path.string() + "'", guard);
 }
 

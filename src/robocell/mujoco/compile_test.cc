@@ -125,7 +125,7 @@ TEST_F(Compiling, WarningsOfTheBuildAreReturnedOrLoggedOnce) {
   auto attached = [&] {
     SpecPtr parent = ParseXmlString(xml), part = ParseXmlString(child);
     mjs_setDeepCopy(parent.get(), 1);
-    WarningCapture quiet;
+    internal::WarningCapture quiet;
     mjs_attach(mjs_findFrame(parent.get(), "here")->element, mjs_findBody(part.get(), "b")->element,
                "x_", "");
     return parent;

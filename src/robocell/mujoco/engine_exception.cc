@@ -7,7 +7,7 @@
 
 #include "robocell/base/error.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 thread_local EngineExceptions* innermost = nullptr;
@@ -25,7 +25,7 @@ struct EngineExceptionHandler {
 EngineExceptions::EngineExceptions() : outer_(innermost) { innermost = this; }
 EngineExceptions::~EngineExceptions() { innermost = outer_; }
 
-}  // namespace robocell
+}  // namespace robocell::internal
 
 // The personality routine of the frame below (Itanium C++ ABI, "Exception Handling", 1.6 and 2.5).
 // It is called by the runtime of whoever throws; `context` is never looked at, as it would be read
@@ -34,12 +34,12 @@ extern "C" __attribute__((visibility("hidden"), used)) _Unwind_Reason_Code
 RobocellEngineExceptionPersonality(int /*version*/, _Unwind_Action actions,
                                    _Unwind_Exception_Class kind, _Unwind_Exception* exception,
                                    _Unwind_Context* /*context*/) {
-  if (robocell::IsOurRuntimes(kind)) return _URC_CONTINUE_UNWIND;
+  if (robocell::internal::IsOurRuntimes(kind)) return _URC_CONTINUE_UNWIND;
   if (actions & _UA_SEARCH_PHASE) return _URC_HANDLER_FOUND;
   if (!(actions & _UA_HANDLER_FRAME)) return _URC_CONTINUE_UNWIND;
   if (exception->exception_cleanup)
     exception->exception_cleanup(_URC_FOREIGN_EXCEPTION_CAUGHT, exception);
-  robocell::EngineExceptionHandler::GoOn();
+  robocell::internal::EngineExceptionHandler::GoOn();
 }
 
 // Has nothing to clean up, so that the compiler gives it no personality of its own.
@@ -50,7 +50,7 @@ extern "C" __attribute__((visibility("hidden"), noinline)) void RobocellCallEngi
   asm volatile("" ::: "memory");  // no jump in the place of the call
 }
 
-namespace robocell {
+namespace robocell::internal {
 
 void ThrowEngineThrew(std::string_view place) {
   throw EngineError(
@@ -66,4 +66,4 @@ bool EngineExceptions::Catch(void (*call)(void*), void* argument) {
   return true;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -21,7 +21,7 @@
 
 #include "robocell/mujoco/guard.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class EngineExceptions {
  public:
@@ -68,4 +68,4 @@ auto Tried(std::string_view place, Function&& fn) {
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -12,7 +12,7 @@
 #include "robocell/mujoco/owners.h"
 #include "robocell/testing/leaks_of_others.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // A grid of so many points that the engine's container of them refuses, on any machine.
@@ -97,4 +97,4 @@ TEST(EngineExceptions, TheInnermostCatches) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -4,7 +4,7 @@
 
 #include <mujoco/mujoco.h>
 
-namespace robocell {
+namespace robocell::internal {
 
 // The field that bodies fall in, x y z in the world, m/s^2; zeros where `mjDSBL_GRAVITY` is set.
 // Points into the model, or to constants. In place, because control loops ask.
@@ -21,4 +21,4 @@ inline bool CompensatesGravity(const mjModel* model) {
   return model->flg_gravcomp && (model->opt.disableflags & kPassive) != kPassive;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

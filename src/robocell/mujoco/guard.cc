@@ -16,7 +16,7 @@
 // NOLINTNEXTLINE(clang-diagnostic-reserved-identifier): the engine's name
 extern "C" __attribute__((weak)) mjfLogHandler _mjPRIVATE_setTlsLogHandler(mjfLogHandler handler);
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 struct ThreadTop;
@@ -64,7 +64,7 @@ void ForwardToLog(const mjLogMessage& message) {
 [[noreturn]] void JumpBack(const mjLogMessage& message) {
   Frame* frame = thread_top.frame;
   const char* body = message.body && *message.body ? message.body : nullptr;
-  std::snprintf(frame->text, guard_internal::kTextSize, "%s%s%s", message.subject, body ? "\n" : "",
+  std::snprintf(frame->text, guard::kTextSize, "%s%s%s", message.subject, body ? "\n" : "",
                 body ? body : "");
   std::longjmp(frame->environment, 1);
 }
@@ -103,7 +103,7 @@ void Leave(const Frame& frame) {
 
 }  // namespace
 
-namespace guard_internal {
+namespace guard {
 
 bool Run(void (*call)(void*), void* argument, mjData* data, char* text) {
   static const bool installed = Install();
@@ -136,10 +136,10 @@ void Throw(std::string_view context, const char* text) {
   throw EngineError(std::string(context) + (context.empty() ? "" : ": ") + text);
 }
 
-}  // namespace guard_internal
+}  // namespace guard
 
 WarningCapture::WarningCapture() : outer_(thread_top.capture) { thread_top.capture = this; }
 
 WarningCapture::~WarningCapture() { thread_top.capture = outer_; }
 
-}  // namespace robocell
+}  // namespace robocell::internal

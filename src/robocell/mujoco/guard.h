@@ -38,9 +38,9 @@
 
 #include "robocell/mujoco/forward.h"
 
-namespace robocell {
+namespace robocell::internal {
 
-namespace guard_internal {
+namespace guard {
 
 constexpr int kTextSize = 2048;
 
@@ -81,7 +81,7 @@ struct Call<Function, void> {
   }
 };
 
-}  // namespace guard_internal
+}  // namespace guard
 
 // Runs fn() and returns its result; an engine error is thrown as EngineError("<context>: <engine's
 // text>").
@@ -93,9 +93,9 @@ auto Guarded(std::string_view context, mjData* data, Function&& fn) {
       "a guarded function must capture by reference: an engine error would skip its destructors");
   static_assert(std::is_void_v<Result> || std::is_trivially_destructible_v<Result>,
                 "a guarded function returns plain values or pointers");
-  guard_internal::Call<Function, Result> call{std::addressof(fn)};
-  char text[guard_internal::kTextSize];
-  if (!guard_internal::Run(&call.Invoke, &call, data, text)) guard_internal::Throw(context, text);
+  guard::Call<Function, Result> call{std::addressof(fn)};
+  char text[guard::kTextSize];
+  if (!guard::Run(&call.Invoke, &call, data, text)) guard::Throw(context, text);
   if (call.thrown) std::rethrow_exception(call.thrown);
   if constexpr (!std::is_void_v<Result>) return call.result;
 }
@@ -128,4 +128,4 @@ class WarningCapture {
   std::vector<std::string> messages_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

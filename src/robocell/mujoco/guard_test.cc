@@ -14,7 +14,7 @@
 #include "robocell/mujoco/compile.h"
 #include "robocell/mujoco/step.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using testing::ElementsAre;
@@ -195,4 +195,4 @@ TEST(Guard, NoLogFileIsWritten) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

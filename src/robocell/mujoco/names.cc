@@ -108,7 +108,8 @@ int RequireId(const mjModel* model, mjtObj kind, std::string_view name, std::str
 std::string Describe(const mjModel* model, mjtObj kind, int id) {
   const std::string name = ElementName(model, kind, id);
   if (!name.empty()) return std::string(KindName(kind)) + " '" + name + "'";
-  const int body = kind == mjOBJ_BODY || kind == mjOBJ_XBODY ? -1 : BodyOf(model, kind, id);
+  const int body =
+      kind == mjOBJ_BODY || kind == mjOBJ_XBODY ? -1 : internal::BodyOf(model, kind, id);
   std::string out = std::string(KindName(kind)) + " " + std::to_string(id) + " (unnamed";
   if (body >= 0) out += ", of " + Describe(model, mjOBJ_BODY, body);
   return out + ")";

@@ -24,33 +24,33 @@ void VfsDeleter::operator()(mjVFS* vfs) const {
 }
 
 SpecPtr MakeSpec() {
-  SpecPtr spec(Tried("making an empty model", [] { return mj_makeSpec(); }));
+  SpecPtr spec(internal::Tried("making an empty model", [] { return mj_makeSpec(); }));
   if (!spec) throw EngineError("making an empty model: out of memory");
   spec->compiler.degree = 0;
   return spec;
 }
 
 SpecPtr CopySpec(const mjSpec* spec) {
-  SpecPtr copy(Tried("copying a model's spec", [&] { return mj_copySpec(spec); }));
+  SpecPtr copy(internal::Tried("copying a model's spec", [&] { return mj_copySpec(spec); }));
   if (!copy) throw EngineError("copying a model's spec: the engine refused");
   return copy;
 }
 
 ModelPtr CopyModel(const mjModel* model) {
-  ModelPtr copy(Guarded("copying a model", [&] { return mj_copyModel(nullptr, model); }));
+  ModelPtr copy(internal::Guarded("copying a model", [&] { return mj_copyModel(nullptr, model); }));
   if (!copy) throw EngineError("copying a model: out of memory");
   return copy;
 }
 
 DataPtr MakeData(const mjModel* model) {
-  DataPtr data(Guarded("making simulation data", [&] { return mj_makeData(model); }));
+  DataPtr data(internal::Guarded("making simulation data", [&] { return mj_makeData(model); }));
   if (!data) throw EngineError("making simulation data: out of memory");
   return data;
 }
 
 DataPtr CopyData(const mjModel* model, const mjData* data) {
-  DataPtr copy(
-      Guarded("copying simulation data", [&] { return mj_copyData(nullptr, model, data); }));
+  DataPtr copy(internal::Guarded("copying simulation data",
+                                 [&] { return mj_copyData(nullptr, model, data); }));
   if (!copy) throw EngineError("copying simulation data: out of memory");
   return copy;
 }
@@ -63,7 +63,7 @@ VfsPtr MakeVfs() {
 
 void AddBuffer(mjVFS* vfs, std::string_view name, std::string_view content) {
   const std::string file(name);
-  const int rc = Tried("adding '" + file + "' to the virtual file system", [&] {
+  const int rc = internal::Tried("adding '" + file + "' to the virtual file system", [&] {
     return mj_addBufferVFS(vfs, file.c_str(), content.data(), static_cast<int>(content.size()));
   });
   if (rc == 2) throw ArgumentError("virtual file system: there is already a file '" + file + "'");

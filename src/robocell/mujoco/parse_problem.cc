@@ -20,7 +20,7 @@
 
 #include "robocell/base/suggestions.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr const char* kReference = "https://mujoco.readthedocs.io/en/stable/XMLreference.html";
@@ -252,4 +252,4 @@ std::string NonFiniteElement(const mjModel* m) {
   return "";
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -10,7 +10,7 @@
 
 #include <string>
 
-namespace robocell {
+namespace robocell::internal {
 
 // `complaint` is the engine's text, `file` the model's, "" for a text without one. If the engine
 // does not report the line, the place is the file alone.
@@ -30,4 +30,4 @@ std::string NanProblem(const std::string& file);
 // may be open, user data, and what the engine derives are not looked at.
 std::string NonFiniteElement(const mjModel* model);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -13,7 +13,7 @@
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::AllOf;
@@ -110,4 +110,4 @@ TEST(ParseProblem, LinesOfIncludedFilesAreUnknown) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

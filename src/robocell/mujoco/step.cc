@@ -10,7 +10,7 @@ StepResult Step(const mjModel* model, mjData* data, int n, std::string_view cont
   int steps = 0;
   StepStart start;
   bool diverged = false;
-  Guarded(context, data, [&] {
+  internal::Guarded(context, data, [&] {
     while (steps < n && !diverged) {
       start = BeginStep(data);
       mj_step(model, data);
@@ -29,7 +29,7 @@ StepResult Step(const mjModel* model, mjData* data, int n, std::string_view cont
 }
 
 void Forward(const mjModel* model, mjData* data, std::string_view context) {
-  Guarded(context, data, [&] { mj_forward(model, data); });
+  internal::Guarded(context, data, [&] { mj_forward(model, data); });
 }
 
 }  // namespace robocell

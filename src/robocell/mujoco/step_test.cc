@@ -37,7 +37,7 @@ class Stepping : public testing::Test {
 
   ModelPtr model_;
   DataPtr data_;
-  WarningCapture quiet_;
+  internal::WarningCapture quiet_;
 };
 
 TEST_F(Stepping, GoodStepsSaySoAndTellTheTime) {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace robocell {
+namespace robocell::internal {
 
 // A parent's id is smaller than those of its children.
 bool IsInSubtree(const mjModel* m, int body, int root) {
@@ -45,4 +45,4 @@ int BodyOf(const mjModel* m, mjtObj kind, int id) {
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

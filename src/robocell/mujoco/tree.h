@@ -7,7 +7,7 @@
 
 #include "robocell/mujoco/forward.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Whether a body is `root` or below it. Every body is below the world, body 0.
 bool IsInSubtree(const mjModel* model, int body, int root);
@@ -22,4 +22,4 @@ int CommonAncestor(const mjModel* model, int a, int b);
 // itself; -1 for other kinds.
 int BodyOf(const mjModel* model, mjtObj kind, int id);
 
-}  // namespace robocell
+}  // namespace robocell::internal

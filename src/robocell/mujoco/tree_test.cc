@@ -6,7 +6,7 @@
 #include "robocell/mujoco/compile.h"
 #include "robocell/mujoco/names.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 class Tree : public ::testing::Test {
@@ -68,4 +68,4 @@ TEST_F(Tree, WhatSitsOnABodyIsAskedByKind) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -13,7 +13,7 @@ namespace robocell {
 namespace {
 
 TEST(EngineWarnings, AreCountedAndReadable) {
-  const WarningCapture quiet;
+  const internal::WarningCapture quiet;
   const ModelPtr model = Compile(ParseXmlString(R"(<mujoco>
       <worldbody><body><joint name="elbow"/><geom size=".1"/></body></worldbody>
       <actuator><motor joint="elbow"/></actuator>

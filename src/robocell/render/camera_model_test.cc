@@ -244,17 +244,18 @@ TEST_F(Cameras, RefuseNumbersThatNothingCanBeDrawnWith) {
 }
 
 TEST_F(Cameras, ClipPlanesAreReadAndSetInMetres) {
-  EXPECT_NEAR(GetClipPlanes(model_.get()).near_m, 0.01, 1e-9);
-  EXPECT_NEAR(GetClipPlanes(model_.get()).far_m, 50, 1e-5);
-  SetClipPlanes(model_.get(), 0.02, 12);
+  EXPECT_NEAR(internal::GetClipPlanes(model_.get()).near_m, 0.01, 1e-9);
+  EXPECT_NEAR(internal::GetClipPlanes(model_.get()).far_m, 50, 1e-5);
+  internal::SetClipPlanes(model_.get(), 0.02, 12);
   EXPECT_NEAR(Camera("down").near_m, 0.02, 1e-8);
   EXPECT_NEAR(Camera("down").far_m, 12, 1e-6);
   SpecPtr spec = ParseXmlString(kScene);
-  SetClipPlanes(spec.get(), 4, 0.03, 30);
+  internal::SetClipPlanes(spec.get(), 4, 0.03, 30);
   ModelPtr model = Compile(spec.get());
   EXPECT_EQ(model->stat.extent, 4);
-  EXPECT_NEAR(GetClipPlanes(model.get()).far_m, 30, 1e-5);
-  ExpectThrow<ArgumentError>([&] { SetClipPlanes(model.get(), 1, 0.5); }, "near 1 m, far 0.5 m");
+  EXPECT_NEAR(internal::GetClipPlanes(model.get()).far_m, 30, 1e-5);
+  ExpectThrow<ArgumentError>([&] { internal::SetClipPlanes(model.get(), 1, 0.5); },
+                             "near 1 m, far 0.5 m");
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace robocell {
+namespace robocell::internal {
 
 void RawDepthToMetres(std::span<float> depth, const CameraModel& camera) {
   const double n = camera.near_m, f = camera.far_m;
@@ -21,4 +21,4 @@ void MetresToMillimetres(std::span<const float> metres, std::span<uint16_t> mill
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

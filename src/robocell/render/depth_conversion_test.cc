@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using testing::ElementsAre;
@@ -33,4 +33,4 @@ TEST(DepthConversion, MillimetresAreRoundedAndSaturate) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -7,7 +7,7 @@
 #include "robocell/base/error.h"
 #include "robocell/mujoco/guard.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 mjvOption ToOption(const Visibility& visibility) {
@@ -121,4 +121,4 @@ std::span<const int32_t> DrawnScene::BodyOfId() {
   return body_of_id_;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

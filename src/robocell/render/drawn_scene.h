@@ -24,7 +24,7 @@
 #include "robocell/render/renderer.h"
 #include "robocell/render/view_cull.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Whether anything can be seen at all.
 bool ShowsAnything(const Visibility& visibility);
@@ -71,4 +71,4 @@ class DrawnScene {
   std::vector<int32_t> body_of_id_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -11,7 +11,7 @@
 #include "robocell/base/error.h"
 #include "robocell/render/egl_devices.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using Display = void*;
@@ -250,4 +250,4 @@ std::unique_ptr<GlContext> CreateEglContext() {
   return best;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -4,7 +4,7 @@
 
 #include "robocell/base/error.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 GlLibrary::GlLibrary(std::initializer_list<const char*> names) {
   std::string reasons;
@@ -28,4 +28,4 @@ void* GlLibrary::Symbol(const char* name) const {
 
 void GlLibrary::MakeGlobal() const { dlopen(name_.c_str(), RTLD_NOW | RTLD_GLOBAL | RTLD_NOLOAD); }
 
-}  // namespace robocell
+}  // namespace robocell::internal

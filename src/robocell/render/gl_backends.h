@@ -7,7 +7,7 @@
 
 #include "robocell/render/gl_context.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // A shared library opened at run time.
 class GlLibrary {
@@ -38,4 +38,4 @@ std::unique_ptr<GlContext> CreateEglContext();
 // Throws IoError with the reason. osmesa_context.cc
 std::unique_ptr<GlContext> CreateOsmesaContext();
 
-}  // namespace robocell
+}  // namespace robocell::internal

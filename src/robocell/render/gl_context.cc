@@ -43,7 +43,8 @@ std::string Lower(std::string_view text) {
 }
 
 std::unique_ptr<GlContext> CreateOne(GlBackend backend) {
-  return backend == GlBackend::kEgl ? CreateEglContext() : CreateOsmesaContext();
+  return backend == GlBackend::kEgl ? internal::CreateEglContext()
+                                    : internal::CreateOsmesaContext();
 }
 
 const char* InstallHint(GlBackend backend) {

@@ -4,7 +4,7 @@
 
 #include "robocell/mujoco/guard.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 MjrContext::MjrContext(const mjModel* model, int samples, int shadow_size, bool things)
     : context_(new mjrContext) {
@@ -47,4 +47,4 @@ void MjrContext::Read(int width, int height, uint8_t* rgb, float* depth) {
   });
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <memory>
 
-namespace robocell {
+namespace robocell::internal {
 
 class MjrContext {
  public:
@@ -30,4 +30,4 @@ class MjrContext {
   std::unique_ptr<mjrContext> context_;  // 40 kB
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -11,7 +11,7 @@
 #include "robocell/render/gl_drawing.h"
 #include "robocell/render/image_convert.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 struct GlRenderer::Impl {
   RendererOptions options;
@@ -150,4 +150,4 @@ CameraModel GlRenderer::Render(const mjData* data, const RenderRequest& request,
   return camera;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -10,7 +10,7 @@
 
 #include "robocell/render/renderer.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class GlRenderer final : public Renderer {
  public:
@@ -29,4 +29,4 @@ class GlRenderer final : public Renderer {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -20,7 +20,7 @@
 #include "robocell/testing/child_test.h"
 #include "robocell/testing/skip.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr int kColumns = 6, kRows = 5, kMarkers = kColumns * kRows;
@@ -259,4 +259,4 @@ TEST_F(Projection, HoldsOnOsmesaToo) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace robocell {
+namespace robocell::internal {
 
 template <class T>
 void FlipRows(std::span<T> image, size_t row) {
@@ -25,4 +25,4 @@ void DecodeIds(std::span<const uint8_t> rgb, std::span<const int32_t> table,
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-namespace robocell {
+namespace robocell::internal {
 
 // Reverses the order of the rows in place. `row` is the number of elements in a row.
 template <class T>
@@ -19,4 +19,4 @@ extern template void FlipRows(std::span<int32_t>, size_t);
 void DecodeIds(std::span<const uint8_t> rgb, std::span<const int32_t> table,
                std::span<int32_t> ids);
 
-}  // namespace robocell
+}  // namespace robocell::internal

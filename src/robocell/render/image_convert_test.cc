@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using testing::ElementsAre;
@@ -31,4 +31,4 @@ TEST(ImageConvert, IdsAreLookedUpAndUnknownOnesAreNone) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

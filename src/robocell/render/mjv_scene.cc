@@ -5,7 +5,7 @@
 
 #include "robocell/mujoco/guard.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 void Copy(const Eigen::Vector3d& from, float to[3]) {
@@ -98,4 +98,4 @@ void MjvScene::LetPlanesCastNoShadow() {
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -7,7 +7,7 @@
 #include "robocell/render/camera_model.h"
 #include "robocell/render/markers.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class MjvScene {
  public:
@@ -30,4 +30,4 @@ class MjvScene {
   mjvScene scene_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -5,7 +5,7 @@
 
 #include "robocell/base/error.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr unsigned kRgba = 0x1908, kUnsignedByte = 0x1401;
@@ -96,4 +96,4 @@ std::unique_ptr<GlContext> CreateOsmesaContext() {
   return context;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

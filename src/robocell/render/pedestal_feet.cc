@@ -6,7 +6,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/spec/robot_config.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr float kUpright = 0.999f;  // cosine
@@ -50,4 +50,4 @@ void PedestalFeet::ReachDown(const mjModel* model, const mjData* data, const mjv
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

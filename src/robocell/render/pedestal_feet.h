@@ -13,7 +13,7 @@
 
 #include <vector>
 
-namespace robocell {
+namespace robocell::internal {
 
 class PedestalFeet {
  public:
@@ -30,4 +30,4 @@ class PedestalFeet {
   std::vector<int> pedestals_;  // geoms
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -8,7 +8,7 @@
 #include "robocell/scene/scene.h"
 #include "robocell/scene/testing/scenes.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // The drawn pedestal's bottom and top, in the world.
@@ -65,4 +65,4 @@ TEST(PedestalFeet, StayWithNothingBelow) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -21,15 +21,15 @@ std::unique_ptr<Renderer> Make(const RendererOptions& options) {
   return std::make_unique<T>(options);
 }
 
-constexpr RendererBackend kBackends[] = {
+constexpr internal::RendererBackend kBackends[] = {
     {"gl", "MuJoCo's own drawing with OpenGL, on a graphics card where there is one.",
-     &Make<GlRenderer>},
-    {"soft", "Drawing on the processor; needs no graphics library.", &Make<SoftRenderer>},
+     &Make<internal::GlRenderer>},
+    {"soft", "Drawing on the processor; needs no graphics library.", &Make<internal::SoftRenderer>},
 };
 
 std::unique_ptr<Renderer> MakeByName(const std::string& place, const std::string& name,
                                      const RendererOptions& options) {
-  for (const RendererBackend& backend : kBackends) {
+  for (const internal::RendererBackend& backend : kBackends) {
     if (name == backend.name) return backend.make(options);
   }
   std::vector<std::string> known = RendererBackends();
@@ -53,11 +53,15 @@ bool GlIsChosen(const RendererOptions& options) {
 
 }  // namespace
 
+namespace internal {
+
 std::span<const RendererBackend> RendererBackendList() { return kBackends; }
+
+}  // namespace internal
 
 std::vector<std::string> RendererBackends() {
   std::vector<std::string> names;
-  for (const RendererBackend& backend : kBackends) names.emplace_back(backend.name);
+  for (const internal::RendererBackend& backend : kBackends) names.emplace_back(backend.name);
   return names;
 }
 
@@ -76,6 +80,8 @@ std::unique_ptr<Renderer> MakeRenderer(const RendererOptions& options) {
   }
 }
 
+namespace internal {
+
 std::string RendererBackendHere() {
   const std::string description = MakeRenderer()->description();
   for (const RendererBackend& backend : kBackends) {
@@ -83,5 +89,7 @@ std::string RendererBackendHere() {
   }
   throw Error("the renderer '" + description + "' has no name");
 }
+
+}  // namespace internal
 
 }  // namespace robocell

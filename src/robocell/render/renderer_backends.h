@@ -16,7 +16,7 @@
 
 #include "robocell/render/renderer.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 struct RendererBackend {
   const char* name;
@@ -29,4 +29,4 @@ std::span<const RendererBackend> RendererBackendList();
 // What "auto" is here. Errors: as of MakeRenderer.
 std::string RendererBackendHere();
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -8,7 +8,7 @@
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/scoped_env.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using testing::ElementsAre;
@@ -48,4 +48,4 @@ TEST(RenderQuality, HasNames) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -56,7 +56,7 @@ class Rendering : public testing::TestWithParam<std::string> {
  protected:
   Rendering() {
     SpecPtr spec = ParseXmlString(kSpheres);
-    SetClipPlanes(spec.get(), 2, 0.01, 50);
+    internal::SetClipPlanes(spec.get(), 2, 0.01, 50);
     model_ = Compile(spec.get());
     data_ = MakeData(model_.get());
   }
@@ -189,7 +189,7 @@ TEST_P(Rendering, AFloorWithNothingOnItHasNoShadows) {
       <geom type="plane" size="0 0 .1"/>
       <camera name="front" pos="2 -2 1.2" xyaxes="1 1 0 -.2 .2 1"/>
     </worldbody></mujoco>)");
-  SetClipPlanes(spec.get(), 1.4, 0.01, 100);
+  internal::SetClipPlanes(spec.get(), 1.4, 0.01, 100);
   model_ = Compile(spec.get());
   data_ = MakeData(model_.get());
   renderer_->SetModel(model_.get());

@@ -65,7 +65,7 @@ struct Compiled {
 
   explicit Compiled(const char* xml, double far = 30) {
     const SpecPtr spec = ParseXmlString(xml);
-    SetClipPlanes(spec.get(), 1, 0.01, far);
+    internal::SetClipPlanes(spec.get(), 1, 0.01, far);
     model = Compile(spec.get());
     data = MakeData(model.get());
     mj_forward(model.get(), data.get());

@@ -11,11 +11,7 @@
 #include "robocell/render/soft_kernel.h"
 #include "robocell/render/soft_scene.h"
 
-namespace robocell {
-
-using internal::SoftBuffer;
-using internal::SoftIds;
-using internal::SoftPicture;
+namespace robocell::internal {
 
 namespace {
 
@@ -162,4 +158,4 @@ CameraModel SoftRenderer::Render(const mjData* data, const RenderRequest& reques
   return camera;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -8,7 +8,7 @@
 
 #include "robocell/render/renderer.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class SoftRenderer final : public Renderer {
  public:
@@ -26,4 +26,4 @@ class SoftRenderer final : public Renderer {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -20,7 +20,7 @@
 #include "robocell/testing/menagerie.h"
 #include "robocell/testing/skip.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // Every shape, textures of both kinds, lights of both kinds, and flexible objects.
@@ -321,4 +321,4 @@ TEST(SoftEffects, AreTheSameWhateverWasDrawnBefore) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

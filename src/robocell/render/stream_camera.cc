@@ -8,7 +8,7 @@
 #include "robocell/base/suggestions.h"
 #include "robocell/mujoco/names.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // Without the prefix of the robot whose camera it is.
@@ -55,4 +55,4 @@ CameraView ViewOfStream(const Scene& scene, const CameraConfig& stream) {
   return NamedCamera(m, FindCameraName(scene, stream), place);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -7,7 +7,7 @@
 #include "robocell/scene/scene.h"
 #include "robocell/spec/camera_spec.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // The full name of a stream's camera: a robot's own (by its name without the prefix), else the
 // scene's. NotFoundError with the nearest names, as they are written here; ArgumentError when
@@ -19,4 +19,4 @@ std::string FindCameraName(const Scene& scene, const CameraConfig& stream);
 // NotFoundError for a body that the scene does not have.
 CameraView ViewOfStream(const Scene& scene, const CameraConfig& stream);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -6,7 +6,7 @@
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 class StreamCamera : public ::testing::Test {
@@ -72,4 +72,4 @@ TEST_F(StreamCamera, FollowsABody) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

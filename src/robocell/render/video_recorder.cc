@@ -95,7 +95,7 @@ int VideoRecorder::CameraId(std::string_view name) const {
 TrackingCamera VideoRecorder::TrackingAgain() const {
   if (tracked_.empty()) {
     throw ArgumentError(Place() + ": camera 'Tracking' has nothing to follow yet; " +
-                        CppAndPythonName("SetTrackingCamera") + " says which body");
+                        internal::CppAndPythonName("SetTrackingCamera") + " says which body");
   }
   TrackingCamera view = tracking_;
   view.body = RequireId(Model(), mjOBJ_BODY, tracked_, Place());

@@ -4,7 +4,7 @@
 #include <array>
 #include <Eigen/Geometry>
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // The drawn corners are rounded to single precision: what is this close to the view stays, metres.
@@ -98,4 +98,4 @@ bool ViewCull::MayBeSeen(const CameraModel& camera, const mjvGeom& geom) const {
   });
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -17,7 +17,7 @@
 
 #include "robocell/render/camera_model.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class ViewCull {
  public:
@@ -43,4 +43,4 @@ class ViewCull {
   std::vector<Box> meshes_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

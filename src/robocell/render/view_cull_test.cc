@@ -14,7 +14,7 @@
 #include "robocell/render/mjv_scene.h"
 #include "robocell/testing/skip.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr int kWide = 48, kHigh = 36;
@@ -130,4 +130,4 @@ TEST_F(ViewCulling, ShapesCountAsTheyAreDrawnNotAsTheyWereCompiled) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

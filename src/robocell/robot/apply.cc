@@ -24,7 +24,7 @@ Values Clamped(Values q, const std::vector<Interval>& limits) {
   return q;
 }
 
-void RequireKindOfCommand(const std::string& place, const GroupSlot& slot,
+void RequireKindOfCommand(const std::string& place, const internal::GroupSlot& slot,
                           const GroupCommand& command) {
   const bool gripper = slot.own->group->kind() == MoveGroupKind::kGripper;
   if ((command.kind == GroupCommand::kOpening) == gripper) return;
@@ -32,7 +32,8 @@ void RequireKindOfCommand(const std::string& place, const GroupSlot& slot,
                                        : " is no gripper: command it with joints or a pose"));
 }
 
-[[noreturn]] void ThrowOtherKind(const std::string& place, const GroupSlot& slot, TargetKind got) {
+[[noreturn]] void ThrowOtherKind(const std::string& place, const internal::GroupSlot& slot,
+                                 TargetKind got) {
   throw ArgumentError(
       fmt::format("{}: its controller '{}' takes {}, not {}; command it with those, "
                   "or choose another controller",
@@ -47,7 +48,8 @@ Values PoseTarget(const Pose& pose) {
 }
 
 // The target for the slot's controller in the controller's own terms. Checks the values.
-Values JointTarget(const std::string& place, const GroupSlot& slot, const GroupCommand& command) {
+Values JointTarget(const std::string& place, const internal::GroupSlot& slot,
+                   const GroupCommand& command) {
   RequireValues([&] { return place; }, "joint", command.values, slot.own->group->nq(),
                 slot.own->group->joint_names());
   const bool relative = command.kind == GroupCommand::kRelativeJoints;
@@ -69,7 +71,7 @@ Values JointTarget(const std::string& place, const GroupSlot& slot, const GroupC
 }
 
 // A pose becomes joint positions for a controller that takes these.
-void RequireTakesPose(const std::string& place, const GroupSlot& slot) {
+void RequireTakesPose(const std::string& place, const internal::GroupSlot& slot) {
   const TargetKind kind = slot.control->controller->target_kind();
   if (kind == TargetKind::kPose || kind == TargetKind::kJointPositions ||
       kind == TargetKind::kJointSteps)
@@ -77,7 +79,8 @@ void RequireTakesPose(const std::string& place, const GroupSlot& slot) {
   ThrowOtherKind(place, slot, TargetKind::kPose);
 }
 
-Values BaseTarget(const std::string& place, const GroupSlot& slot, const GroupCommand& command) {
+Values BaseTarget(const std::string& place, const internal::GroupSlot& slot,
+                  const GroupCommand& command) {
   if (slot.control->controller->target_kind() != TargetKind::kBasePose)
     ThrowOtherKind(place, slot, TargetKind::kBasePose);
   if (!IsFinite(command.pose))
@@ -86,7 +89,8 @@ Values BaseTarget(const std::string& place, const GroupSlot& slot, const GroupCo
 }
 
 // Velocities and torques, for controllers that take them.
-Values DirectTarget(const std::string& place, const GroupSlot& slot, const GroupCommand& command) {
+Values DirectTarget(const std::string& place, const internal::GroupSlot& slot,
+                    const GroupCommand& command) {
   const TargetKind kind = command.kind == GroupCommand::kTorques ? TargetKind::kJointTorques
                                                                  : TargetKind::kJointVelocities;
   if (slot.control->controller->target_kind() != kind) ThrowOtherKind(place, slot, kind);
@@ -102,7 +106,7 @@ Robot::ApplyResult Robot::Apply(const RobotAction& action) {
   ApplyResult result;
   std::vector<std::pair<Controller*, Values>> targets;
   for (const auto& [name, command] : action) {
-    GroupSlot& slot = state.Require(name);
+    internal::GroupSlot& slot = state.Require(name);
     Controller& controller = state.RequireController(slot);
     const std::string place = state.place(slot);
     RequireKindOfCommand(place, slot, command);
@@ -119,8 +123,8 @@ Robot::ApplyResult Robot::Apply(const RobotAction& action) {
         targets.emplace_back(&controller, PoseTarget(command.pose));
         continue;
       }
-      const IkResult ik =
-          IkStep(state.RequireChain(slot), command.pose, controller.commanded_joint_pos());
+      const IkResult ik = internal::IkStep(state.RequireChain(slot), command.pose,
+                                           controller.commanded_joint_pos());
       if (!ik.success) {
         if (result.ok) result = {.ok = false, .failed_group = name, .ik = ik};
         continue;

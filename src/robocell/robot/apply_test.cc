@@ -119,7 +119,8 @@ TEST_F(Apply, ASmallStepOfThePoseIsASmallStepOfTheJoints) {
     largest = std::max(largest, LargestDifference(Target(), before));
     EXPECT_TRUE(robot.FkFrame(Target()).is_close(next, 1e-5, 1e-5));
   }
-  EXPECT_LE(largest, kLeastJointStep + 0.02 / robot.chain().model().length * kJointStepGain + 1e-9);
+  EXPECT_LE(largest, internal::kLeastJointStep +
+                         0.02 / robot.chain().model().length * internal::kJointStepGain + 1e-9);
   EXPECT_LT(failed, 1.5 * unsolved) << "few poses that the arm reaches are out of its reach now";
   RecordProperty("failed", failed);
   RecordProperty("unsolved", unsolved);

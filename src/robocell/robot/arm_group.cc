@@ -61,7 +61,7 @@ void ArmGroup::InverseDynamics(std::span<const double> q, std::span<const double
 void ArmGroup::AddResistance(std::span<const double> q, std::span<const double> velocity,
                              std::span<double> torque) const {
   core().Bind();
-  AddJointResistance(core().model(), core().joint_ids(), q, velocity, torque);
+  internal::AddJointResistance(core().model(), core().joint_ids(), q, velocity, torque);
 }
 
 Interval ArmGroup::torque_limit(size_t joint) const {
@@ -83,7 +83,7 @@ size_t ArmGroup::FindStrained(std::span<const double> torque, size_t from) const
 bool ArmGroup::IsInsideLimits(const mjModel* m, size_t joint, double torque) const {
   const int actuator = core().actuator_ids()[joint], id = core().joint_ids()[joint];
   const int input = m->actuator_ctrladr[actuator];
-  const double gear = Gear(m, actuator);
+  const double gear = internal::Gear(m, actuator);
   return (!m->actuator_ctrllimited[input] ||
           IsInside(torque, m->actuator_ctrlrange + 2 * input,
                    gear * m->actuator_gainprm[mjNGAIN * actuator])) &&
@@ -98,7 +98,7 @@ Interval ArmGroup::TorqueLimit(const mjModel* m, size_t joint) const {
   const int actuator = core().actuator_ids()[joint];
   Interval limit{-kNoLimit, kNoLimit};
   const int input = m->actuator_ctrladr[actuator];
-  const double gear = Gear(m, actuator);
+  const double gear = internal::Gear(m, actuator);
   if (m->actuator_ctrllimited[input])
     CutOff(limit, m->actuator_ctrlrange + 2 * input,
            gear * m->actuator_gainprm[mjNGAIN * actuator]);
@@ -107,7 +107,7 @@ Interval ArmGroup::TorqueLimit(const mjModel* m, size_t joint) const {
 
 Interval ArmGroup::WithinForceLimits(const mjModel* m, size_t joint, Interval limit) const {
   const int actuator = core().actuator_ids()[joint], id = core().joint_ids()[joint];
-  const double gear = Gear(m, actuator);
+  const double gear = internal::Gear(m, actuator);
   if (m->actuator_forcelimited[actuator])
     CutOff(limit, m->actuator_forcerange + 2 * actuator, gear);
   if (m->jnt_actfrclimited[id]) CutOff(limit, m->jnt_actfrcrange + 2 * id, 1);
@@ -119,7 +119,7 @@ void ArmGroup::CtrlForJointTorque(std::span<const double> torque, std::span<doub
   const mjModel* m = core().model();
   const std::vector<int>& ids = core().actuator_ids();
   for (size_t i = 0; i < ids.size(); ++i) {
-    const double gear = Gear(m, ids[i]);
+    const double gear = internal::Gear(m, ids[i]);
     ctrl[i] = torque[i] / (gear * m->actuator_gainprm[mjNGAIN * ids[i]]);
   }
 }
@@ -130,7 +130,7 @@ void ArmGroup::CtrlForJointVel(std::span<const double> velocity, std::span<const
   const mjModel* m = core().model();
   const std::vector<int>& ids = core().actuator_ids();
   for (size_t i = 0; i < ids.size(); ++i) {
-    const double gear = Gear(m, ids[i]);
+    const double gear = internal::Gear(m, ids[i]);
     const double gain = gear * m->actuator_gainprm[mjNGAIN * ids[i]];
     const Interval limit = WithinForceLimits(m, i, {-kNoLimit, kNoLimit});
     const double push = std::clamp(gain * gear * (velocity[i] - now[i]) + torque[i],
@@ -145,7 +145,7 @@ void ArmGroup::JointPosForTorque(std::span<const double> q, std::span<const doub
   const mjModel* m = core().model();
   const std::vector<int>& ids = core().actuator_ids();
   for (size_t i = 0; i < ids.size(); ++i) {
-    const double gear = Gear(m, ids[i]);
+    const double gear = internal::Gear(m, ids[i]);
     const mjtNum* bias = m->actuator_biasprm + mjNBIAS * ids[i];
     out[i] = q[i] + (bias[2] * v[i] - torque[i] / (gear * gear)) / bias[1];
   }

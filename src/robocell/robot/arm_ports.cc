@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace robocell {
+namespace robocell::internal {
 
 int ArmPorts::Index(TargetKind kind) {
   switch (kind) {
@@ -80,4 +80,4 @@ void ArmPorts::Reseed(const MoveGroup& arm) {
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -9,7 +9,7 @@
 
 #include "robocell/robot/controller.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class ArmPorts {
  public:
@@ -41,4 +41,4 @@ class ArmPorts {
   int in_use_ = kNone;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -7,7 +7,7 @@
 #include "robocell/robot/testing/robots.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 class ArmPortsTest : public CommandedRobot {};
@@ -41,4 +41,4 @@ TEST_F(ArmPortsTest, EveryPortNamesTheJoint) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -6,7 +6,7 @@
 
 #include "robocell/mujoco/names.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 std::vector<double> ArrivalTolerances(const Robot& robot, const std::string& group) {
   const mjModel* m = robot.scene().model();
@@ -27,4 +27,4 @@ bool AreWithin(std::span<const double> q, std::span<const double> target,
   return true;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

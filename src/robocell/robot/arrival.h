@@ -11,7 +11,7 @@
 
 #include "robocell/robot/robot.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Within which each joint of the group has arrived, rad or m, as the robot's configuration says.
 // Joints of one degree of freedom.
@@ -21,4 +21,4 @@ std::vector<double> ArrivalTolerances(const Robot& robot, const std::string& gro
 bool AreWithin(std::span<const double> q, std::span<const double> target,
                std::span<const double> tolerances, double times = 1);
 
-}  // namespace robocell
+}  // namespace robocell::internal

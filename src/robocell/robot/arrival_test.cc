@@ -5,7 +5,7 @@
 
 #include "robocell/robot/testing/robots.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 TEST(Arrival, OfSlidesIsATenthOfThatOfHingesInMetres) {
@@ -33,4 +33,4 @@ TEST(Arrival, OfSlidesIsATenthOfThatOfHingesInMetres) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

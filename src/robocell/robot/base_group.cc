@@ -11,7 +11,7 @@
 #include "robocell/robot/joint_group.h"
 #include "robocell/robot/robot.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr double kInPlane = 1e-6;  // m and rad; numbers in files are rounded
@@ -132,4 +132,4 @@ void LeavesObject::Warn(const Scene& scene, const std::string& robot, const std:
                   place, held, give));
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -10,7 +10,7 @@
 #include "robocell/scene/scene.h"
 #include "robocell/spec/robot_config.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // `names.leaf`: the body that pose() is the pose of. `names.joints`: those of a free, planar or
 // driven base. ArgumentError when a planar base has other joints than x, y and yaw.
@@ -31,4 +31,4 @@ class LeavesObject {
   bool told_ = false;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

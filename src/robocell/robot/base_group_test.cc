@@ -7,7 +7,7 @@
 #include "robocell/robot/testing/robots.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 Robot OnBase(const BaseConfig& base, const Vec3& pos = {}, const Vec3& euler = {}) {
@@ -122,4 +122,4 @@ TEST(ConfiguredBase, StandsOnTheBodyMadeForIt) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -2,7 +2,7 @@
 
 #include "robocell/base/error.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 std::unique_ptr<Controller> MakeBasePoseController(MoveGroup& group) {
   if (auto* base = dynamic_cast<DrivenBase*>(&group))
@@ -27,4 +27,4 @@ std::span<const double> BasePoseController::commanded_joint_pos() const {
   return joint_;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

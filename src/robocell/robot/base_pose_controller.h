@@ -7,7 +7,7 @@
 #include "robocell/robot/controller.h"
 #include "robocell/robot/driven_base.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 inline constexpr std::string_view kBasePoseController = "base_pose";
 
@@ -37,4 +37,4 @@ class BasePoseController : public Controller {
   mutable std::array<double, 7> joint_ = {};
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -32,7 +32,7 @@ struct CollisionFilter::State {
   bool IsFree(std::span<const double> q);
 
   std::mutex mutex;  // threads that share a filter share the data it judges in
-  ScratchRobot scratch;
+  internal::ScratchRobot scratch;
   double clearance;
   std::vector<char> ignored;  // per geom
 };
@@ -44,7 +44,7 @@ CollisionFilter::CollisionFilter(const Robot& robot, const CollisionFilterOption
   for (const std::string& name : options.ignored) {
     const int body = RequireId(m, mjOBJ_BODY, name, place);
     for (int g = 0; g < m->ngeom; ++g) {
-      if (IsInSubtree(m, m->geom_bodyid[g], body)) state_->ignored[g] = 1;
+      if (internal::IsInSubtree(m, m->geom_bodyid[g], body)) state_->ignored[g] = 1;
     }
   }
 }
@@ -67,7 +67,7 @@ bool CollisionFilter::State::IsFree(std::span<const double> q) {
   scratch.robot().chain().RequireJointValues("collision filter: q", q);
   scratch.SetArm(q);
   if (!scratch.FindTouches()) return false;  // what is missing may be in the way
-  const auto is_fine = [&](const ScratchRobot::Touch& touch) {
+  const auto is_fine = [&](const internal::ScratchRobot::Touch& touch) {
     return (!touch.itself && touch.distance >= clearance) || ignored[touch.own_geom] ||
            ignored[touch.other_geom];
   };

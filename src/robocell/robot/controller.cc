@@ -29,10 +29,10 @@ struct Registry {
 
 Registry& TheRegistry() {
   static Registry registry{
-      .kinds = {{"base_pose", {MakeBasePoseController}},
+      .kinds = {{"base_pose", {internal::MakeBasePoseController}},
                 {"joint_position", {MakeJointPositionController}},
-                {"joint_velocity", {MakeJointVelocityController, CtrlMode::kVelocity}},
-                {"joint_torque", {MakeJointTorqueController, CtrlMode::kTorque}}}};
+                {"joint_velocity", {internal::MakeJointVelocityController, CtrlMode::kVelocity}},
+                {"joint_torque", {internal::MakeJointTorqueController, CtrlMode::kTorque}}}};
   return registry;
 }
 
@@ -103,7 +103,7 @@ void RegisterController(const std::string& kind, ControllerFactory factory, Ctrl
 
 void RequireControllable(const MoveGroup& group, const std::string& kind,
                          const std::string& place) {
-  const std::string why = WhyNotControlledBy(group.kind(), kind);
+  const std::string why = internal::WhyNotControlledBy(group.kind(), kind);
   if (!why.empty()) throw ArgumentError(place + ": " + why);
 }
 

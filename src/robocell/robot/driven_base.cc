@@ -10,7 +10,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/robot/controller.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // Full speed is reached, and lost again, in this time, s.
@@ -191,4 +191,4 @@ void DrivenBase::Advance() {
   WriteMocap(Pose(here.translation() + lead(v, ramp_.linear_acceleration()), turned.quaternion()));
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -18,7 +18,7 @@
 #include "robocell/robot/pose_ramp.h"
 #include "robocell/spec/robot_config.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class DrivenBase : public JointGroupOf<BaseGroup> {
  public:
@@ -71,4 +71,4 @@ class DrivenBase : public JointGroupOf<BaseGroup> {
   mutable int mocap_ = -1, equality_ = -1;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

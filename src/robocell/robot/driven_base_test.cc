@@ -13,7 +13,7 @@
 #include "robocell/robot/testing/hands.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -448,4 +448,4 @@ TEST(DrivenBaseControl, IsItsOwnAlone) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

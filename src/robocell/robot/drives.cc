@@ -12,7 +12,7 @@
 #include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/control_modes.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 std::vector<std::string> AddedActuators(const std::vector<std::string>& joints, CtrlMode mode) {
@@ -222,4 +222,4 @@ std::optional<CtrlMode> ModeNow(const Drives& drives, const Scene& scene) {
 
 std::string PortController(CtrlMode mode) { return std::string("joint_") + ToString(mode); }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -11,7 +11,7 @@
 #include "robocell/robot/arm_group.h"
 #include "robocell/spec/ctrl_mode.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 struct Drives {
   // By CtrlMode; null where there is none, for the reason beside it.
@@ -54,4 +54,4 @@ std::optional<CtrlMode> ModeNow(const Drives& drives, const Scene& scene);
 // The controller of a mode's port: "joint_torque".
 std::string PortController(CtrlMode mode);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -11,7 +11,7 @@
 #include "robocell/robot/testing/robots.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::ElementsAre;
@@ -336,4 +336,4 @@ TEST_F(MotorArms, SayWhenDeclaredModesCannotBeHad) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -11,7 +11,7 @@
 #include "robocell/mujoco/owners.h"
 #include "robocell/mujoco/tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr double kFarthest = 1.0;   // metres; no gripper opens wider
@@ -229,4 +229,4 @@ double FingerDistance(const mjModel* m, mjData* d, const Finger& a, const Finger
   return std::max(0.0, NearestOf(m, d, a, b).distance);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

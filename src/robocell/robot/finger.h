@@ -11,7 +11,7 @@
 #include "robocell/mujoco/forward.h"
 #include "robocell/scene/element_lookup.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 struct Finger {
   int site = -1;           // set when the finger is named by a site
@@ -57,4 +57,4 @@ std::string HowToNameTips(const mjModel* model, const FingerPair& pair, const Ja
 // Metres; 0 when they overlap. Needs data at position stage. No allocation.
 double FingerDistance(const mjModel* model, mjData* data, const Finger& a, const Finger& b);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -15,7 +15,7 @@
 #include "robocell/scene/servo_stability.h"
 #include "robocell/spec/locations.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr double kOpenFrom = 0.9;      // opening above which a gripper counts as open
@@ -396,4 +396,4 @@ bool ActuatedGripper::IsGraspingAnything() const {
   });
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -23,7 +23,7 @@
 #include "robocell/robot/joint_group.h"
 #include "robocell/spec/robot_config.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class ActuatedGripper : public JointGroupOf<GripperGroup> {
  public:
@@ -87,4 +87,4 @@ class ActuatedGripper : public JointGroupOf<GripperGroup> {
   BeyondLimits beyond_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -12,7 +12,7 @@
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::Contains;
@@ -563,4 +563,4 @@ TEST_P(AnyGripper, ReadsItsOpeningFromItsJointWhereItsRangeIsGiven) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

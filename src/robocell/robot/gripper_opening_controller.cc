@@ -5,7 +5,7 @@
 
 #include "robocell/base/error.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 GripperOpeningController::GripperOpeningController(GripperGroup& group)
     : group_(group), present_(group.nu()) {
@@ -51,4 +51,4 @@ void GripperOpeningController::Compute(std::span<double> ctrl) {
   seen_ = ctrl[0];
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

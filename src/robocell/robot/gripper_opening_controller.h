@@ -11,7 +11,7 @@
 #include "robocell/robot/controller.h"
 #include "robocell/robot/move_group.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class GripperOpeningController : public Controller {
  public:
@@ -41,4 +41,4 @@ class GripperOpeningController : public Controller {
   BeyondLimits beyond_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -17,7 +17,7 @@
 #include "robocell/robot/measurement_cache.h"
 #include "robocell/robot/move_group.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr double kLeastSeconds = 1.0;
@@ -195,4 +195,4 @@ std::array<double, 2> SettledFingerDistances(const Scene& scene, const GripperPa
   return {distances[0], distances[1]};
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -10,7 +10,7 @@
 #include "robocell/scene/scene.h"
 #include "robocell/spec/robot_config.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // The behaviour of a gripper at the two ends of its control.
 struct GripperRange {
@@ -54,4 +54,4 @@ std::optional<std::array<int, 2>> OverlapOfFingers(const Scene& scene, const Gri
 // "0.7", of several actuators "[0.7, -0.7]".
 std::string CtrlText(const std::vector<double>& ctrl);
 
-}  // namespace robocell
+}  // namespace robocell::internal

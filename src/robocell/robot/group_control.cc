@@ -2,7 +2,7 @@
 
 #include "robocell/kinematics/kdl_segments.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 std::string ControlKey(const MoveGroup& arm) {
@@ -104,4 +104,4 @@ void GroupControl::PutBack(Driven before) {
   Replace(std::move(before.of), std::move(before.controller), before.drive);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -16,7 +16,7 @@
 #include "robocell/robot/arm_ports.h"
 #include "robocell/robot/group_factory.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Prefix of the keys of all controls (ControlledGroup::control_key()).
 inline constexpr std::string_view kControlKey = "control:";
@@ -123,4 +123,4 @@ struct GroupControl : SceneObserver {
   std::vector<Replaced> replaced_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

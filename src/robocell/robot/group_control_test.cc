@@ -10,7 +10,7 @@
 #include "robocell/robot/testing/robots.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::ElementsAreArray;
@@ -369,4 +369,4 @@ TEST(Paused, StepsOfTheRobotLeaveTheSceneAsItIs) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -28,7 +28,7 @@ int VelocitiesOf(int type) { return type == mjJNT_FREE ? 6 : type == mjJNT_BALL 
 // Where, among the group's positions, the hinge or slide is that an actuator drives; -1 when it
 // drives something else.
 int DrivenPosition(const mjModel* m, int actuator, const std::vector<int>& qpos_addresses) {
-  if (!ActsOnJoint(m, actuator)) return -1;
+  if (!internal::ActsOnJoint(m, actuator)) return -1;
   const int joint = m->actuator_trnid[2 * actuator];
   if (PositionsOf(m->jnt_type[joint]) != 1) return -1;
   const auto at = std::find(qpos_addresses.begin(), qpos_addresses.end(), m->jnt_qposadr[joint]);
@@ -212,14 +212,14 @@ void GroupCore::NoopCtrl(std::span<double> out) const {
   const mjModel* m = model();
   mjData* d = data();
   // After a teleport inside of a reset, lengths are those of before.
-  Guarded("lengths of the actuators", d, [&] {
+  internal::Guarded("lengths of the actuators", d, [&] {
     mj_tendon(m, d);
     mj_transmission(m, d);
   });
   std::fill(out.begin(), out.end(), 0.0);
   size_t at = 0;
   for (const int id : actuator_ids_) {
-    if (const auto ctrl = HoldingCtrl(m, d, id)) out[at] = *ctrl;
+    if (const auto ctrl = internal::HoldingCtrl(m, d, id)) out[at] = *ctrl;
     at += m->actuator_ctrlnum[id];
   }
 }
@@ -229,7 +229,7 @@ std::optional<double> GroupCore::RestingCtrlFor(size_t actuator, std::span<const
   const mjModel* m = model();
   const int id = actuator_ids_[actuator], joint = driven_[actuator];
   if (joint < 0) return std::nullopt;
-  return FreeRestingCtrl(m, id, Gear(m, id) * q[joint]);
+  return internal::FreeRestingCtrl(m, id, internal::Gear(m, id) * q[joint]);
 }
 
 void GroupCore::CtrlForJointPos(std::span<const double> q, std::span<double> ctrl) const {
@@ -247,7 +247,8 @@ void GroupCore::CtrlForJointPos(std::span<const double> q, std::span<double> ctr
           "{{{}: joint_impedance}}` at the top level of the robot file, or joint_torque there to "
           "command torques), or the model a servo",
           place(), names_.actuators[i],
-          driven_[i] < 0 ? "" : " but " + DescribeActuator(m, actuator_ids_[i]), names_.group));
+          driven_[i] < 0 ? "" : " but " + internal::DescribeActuator(m, actuator_ids_[i]),
+          names_.group));
     }
     ctrl[i] = *rest;
     const int input = m->actuator_ctrladr[actuator_ids_[i]];
@@ -264,8 +265,8 @@ void GroupCore::SettleFilters(std::span<const double> q) const {
   for (size_t i = 0; i < actuator_ids_.size(); ++i) {
     const int id = actuator_ids_[i], joint = driven_[i];
     if (joint < 0) continue;
-    if (const auto ctrl = RestingCtrl(m, id, Gear(m, id) * q[joint]))
-      SettleFilter(m, data(), id, *ctrl);
+    if (const auto ctrl = internal::RestingCtrl(m, id, internal::Gear(m, id) * q[joint]))
+      internal::SettleFilter(m, data(), id, *ctrl);
   }
 }
 
@@ -320,7 +321,7 @@ Eigen::Vector3d GroupCore::gravity_in_base() const {
                                                                                 9 * base_.id);
   // Not as a product of matrices, which is a call.
   return rotation.transpose().lazyProduct(
-      Eigen::Map<const Eigen::Vector3d>(EffectiveGravity(model())));
+      Eigen::Map<const Eigen::Vector3d>(internal::EffectiveGravity(model())));
 }
 
 void GroupCore::Jacobian(Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out) const {

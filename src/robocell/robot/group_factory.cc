@@ -15,7 +15,7 @@
 #include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/element_lookup.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // "elbow ('push' on it is a motor)": what a joint has instead.
@@ -202,4 +202,4 @@ MadeGroup MakeAdHocArm(const Scene& scene, const RobotRecord& robot,
   return MakeArmGroup(scene, std::move(names), tip, found.why_none);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

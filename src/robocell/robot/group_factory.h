@@ -15,7 +15,7 @@
 #include "robocell/spec/locations.h"
 #include "robocell/spec/robot_config.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 struct MadeGroup {
   std::shared_ptr<MoveGroup> group;
@@ -55,4 +55,4 @@ auto Located(const RobotConfig& config, const std::string& field, F&& f) {
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -11,7 +11,7 @@
 #include "robocell/robot/validate_config.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -87,4 +87,4 @@ TEST_F(LocatedRobot, AControllerThatTheArmCannotHave) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

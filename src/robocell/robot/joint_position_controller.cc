@@ -11,7 +11,7 @@ namespace robocell {
 
 std::unique_ptr<Controller> MakeJointPositionController(MoveGroup& group) {
   if (auto* gripper = dynamic_cast<GripperGroup*>(&group)) {
-    return std::make_unique<GripperOpeningController>(*gripper);
+    return std::make_unique<internal::GripperOpeningController>(*gripper);
   }
   return std::make_unique<JointPositionController>(group);
 }

@@ -7,7 +7,7 @@
 
 #include "robocell/mujoco/actuators.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 double SpringTorque(const mjModel* m, int joint, double q) {
@@ -79,4 +79,4 @@ void AddJointResistance(const mjModel* m, const std::vector<int>& joints, std::s
   if (dampers) AddActuatorDampers(m, joints, velocity, torque);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

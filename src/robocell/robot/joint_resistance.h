@@ -6,7 +6,7 @@
 
 #include "robocell/mujoco/forward.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Adds to `torque` (N m or N) what keeps joints at `q` moving at `velocity` (rad and rad/s, or m
 // and m/s) against their springs, their dampers, those of actuators on them (which count even where
@@ -21,4 +21,4 @@ void AddJointResistance(const mjModel* model, const std::vector<int>& joint_ids,
                         std::span<const double> q, std::span<const double> velocity,
                         std::span<double> torque);
 
-}  // namespace robocell
+}  // namespace robocell::internal

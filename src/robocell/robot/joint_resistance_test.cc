@@ -9,7 +9,7 @@
 #include "robocell/mujoco/compile.h"
 #include "robocell/mujoco/owners.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // Of the constraints of joints that keep their speeds, of which friction alone touches these.
@@ -61,4 +61,4 @@ TEST(JointResistance, IsWhatTheEngineComputesWithEachPartOnAndOff) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

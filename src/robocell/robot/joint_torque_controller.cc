@@ -6,7 +6,7 @@
 
 #include "robocell/base/error.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 ArmGroup& RequireArm(MoveGroup& group, std::string_view controller) {
   if (auto* arm = dynamic_cast<ArmGroup*>(&group)) return *arm;
@@ -58,4 +58,4 @@ void JointTorqueController::TellStrained() {
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

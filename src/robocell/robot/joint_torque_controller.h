@@ -11,7 +11,7 @@
 #include "robocell/robot/controller.h"
 #include "robocell/robot/port_values.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // ArgumentError unless the group is an arm's.
 std::unique_ptr<Controller> MakeJointTorqueController(MoveGroup& group);
@@ -53,4 +53,4 @@ class JointTorqueController : public Controller {
 // the group's place, for any other group.
 ArmGroup& RequireArm(MoveGroup& group, std::string_view controller);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -5,7 +5,7 @@
 
 #include "robocell/robot/joint_torque_controller.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr double kBraking = 0.1;  // s, in which the velocity at the start falls to 1/e
@@ -72,4 +72,4 @@ void JointVelocityController::Compute(std::span<double> ctrl) {
   arm_.CtrlForJointVel(velocity, qd_, feedforward_, ctrl);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -14,7 +14,7 @@
 #include "robocell/robot/controller.h"
 #include "robocell/robot/port_values.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // ArgumentError unless the group is an arm's.
 std::unique_ptr<Controller> MakeJointVelocityController(MoveGroup& group);
@@ -52,4 +52,4 @@ class JointVelocityController : public Controller {
   bool braking_ = false;  // from `start_`
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

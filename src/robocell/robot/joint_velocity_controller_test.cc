@@ -8,7 +8,7 @@
 #include "robocell/robot/testing/robots.h"
 #include "robocell/scene/testing/scenes.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // An arm that turns about the vertical, then about a level axis, so that gravity pulls.
@@ -134,4 +134,4 @@ TEST_F(VelocityMode, ReachesItWithoutDampersSpringsOrFrictionWhereTheSceneDisabl
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -23,7 +23,7 @@ RobotRecord AdHocRecord(const Scene& scene, const std::string& prefix,
   record.base_body = prefix + base_body;
   for (const RobotRecord& known : scene.compiled()->robots()) {
     if (known.prefix != prefix) continue;
-    if (IsInSubtree(m, root, FindId(m, mjOBJ_BODY, known.base_body))) record = known;
+    if (internal::IsInSubtree(m, root, FindId(m, mjOBJ_BODY, known.base_body))) record = known;
   }
   record.config = {};
   record.prefix = prefix;
@@ -49,10 +49,10 @@ Robot Robot::Of(const Scene& scene, const std::string& name) {
     return Robot(scene, std::move(known));
   }
   auto state = std::make_shared<State>(scene, record);
-  for (MadeGroup& made : MakeGroups(scene, record)) {
+  for (internal::MadeGroup& made : internal::MakeGroups(scene, record)) {
     const std::string group = made.group->name();
     const ControlKind* control = record.config.control.find(group);
-    Located(record.config, (control ? "control." : "move_groups.") + group, [&] {
+    internal::Located(record.config, (control ? "control." : "move_groups.") + group, [&] {
       state->AddGroup(std::move(made), control ? ToString(*control) : kDefaultControl,
                       control != nullptr);
     });
@@ -72,10 +72,10 @@ Robot Robot::FromScene(const Scene& scene, const std::string& base_body,
   const Chain chain(scene.model(), record.root_body, tip, chain_options);
   auto state = std::make_shared<State>(scene, record, chain_options);
   state->tip_body = options.prefix + tip_body;
-  MadeGroup arm = MakeAdHocArm(scene, record, chain.joint_names(), tip);
+  internal::MadeGroup arm = internal::MakeAdHocArm(scene, record, chain.joint_names(), tip);
   const CtrlMode native = arm.drives->native.value_or(CtrlMode::kPosition);
-  state->AddGroup(std::move(arm), PortController(native), false);
-  state->AddGroup(MakeImplicitBase(scene, record), kDefaultControl, false);
+  state->AddGroup(std::move(arm), internal::PortController(native), false);
+  state->AddGroup(internal::MakeImplicitBase(scene, record), kDefaultControl, false);
   Scene(scene).AddObserver(state);
   return Robot(scene, std::move(state));
 }

@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // By generation, which no two models of a process share: the oldest goes first.
@@ -46,4 +46,4 @@ std::vector<double> CachedMeasurement(const CompiledScene& compiled, const std::
   return measured;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -12,11 +12,11 @@
 
 #include "robocell/scene/compiled_scene.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Returns what `measure` returned for this model and this name before, or calls it. A model that is
 // not frozen may have been written to since, so that it is measured each time. Thread-safe.
 std::vector<double> CachedMeasurement(const CompiledScene& compiled, const std::string& what,
                                       const std::function<std::vector<double>()>& measure);
 
-}  // namespace robocell
+}  // namespace robocell::internal

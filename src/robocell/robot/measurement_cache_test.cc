@@ -5,7 +5,7 @@
 #include "robocell/robot/gripper_group.h"
 #include "robocell/robot/testing/robots.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 TEST(CachedMeasurement, AFrozenModelIsMeasuredOnceForAllItsScenes) {
@@ -42,4 +42,4 @@ TEST(CachedMeasurement, RobotsOnOneModelAreMeasuredAsRobotsAlone) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

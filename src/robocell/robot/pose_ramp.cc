@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // Share of the acceleration that planned braking uses; the rest corrects the speed if ticks are
@@ -56,4 +56,4 @@ void PoseRamp::Advance(const Pose& goal, const Limits& limits, double seconds) {
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -12,7 +12,7 @@
 
 #include "robocell/math/pose.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class PoseRamp {
  public:
@@ -41,4 +41,4 @@ class PoseRamp {
   Eigen::Vector3d linear_, angular_, linear_change_, angular_change_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -6,7 +6,7 @@
 
 #include "robocell/testing/random_values.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr PoseRamp::Limits kLimits{0.5, 2, 5, 20};
@@ -89,4 +89,4 @@ TEST(PoseRamp, WithoutTimeNothingMoves) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -74,13 +74,13 @@ GripperGroup& Robot::gripper() const {
 }
 
 std::string Robot::gripper_of(const std::string& arm) const {
-  const GroupSlot& slot = open().Require(arm);
+  const internal::GroupSlot& slot = open().Require(arm);
   if (slot.own->group->kind() != MoveGroupKind::kArm) {
     throw ArgumentError(fmt::format("{} is of kind {}, and grippers go with arms: {}",
                                     open().place(slot), ToString(slot.own->group->kind()),
                                     ListNames(NamesOfKind(*this, MoveGroupKind::kArm))));
   }
-  const GroupSlot* gripper = open().GripperOf(slot);
+  const internal::GroupSlot* gripper = open().GripperOf(slot);
   return gripper ? gripper->own->group->name() : "";
 }
 
@@ -90,8 +90,8 @@ BaseGroup& Robot::base() const {
 
 void Robot::SetGroup(std::shared_ptr<MoveGroup> group) {
   RequireInterface(group.get());
-  MadeGroup made{std::move(group)};
-  const GroupSlot* old = open().Find(made.group->name());
+  internal::MadeGroup made{std::move(group)};
+  const internal::GroupSlot* old = open().Find(made.group->name());
   const bool same_arm = old && old->own->tip && made.group->kind() == MoveGroupKind::kArm &&
                         old->own->group->joint_names() == made.group->joint_names();
   if (same_arm) made.tip = old->own->tip;
@@ -109,12 +109,12 @@ Controller& Robot::controller(const std::string& group) const {
 std::shared_ptr<Controller> Robot::shared_controller(const std::string& group) const {
   struct Kept {  // from the last to go to the first
     Robot robot;
-    std::shared_ptr<GroupSlot> slot;
-    std::shared_ptr<ControlledGroup> of;
+    std::shared_ptr<internal::GroupSlot> slot;
+    std::shared_ptr<internal::ControlledGroup> of;
     std::shared_ptr<Controller> controller;
   };
   controller(group);  // or why there is none
-  GroupSlot& slot = open().Require(group);
+  internal::GroupSlot& slot = open().Require(group);
   const auto kept = std::make_shared<Kept>(
       Kept{*this, slot.shared_from_this(), slot.control->of, slot.control->controller});
   return {kept, kept->controller.get()};
@@ -122,7 +122,7 @@ std::shared_ptr<Controller> Robot::shared_controller(const std::string& group) c
 
 void Robot::SetController(const std::string& group, std::unique_ptr<Controller> controller) {
   if (!controller) throw ArgumentError(open().place() + ": a controller cannot be null");
-  GroupSlot& slot = open().Require(group);
+  internal::GroupSlot& slot = open().Require(group);
   open().Use(slot, std::move(controller));
   slot.control->chosen = true;
 }
@@ -133,7 +133,7 @@ void Robot::SetController(const std::string& group, const std::string& kind) {
 
 std::unique_ptr<Controller> Robot::NewController(const std::string& group,
                                                  const std::string& kind) const {
-  GroupSlot& slot = open().Require(group);
+  internal::GroupSlot& slot = open().Require(group);
   const CtrlMode mode = ControllerMode(kind, open().place(slot));
   RequireControllable(*slot.own->group, kind, open().place(slot));
   return open().Successor(slot, kind, mode);
@@ -147,9 +147,9 @@ void Robot::ThrowOtherClass(const std::string& group, const Controller& made) co
 }
 
 CtrlMode Robot::ctrl_mode() const {
-  GroupSlot& slot = open().RequireKind(MoveGroupKind::kArm);
+  internal::GroupSlot& slot = open().RequireKind(MoveGroupKind::kArm);
   const CtrlMode told = open().RequireController(slot).mode();
-  return ModeNow(slot.own->drives, open().scene).value_or(told);
+  return internal::ModeNow(slot.own->drives, open().scene).value_or(told);
 }
 
 void Robot::set_ctrl_mode(CtrlMode mode) {
@@ -158,11 +158,11 @@ void Robot::set_ctrl_mode(CtrlMode mode) {
                                     open().place(), static_cast<int>(mode),
                                     ListNames(ValueNames<CtrlMode>())));
   }
-  GroupSlot& slot = open().RequireKind(MoveGroupKind::kArm);
+  internal::GroupSlot& slot = open().RequireKind(MoveGroupKind::kArm);
   const bool there = slot.control->controller &&
-                     slot.control->controller->kind() == PortController(mode) &&
-                     ModeNow(slot.own->drives, open().scene).value_or(mode) == mode;
-  if (!there) SetController(slot.own->group->name(), PortController(mode));
+                     slot.control->controller->kind() == internal::PortController(mode) &&
+                     internal::ModeNow(slot.own->drives, open().scene).value_or(mode) == mode;
+  if (!there) SetController(slot.own->group->name(), internal::PortController(mode));
   slot.control->chosen = true;
 }
 
@@ -188,7 +188,7 @@ std::vector<std::shared_ptr<MoveGroup>> GroupsKeptBy(const Scene& scene) {
 void Robot::Update() {
   State& state = open();
   state.ReadPorts();
-  state.ForControlled([](GroupControl& control) { control.Run(); });
+  state.ForControlled([](internal::GroupControl& control) { control.Run(); });
 }
 
 StepResult Robot::StepN(int n) { return scene_.StepN(state_->paused ? 0 : n); }
@@ -203,7 +203,7 @@ std::span<const double> Robot::jnt_vel_msr() const { return open().vel; }
 std::span<const double> Robot::jnt_trq_msr() const { return open().trq; }
 
 std::span<double> Robot::Port(TargetKind kind, const char* name, CtrlMode mode) const {
-  GroupSlot& slot = open().RequireKind(MoveGroupKind::kArm);
+  internal::GroupSlot& slot = open().RequireKind(MoveGroupKind::kArm);
   Controller& controller = open().RequireController(slot);
   if (controller.port_kind() == kind) return controller.command_port();
   if (controller.mode() == mode) {
@@ -220,7 +220,7 @@ std::span<double> Robot::Port(TargetKind kind, const char* name, CtrlMode mode) 
 }
 
 void Robot::WritePort(TargetKind kind, std::span<double> port, std::span<const double> values) {
-  GroupSlot& slot = open().RequireKind(MoveGroupKind::kArm);
+  internal::GroupSlot& slot = open().RequireKind(MoveGroupKind::kArm);
   RequireValues([&] { return open().place(slot); }, "joint", values, static_cast<int>(port.size()),
                 joint_names());
   std::copy(values.begin(), values.end(), port.begin());
@@ -250,7 +250,7 @@ void Robot::SetJntTrqCmd(std::span<const double> torque) {
 }
 
 void Robot::SetJointPos(std::span<const double> q, bool call_forward) {
-  GroupSlot& slot = open().RequireKind(MoveGroupKind::kArm);
+  internal::GroupSlot& slot = open().RequireKind(MoveGroupKind::kArm);
   auto* arm = dynamic_cast<ArmGroup*>(slot.own->group.get());
   if (arm) {
     arm->WriteJointPos(q);
@@ -326,12 +326,12 @@ Eigen::Vector3d Robot::gravity_in_base(std::optional<double> gravity_z) const {
   if (gravity_z) return base_in_world().rotation().transpose() * Eigen::Vector3d(0, 0, *gravity_z);
   if (const ArmGroup* arm = open().RequireKind(MoveGroupKind::kArm).own->arm)
     return arm->gravity_in_base();
-  const Eigen::Map<const Eigen::Vector3d> gravity(EffectiveGravity(open().scene.model()));
+  const Eigen::Map<const Eigen::Vector3d> gravity(internal::EffectiveGravity(open().scene.model()));
   return base_in_world().rotation().transpose() * gravity;
 }
 
 void Robot::GravityTorques(std::span<double> out, std::optional<double> gravity_z) const {
-  GroupSlot& slot = open().RequireKind(MoveGroupKind::kArm);
+  internal::GroupSlot& slot = open().RequireKind(MoveGroupKind::kArm);
   const Chain& arm_chain = open().RequireChain(slot);
   const bool of_scene = slot.own->arm && !gravity_z;
   arm_chain.GravityTorques(Positions(*slot.own->group),
@@ -348,13 +348,13 @@ Wrench Robot::ft_sensor(const std::string& name) const {
 }
 
 Pose Robot::ft_sensor_frame(const std::string& name) const {
-  const FtSensor& sensor = state_->RequireFtSensor(name).sensor;
+  const internal::FtSensor& sensor = state_->RequireFtSensor(name).sensor;
   state_->scene.SyncPoses();
   return sensor.frame_in_world(state_->scene.data());
 }
 
 void Robot::TareFtSensor(const std::string& name) {
-  FtReading& reading = state_->RequireFtSensor(name);
+  internal::FtReading& reading = state_->RequireFtSensor(name);
   reading.tare = reading.sensor.Read(state_->scene.model(), state_->scene.data());
   reading.value = {};
 }
@@ -364,8 +364,9 @@ double Robot::reach() const {
   if (!reach) reach = config().reach;
   if (!reach) {
     const std::string what = "reach from " + chain().base_body() + " to " + chain().tip().name;
-    reach = CachedMeasurement(*scene_.compiled(), what,
-                              [&] { return std::vector<double>{ApproximateReach(chain())}; })[0];
+    reach = internal::CachedMeasurement(*scene_.compiled(), what, [&] {
+      return std::vector<double>{ApproximateReach(chain())};
+    })[0];
   }
   return *reach;
 }

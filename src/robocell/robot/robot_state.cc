@@ -34,7 +34,7 @@ class Reading {
 
 // The controller goes on as what it takes over from. Returns where it sends position servos for
 // that, so that they push as before; nothing for other modes, and groups that are no arms.
-std::vector<double> TakeOver(const ControlledGroup& group, Controller& controller) {
+std::vector<double> TakeOver(const internal::ControlledGroup& group, Controller& controller) {
   const auto* drive = dynamic_cast<const ArmGroup*>(group.drives.of(controller.mode()));
   const MoveGroup& arm = *group.group;
   if (!drive || controller.mode() == CtrlMode::kTorque) return {};
@@ -50,15 +50,16 @@ std::vector<double> TakeOver(const ControlledGroup& group, Controller& controlle
 
 // Takes over the forces at the present place. After a teleport without a step they may still be
 // those of the old place.
-void BringForces(Scene scene, const GroupControl& control) {
+void BringForces(Scene scene, const internal::GroupControl& control) {
   if (control.may_have_forces_of_before(scene.time())) scene.Forward();
 }
 
 // The actuators that the model of an arm may have for a mode.
 std::string ActuatorsFor(CtrlMode mode) {
-  const std::string servos = std::string(ActuatorWord(CtrlMode::kPosition)) + "s";
-  return mode == CtrlMode::kPosition ? servos
-                                     : fmt::format("{}s or {}", ActuatorWord(mode), servos);
+  const std::string servos = std::string(internal::ActuatorWord(CtrlMode::kPosition)) + "s";
+  return mode == CtrlMode::kPosition
+             ? servos
+             : fmt::format("{}s or {}", internal::ActuatorWord(mode), servos);
 }
 
 // A message about a place without its "place: ", which the reader has in front of it already.
@@ -80,12 +81,12 @@ void Robot::State::ThrowClosed() const {
 
 void Robot::State::OnReset() {
   if (!lost.empty()) return;
-  ForChains([this](ControlledGroup& group) {
+  ForChains([this](internal::ControlledGroup& group) {
     if (group.refreshed() || group.is_stale(scene.model())) group.RemakeChain(scene.model());
   });
-  for (FtReading& reading : ft_sensors) reading.tare = {};
+  for (internal::FtReading& reading : ft_sensors) reading.tare = {};
   std::exception_ptr failed;
-  ForControlled([&](GroupControl& control) {
+  ForControlled([&](internal::GroupControl& control) {
     try {
       control.Reset();
       // The key that was restored holds servos only.
@@ -101,13 +102,13 @@ void Robot::State::OnResetDone() {
   if (lost.empty()) ReadPorts();
 }
 
-void Robot::State::ReadChainAgain(ControlledGroup& group) const {
+void Robot::State::ReadChainAgain(internal::ControlledGroup& group) const {
   group.RemakeChain(scene.model(), group.refreshed() ? positions() : std::span<const double>());
 }
 
 void Robot::State::OnForward() {
   if (!lost.empty()) return;
-  ForChains([this](ControlledGroup& group) {
+  ForChains([this](internal::ControlledGroup& group) {
     if (group.is_stale(scene.model())) ReadChainAgain(group);
   });
 }
@@ -119,7 +120,7 @@ void Robot::State::OnRebuild() {
   try {
     FindBodies();
     FindFtSensors();
-    ForChains([this](ControlledGroup& group) { ReadChainAgain(group); });
+    ForChains([this](internal::ControlledGroup& group) { ReadChainAgain(group); });
     ReadPorts();
   } catch (const NotFoundError& error) {
     lost = error.what();
@@ -137,19 +138,20 @@ void Robot::State::ThrowLost() const {
 }
 
 void Robot::State::RefreshChains() {
-  ForChains([this](ControlledGroup& group) { group.RemakeChain(scene.model(), positions()); });
+  ForChains(
+      [this](internal::ControlledGroup& group) { group.RemakeChain(scene.model(), positions()); });
 }
 
 template <class Visit>
 void Robot::State::ForChains(Visit&& visit) {
   for (const auto& slot : slots) {
     visit(*slot->own);
-    GroupControl& control = *slot->control;
+    internal::GroupControl& control = *slot->control;
     if (!control.controller || control.of == slot->own) continue;
     try {
       visit(*control.of);
     } catch (const NotFoundError&) {  // its robot is gone, or lost its tool
-      PutInstead(*slot, PortController(control.controller->mode()));
+      PutInstead(*slot, internal::PortController(control.controller->mode()));
     }
   }
 }
@@ -164,7 +166,7 @@ void Robot::State::FindBodies() {
   const int base = RequireId(m, mjOBJ_BODY, record.base_body, place());
   bodies.clear();
   geoms.clear();
-  const std::vector<bool> inside = SubtreeMask(m, base);
+  const std::vector<bool> inside = internal::SubtreeMask(m, base);
   for (int b = base; b < m->nbody; ++b) {
     if (inside[b]) bodies.push_back(b);
   }
@@ -181,19 +183,19 @@ void Robot::State::FindCollisionGeoms() {
   const mjModel* m = scene.model();
   std::set<int> chosen;
   for (const ElementRef& ref : record.config.collision_geoms)
-    chosen.insert(FindElement(m, record, ref, {mjOBJ_GEOM}).id);
+    chosen.insert(internal::FindElement(m, record, ref, {mjOBJ_GEOM}).id);
   if (record.pedestal_height > 0) chosen.insert(FindId(m, mjOBJ_GEOM, record.prefix + "pedestal"));
   std::erase_if(collision_geoms, [&](int g) { return !chosen.contains(g); });
 }
 
 // Tares are kept.
 void Robot::State::FindFtSensors() {
-  std::vector<FtReading> found;
+  std::vector<internal::FtReading> found;
   for (const ForceTorqueSensorSpec& spec : record.config.ft_sensors) {
-    found.push_back({FtSensor(scene.model(), record, spec)});
-    const auto known = std::find_if(ft_sensors.begin(), ft_sensors.end(), [&](const FtReading& r) {
-      return r.sensor.name() == spec.name;
-    });
+    found.push_back({internal::FtSensor(scene.model(), record, spec)});
+    const auto known =
+        std::find_if(ft_sensors.begin(), ft_sensors.end(),
+                     [&](const internal::FtReading& r) { return r.sensor.name() == spec.name; });
     if (known != ft_sensors.end()) found.back().tare = known->tare;
   }
   ft_sensors = std::move(found);
@@ -201,14 +203,14 @@ void Robot::State::FindFtSensors() {
 
 std::vector<std::string> Robot::State::ft_sensor_names() const {
   std::vector<std::string> names;
-  for (const FtReading& reading : ft_sensors) names.push_back(reading.sensor.name());
+  for (const internal::FtReading& reading : ft_sensors) names.push_back(reading.sensor.name());
   return names;
 }
 
-FtReading& Robot::State::RequireFtSensor(const std::string& name) {
+internal::FtReading& Robot::State::RequireFtSensor(const std::string& name) {
   RequireOpen();
   RequireBodies();
-  for (FtReading& reading : ft_sensors) {
+  for (internal::FtReading& reading : ft_sensors) {
     if (reading.sensor.name() == name) return reading;
   }
   throw NotFoundError(NoSuchName(place(), "ft sensor", name, ft_sensor_names()) +
@@ -217,7 +219,8 @@ FtReading& Robot::State::RequireFtSensor(const std::string& name) {
                                           : ""));
 }
 
-void Robot::State::AddGroup(MadeGroup made, const std::string& controller, bool must_be_driven) {
+void Robot::State::AddGroup(internal::MadeGroup made, const std::string& controller,
+                            bool must_be_driven) {
   if (reading_) {  // the ports it is writing to would be gone
     throw Error(place() + ": its groups cannot change while the arm's state is read; replace '" +
                 made.group->name() +
@@ -226,10 +229,10 @@ void Robot::State::AddGroup(MadeGroup made, const std::string& controller, bool 
   const std::string own_controller = made.own_controller;
   const std::string why_no_actuators =
       made.why_no_actuators.empty() ? "it has no actuators" : made.why_no_actuators;
-  auto slot = std::make_shared<GroupSlot>();
-  slot->own =
-      std::make_shared<ControlledGroup>(scene, std::move(made), record.root_body, chain_options);
-  slot->control = std::make_shared<GroupControl>();
+  auto slot = std::make_shared<internal::GroupSlot>();
+  slot->own = std::make_shared<internal::ControlledGroup>(scene, std::move(made), record.root_body,
+                                                          chain_options);
+  slot->control = std::make_shared<internal::GroupControl>();
   if (!own_controller.empty()) {
     if (must_be_driven) {
       throw ArgumentError(
@@ -266,7 +269,8 @@ void Robot::State::AddGroup(MadeGroup made, const std::string& controller, bool 
   ListKinds();
 }
 
-void Robot::State::Drive(GroupSlot& slot, const std::string& controller, bool configured) {
+void Robot::State::Drive(internal::GroupSlot& slot, const std::string& controller,
+                         bool configured) {
   const CtrlMode wanted = ControllerMode(controller, place(slot));
   if (configured) RequireDrive(slot, wanted);  // or why it cannot, whoever drives it now
   const std::string& key = slot.own->control_key();
@@ -277,8 +281,8 @@ void Robot::State::Drive(GroupSlot& slot, const std::string& controller, bool co
       PutInstead(slot, controller);
     return;
   }
-  const CtrlMode mode = ModeNow(slot.own->drives, scene).value_or(wanted);
-  const std::string kind = mode == wanted ? controller : PortController(mode);
+  const CtrlMode mode = internal::ModeNow(slot.own->drives, scene).value_or(wanted);
+  const std::string kind = mode == wanted ? controller : internal::PortController(mode);
   if (slot.own->group->kind() == MoveGroupKind::kArm) {
     slot.control->ports.Resize(slot.own->group->nq(), slot.own->group->nv());
     slot.control->ports.Reseed(*slot.own->group);
@@ -287,14 +291,14 @@ void Robot::State::Drive(GroupSlot& slot, const std::string& controller, bool co
   Use(slot, MakeController(kind, RequireDrive(slot, mode)));
 }
 
-std::shared_ptr<GroupControl> Robot::State::FindControl(const std::string& key) const {
-  return std::dynamic_pointer_cast<GroupControl>(scene.FindObserver(key));
+std::shared_ptr<internal::GroupControl> Robot::State::FindControl(const std::string& key) const {
+  return std::dynamic_pointer_cast<internal::GroupControl>(scene.FindObserver(key));
 }
 
-void Robot::State::RequireUndriven(const GroupSlot& slot) const {
+void Robot::State::RequireUndriven(const internal::GroupSlot& slot) const {
   if (slot.own->control_key().empty()) return;
-  for (const auto& known : scene.FindObservers(kControlKey)) {
-    const auto* other = dynamic_cast<const GroupControl*>(known.get());
+  for (const auto& known : scene.FindObservers(internal::kControlKey)) {
+    const auto* other = dynamic_cast<const internal::GroupControl*>(known.get());
     if (!other || !other->controller || other == slot.control.get()) continue;
     const std::vector<std::string>& theirs = other->of->group->actuator_names();
     std::vector<std::string> shared = slot.own->group->actuator_names();
@@ -311,15 +315,15 @@ void Robot::State::RequireUndriven(const GroupSlot& slot) const {
   }
 }
 
-std::unique_ptr<Controller> Robot::State::Successor(GroupSlot& slot, const std::string& kind,
-                                                    CtrlMode mode) {
+std::unique_ptr<Controller> Robot::State::Successor(internal::GroupSlot& slot,
+                                                    const std::string& kind, CtrlMode mode) {
   std::unique_ptr<Controller> controller = MakeController(kind, RequireDrive(slot, mode));
   BringForces(scene, *slot.control);
   if (slot.control->controller) TakeOver(*slot.own, *controller);
   return controller;
 }
 
-void Robot::State::PutInstead(GroupSlot& slot, const std::string& controller) {
+void Robot::State::PutInstead(internal::GroupSlot& slot, const std::string& controller) {
   Controller& known = *slot.control->controller;
   const std::span<const double> port = known.command_port();
   const std::vector<double> told(port.begin(), port.end());
@@ -329,51 +333,54 @@ void Robot::State::PutInstead(GroupSlot& slot, const std::string& controller) {
   if (put.port_kind() == kind) std::copy(told.begin(), told.end(), put.command_port().begin());
 }
 
-std::vector<GroupSlot*> Robot::State::OfKind(MoveGroupKind kind) const {
-  std::vector<GroupSlot*> found;
+std::vector<internal::GroupSlot*> Robot::State::OfKind(MoveGroupKind kind) const {
+  std::vector<internal::GroupSlot*> found;
   for (const auto& slot : slots) {
     if (slot->own->group->kind() == kind) found.push_back(slot.get());
   }
   return found;
 }
 
-int Robot::State::LastLink(const GroupSlot& arm) const {
+int Robot::State::LastLink(const internal::GroupSlot& arm) const {
   const mjModel* m = scene.model();
   int last = -1;
   for (const std::string& name : arm.own->group->joint_names()) {
     const int joint = FindId(m, mjOBJ_JOINT, name);
     if (joint < 0) continue;
     const int body = m->jnt_bodyid[joint];
-    if (last < 0 || IsInSubtree(m, body, last)) last = body;
+    if (last < 0 || internal::IsInSubtree(m, body, last)) last = body;
   }
   return last;
 }
 
-bool Robot::State::Carries(const GroupSlot& arm, const GroupSlot& gripper) const {
+bool Robot::State::Carries(const internal::GroupSlot& arm,
+                           const internal::GroupSlot& gripper) const {
   const int last = LastLink(arm);
   if (last < 0) return false;
   const std::vector<std::string>& names = gripper.own->group->joint_names();
   return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
     const int joint = FindId(scene.model(), mjOBJ_JOINT, name);
-    return joint >= 0 && IsInSubtree(scene.model(), scene.model()->jnt_bodyid[joint], last);
+    return joint >= 0 &&
+           internal::IsInSubtree(scene.model(), scene.model()->jnt_bodyid[joint], last);
   });
 }
 
-GroupSlot* Robot::State::CarrierOf(const GroupSlot& gripper) const {
-  const std::vector<GroupSlot*> arms = OfKind(MoveGroupKind::kArm);
-  const auto found = std::find_if(arms.begin(), arms.end(),
-                                  [&](const GroupSlot* arm) { return Carries(*arm, gripper); });
+internal::GroupSlot* Robot::State::CarrierOf(const internal::GroupSlot& gripper) const {
+  const std::vector<internal::GroupSlot*> arms = OfKind(MoveGroupKind::kArm);
+  const auto found = std::find_if(arms.begin(), arms.end(), [&](const internal::GroupSlot* arm) {
+    return Carries(*arm, gripper);
+  });
   return found == arms.end() ? nullptr : *found;
 }
 
-GroupSlot* Robot::State::GripperOf(const GroupSlot& arm) const {
-  const std::vector<GroupSlot*> grippers = OfKind(MoveGroupKind::kGripper);
+internal::GroupSlot* Robot::State::GripperOf(const internal::GroupSlot& arm) const {
+  const std::vector<internal::GroupSlot*> grippers = OfKind(MoveGroupKind::kGripper);
   // Nothing to choose: whatever it hangs on, and without asking groups of the user's own.
   if (grippers.size() == 1 && OfKind(MoveGroupKind::kArm).size() == 1) return grippers[0];
-  for (GroupSlot* gripper : grippers) {
+  for (internal::GroupSlot* gripper : grippers) {
     if (Carries(arm, *gripper)) return gripper;
   }
-  for (GroupSlot* gripper : grippers) {
+  for (internal::GroupSlot* gripper : grippers) {
     if (!CarrierOf(*gripper)) return gripper;
   }
   return nullptr;
@@ -384,10 +391,10 @@ void Robot::State::ListKinds() {
   controls_.clear();
   for (const auto& slot : slots) {
     controls_.push_back(slot->control.get());
-    GroupSlot*& first = first_[static_cast<size_t>(slot->own->group->kind())];
+    internal::GroupSlot*& first = first_[static_cast<size_t>(slot->own->group->kind())];
     if (!first) first = slot.get();
   }
-  const GroupSlot* arm = FindKind(MoveGroupKind::kArm);
+  const internal::GroupSlot* arm = FindKind(MoveGroupKind::kArm);
   if (arm) first_[static_cast<size_t>(MoveGroupKind::kGripper)] = GripperOf(*arm);
   arm_ = arm ? arm->own->group.get() : nullptr;
   pos.resize(arm_ ? arm_->nq() : 0);
@@ -408,22 +415,22 @@ void Robot::State::TellBeyondLimits(const ArmGroup& arm, std::span<const double>
                   arm.place(), arm.joint_names()[i], q[i], limits.lower, limits.upper));
 }
 
-GroupSlot* Robot::State::Find(const std::string& name) {
+internal::GroupSlot* Robot::State::Find(const std::string& name) {
   for (const auto& slot : slots) {
     if (slot->own->group->name() == name) return slot.get();
   }
   return nullptr;
 }
 
-GroupSlot& Robot::State::Require(const std::string& name) {
+internal::GroupSlot& Robot::State::Require(const std::string& name) {
   RequireBodies();
-  if (GroupSlot* slot = Find(name)) return *slot;
+  if (internal::GroupSlot* slot = Find(name)) return *slot;
   throw NotFoundError(NoSuchName(place(), "group", name, group_names()));
 }
 
-GroupSlot& Robot::State::RequireKind(MoveGroupKind kind) {
+internal::GroupSlot& Robot::State::RequireKind(MoveGroupKind kind) {
   RequireBodies();
-  if (GroupSlot* slot = FindKind(kind)) return *slot;
+  if (internal::GroupSlot* slot = FindKind(kind)) return *slot;
   if (const auto grippers = OfKind(kind); !grippers.empty()) {
     throw NotFoundError(fmt::format(
         "{}: arm '{}', the first of its `move_groups`, carries no gripper: '{}' is on arm '{}'. "
@@ -433,25 +440,25 @@ GroupSlot& Robot::State::RequireKind(MoveGroupKind kind) {
   }
   const std::string next =
       is_of_chain()
-          ? "It was made of a chain by " + CppAndPythonName("Robot::FromScene") +
+          ? "It was made of a chain by " + internal::CppAndPythonName("Robot::FromScene") +
                 ", which makes an arm only: give the RobotSpec a `config` with this group, or "
                 "drive its actuators by their names with " +
-                CppAndPythonName("Scene::SetActuatorCtrl")
+                internal::CppAndPythonName("Scene::SetActuatorCtrl")
       : record.config.move_groups.empty()
           ? "Its configuration has none: declare one under `move_groups`, or use " +
-                CppAndPythonName("Robot::FromScene")
+                internal::CppAndPythonName("Robot::FromScene")
           : fmt::format("Declare one under `move_groups` with `kind: {}`", ToString(kind));
   throw NotFoundError(fmt::format("{}: has no {} group. Its groups: {}. {}", place(),
                                   ToString(kind), ListNames(group_names()), next));
 }
 
-Controller& Robot::State::RequireController(GroupSlot& slot) {
+Controller& Robot::State::RequireController(internal::GroupSlot& slot) {
   if (slot.control->controller) return *slot.control->controller;
   throw NotFoundError(
       fmt::format("{} has no controller: {}", place(slot), slot.control->why_no_controller));
 }
 
-MoveGroup& Robot::State::RequireDrive(GroupSlot& slot, CtrlMode mode) {
+MoveGroup& Robot::State::RequireDrive(internal::GroupSlot& slot, CtrlMode mode) {
   if (MoveGroup* drive = slot.own->drives.of(mode)) return *drive;
   throw ArgumentError(fmt::format("{} cannot be {}: {}", place(slot),
                                   mode == CtrlMode::kPosition
@@ -460,7 +467,7 @@ MoveGroup& Robot::State::RequireDrive(GroupSlot& slot, CtrlMode mode) {
                                   slot.own->drives.why_not(mode)));
 }
 
-void Robot::State::Use(GroupSlot& slot, std::shared_ptr<Controller> controller) {
+void Robot::State::Use(internal::GroupSlot& slot, std::shared_ptr<Controller> controller) {
   const std::string& key = slot.own->control_key();
   if (!slot.control->controller) {
     if (const auto known = FindControl(key)) {
@@ -469,19 +476,20 @@ void Robot::State::Use(GroupSlot& slot, std::shared_ptr<Controller> controller) 
       RequireUndriven(slot);
     }
   }
-  GroupControl& control = *slot.control;
+  internal::GroupControl& control = *slot.control;
   MoveGroup& drive = RequireDrive(slot, controller->mode());
-  const GroupControl::Driven before = control.now();
-  const ModeSwitches switches(scene);
+  const internal::GroupControl::Driven before = control.now();
+  const internal::ModeSwitches switches(scene);
   try {
     const bool other_mode = control.controller && control.controller->mode() != controller->mode();
     BringForces(scene, control);
-    const bool switched = SwitchTo(controller->mode(), slot.own->drives, scene) || other_mode;
+    const bool switched =
+        internal::SwitchTo(controller->mode(), slot.own->drives, scene) || other_mode;
     std::vector<double> servos;
     if (switched) servos = TakeOver(*slot.own, *controller);
     control.Put(std::move(controller), slot.own, drive);
     // At once, so that nothing falls in a step before the next Update().
-    if (switched) control.Guarded([](GroupControl& c) { c.Run(); });
+    if (switched) control.Guarded([](internal::GroupControl& c) { c.Run(); });
     if (!servos.empty()) control.SettleFilters(servos);
   } catch (...) {
     control.PutBack(before);
@@ -491,7 +499,7 @@ void Robot::State::Use(GroupSlot& slot, std::shared_ptr<Controller> controller) 
   if (!key.empty() && !FindControl(key)) scene.AddObserver(slot.control, key);
 }
 
-const Chain& Robot::State::RequireChain(GroupSlot& slot) {
+const Chain& Robot::State::RequireChain(internal::GroupSlot& slot) {
   if (slot.own->chain) return *slot.own->chain;
   throw NotFoundError(place(slot) +
                       " has no chain: kinematics need a configured group of kind arm");
@@ -499,7 +507,7 @@ const Chain& Robot::State::RequireChain(GroupSlot& slot) {
 
 void Robot::State::ReadPorts() {
   RequireBodies();
-  for (FtReading& reading : ft_sensors)
+  for (internal::FtReading& reading : ft_sensors)
     reading.value = reading.sensor.Read(scene.model(), scene.data()) - reading.tare;
   if (!arm_ || reading_) return;
   const Reading reading(reading_);

@@ -12,7 +12,7 @@
 #include "robocell/robot/robot.h"
 #include "robocell/scene/ft_sensor.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // One of the robot's groups. Slots are replaced with their groups.
 struct GroupSlot : std::enable_shared_from_this<GroupSlot> {
@@ -24,6 +24,10 @@ struct FtReading {
   FtSensor sensor;
   Wrench tare = {}, value = {};
 };
+
+}  // namespace robocell::internal
+
+namespace robocell {
 
 // The scene keeps the configured robots' states, as observers; they hold it by inner().
 class Robot::State : public SceneObserver {
@@ -44,7 +48,7 @@ class Robot::State : public SceneObserver {
   // control already, it shares that; else they go on in the mode that they are in, by `controller`
   // if that is its mode. A group that this cannot drive gets none; with `must_be_driven`, when the
   // configuration names `controller`, that is an error.
-  void AddGroup(MadeGroup made, const std::string& controller, bool must_be_driven);
+  void AddGroup(internal::MadeGroup made, const std::string& controller, bool must_be_driven);
   GroupSlot* Find(const std::string& name);
   // The first of the kind; of grippers the one that goes with the first arm, see GripperOf().
   GroupSlot* FindKind(MoveGroupKind kind) { return first_[static_cast<size_t>(kind)]; }
@@ -74,7 +78,7 @@ class Robot::State : public SceneObserver {
   void Use(GroupSlot& slot, std::shared_ptr<Controller> controller);
   const Chain& RequireChain(GroupSlot& slot);
 
-  FtReading& RequireFtSensor(const std::string& name);
+  internal::FtReading& RequireFtSensor(const std::string& name);
   std::vector<std::string> ft_sensor_names() const;
 
   // Weighs what hangs on the chains where it is now.
@@ -101,14 +105,14 @@ class Robot::State : public SceneObserver {
   Scene scene;
   std::vector<std::shared_ptr<GroupSlot>> slots;
   std::vector<double> pos, vel, trq;  // the arm's measurement ports
-  std::vector<FtReading> ft_sensors;
+  std::vector<internal::FtReading> ft_sensors;
   std::string lost;  // why it could not follow when the scene was compiled anew
   bool paused = false, told_beyond_limits = false;
 
  private:
   // Pointers into the slots, which own them, so that a tick does not follow several pointers.
   MoveGroup* arm_ = nullptr;
-  std::vector<GroupControl*> controls_;
+  std::vector<internal::GroupControl*> controls_;
 
  public:
   RobotRecord record;
@@ -139,14 +143,14 @@ class Robot::State : public SceneObserver {
   // of other joints drives some of its actuators.
   void Drive(GroupSlot& slot, const std::string& controller, bool configured);
   // Returns the control of the actuators of that key; null without one.
-  std::shared_ptr<GroupControl> FindControl(const std::string& key) const;
+  std::shared_ptr<internal::GroupControl> FindControl(const std::string& key) const;
   // ArgumentError when the group's actuators are not all its own to drive.
   void RequireUndriven(const GroupSlot& slot) const;
   // A controller of the slot's group in the place of one of the same mode, driven to the same.
   void PutInstead(GroupSlot& slot, const std::string& controller);
   // Reads the chain with everything attached to it: at its present place if it was refreshed, else
   // at the reference.
-  void ReadChainAgain(ControlledGroup& group) const;
+  void ReadChainAgain(internal::ControlledGroup& group) const;
   // Calls `visit` with each group whose chain is asked: the slots' own, and those that drive their
   // actuators.
   template <class Visit>

@@ -8,7 +8,7 @@
 #include "robocell/robot/testing/robots.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::ElementsAreArray;
@@ -198,4 +198,4 @@ TEST(Rebuild, ARobotThatWentWithItsObjectSaysSoAndComesBack) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

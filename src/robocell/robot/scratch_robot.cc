@@ -12,7 +12,7 @@
 #include "robocell/mujoco/owners.h"
 #include "robocell/mujoco/tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 bool IsStill(const mjModel* m, int body) { return m->body_dofnum[m->body_weldid[body]] == 0; }
@@ -212,4 +212,4 @@ const Robot& ScratchRobot::robot() const { return state_->robot; }
 const mjModel* ScratchRobot::model() const { return &state_->model; }
 const mjData* ScratchRobot::data() const { return state_->data.get(); }
 
-}  // namespace robocell
+}  // namespace robocell::internal

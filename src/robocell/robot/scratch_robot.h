@@ -19,7 +19,7 @@
 
 #include "robocell/robot/robot.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class ScratchRobot {
  public:
@@ -59,4 +59,4 @@ class ScratchRobot {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

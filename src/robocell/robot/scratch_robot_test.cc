@@ -15,7 +15,7 @@
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/temp_dir.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr double kHorizon = 0.2;
@@ -154,4 +154,4 @@ TEST(ScratchRobot, ObjectsOfThePoolAreAsTheyWereAtTheLastUpdate) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

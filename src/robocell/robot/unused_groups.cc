@@ -12,7 +12,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/control_modes.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 std::set<std::string> CommandedActuators(const Robot& robot) {
@@ -71,4 +71,4 @@ std::vector<std::string> IdleActuators(const Robot& robot) {
   return idle;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -7,7 +7,7 @@
 
 #include "robocell/robot/robot.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Says which groups of kind arm and gripper are used, its first arm and the gripper of that
 // (Robot::gripper_of()), and which are not: "arm 'left' and gripper 'lgrip' are used; 'right' and
@@ -19,4 +19,4 @@ std::string TellUnusedGroups(const Robot& robot);
 // that were added for the robot's controllers.
 std::vector<std::string> IdleActuators(const Robot& robot);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -7,7 +7,7 @@
 #include "robocell/robot/testing/torso.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 TEST(GripperOf, IsTheHandThatHangsOnTheArmInWhicheverOrderTheFileHasThem) {
@@ -61,4 +61,4 @@ TEST(GripperOf, IsAskedOfArms) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

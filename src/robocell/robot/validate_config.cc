@@ -11,7 +11,7 @@
 #include "robocell/robot/gripper_group.h"
 #include "robocell/scene/actuator_kind.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // A measured finger distance may differ this much from the configured one, metres.
@@ -128,4 +128,4 @@ void ValidateTakesJointPositions(const Robot& robot, Problems& problems) {
                   controller.kind(), Describe(kind), PositionControls(robot, arm)));
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

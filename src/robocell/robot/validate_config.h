@@ -9,7 +9,7 @@
 #include "robocell/robot/robot.h"
 #include "robocell/spec/problems.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Adds the problems at the paths of the configuration's fields. The robot's scene does not change.
 // Takes up to a second per gripper.
@@ -27,4 +27,4 @@ bool ValidateControllers(const Robot& robot, Problems& problems);
 // scripted expert sends. Other experts may command other things. Arms have controllers.
 void ValidateTakesJointPositions(const Robot& robot, Problems& problems);
 
-}  // namespace robocell
+}  // namespace robocell::internal

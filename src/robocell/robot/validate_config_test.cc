@@ -7,7 +7,7 @@
 #include "robocell/robot/testing/robots.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -95,4 +95,4 @@ TEST(ValidateConfig, AReachThatTheArmDoesNotHaveIsTold) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -178,7 +178,7 @@ TEST_F(DivergenceTest, APoisonedStateIsForgottenByTheNextAttemptOfTheSameRunner)
 // Boxes on top of each other in a world that has room for some of their contacts only.
 class Crowd : public DivergenceTest {
  protected:
-  RolloutResult Rollout(const std::string& memory) {
+  internal::RolloutResult Rollout(const std::string& memory) {
     SceneSpec spec = EmptyScene();
     spec.options.jacobian = JacobianKind::kDense;  // with any engine the same memory
     spec.base = models.Write("small", "<size memory=\"" + memory + "\"/>");
@@ -189,11 +189,11 @@ class Crowd : public DivergenceTest {
     EpisodeStart start = StartIn(spec);
     Standing expert;
     Rng rng = Rng::Stream(1, "expert");
-    return RunRollout(Run("crowd"), start, expert, rng,
-                      {.dataset = folder / "crowd",
-                       .episode_id = "e",
-                       .metadata_json = "{}",
-                       .keep_failures = true});
+    return internal::RunRollout(Run("crowd"), start, expert, rng,
+                                {.dataset = folder / "crowd",
+                                 .episode_id = "e",
+                                 .metadata_json = "{}",
+                                 .keep_failures = true});
   }
 };
 

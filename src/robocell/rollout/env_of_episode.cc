@@ -32,8 +32,8 @@ std::string PlaceOfEpisode(const Episode& episode) {
   return fmt::format("episode '{}'", episode.folder().string());
 }
 
-EpisodeJson EnvironmentOf(const Episode& episode) {
-  if (IsOfEnv(episode)) return EpisodeJson::Metadata(episode).At("environment");
+internal::EpisodeJson EnvironmentOf(const Episode& episode) {
+  if (IsOfEnv(episode)) return internal::EpisodeJson::Metadata(episode).At("environment");
   throw ArgumentError(
       fmt::format("{} was not recorded in an environment; generated ones are replayed by "
                   "VerifyReplay, and robocell.envs.from_dataset makes an environment of their run",
@@ -48,7 +48,7 @@ void ForEachModelOfEnv(EnvConfig& config, F&& f) {
     const std::string& own = robot.source_dir.empty() ? directory : robot.source_dir;
     f(robot.model, own);
     for (auto& attachment : robot.attachments) f(attachment.mjcf_path, own);
-    assets::ForEachCameraModel(robot.cameras, own, f);
+    internal::ForEachCameraModel(robot.cameras, own, f);
   };
   const auto of_objects = [&](Map<EnvObject>& objects) {
     for (const std::string& id : objects.keys()) {
@@ -75,9 +75,9 @@ std::string PortableOrOwnName(const std::string& name, const std::string& direct
   try {
     const std::string path = assets::Resolve(name, directory);
     if (const auto portable = assets::PortableName(path)) return *portable;
-    return StoredModelPath(ModelFileSet(path));
+    return internal::StoredModelPath(internal::ModelFileSet(path));
   } catch (const Error&) {
-    if (IsStoredModelPath(name)) return name;  // of an environment that EnvOfEpisode made
+    if (internal::IsStoredModelPath(name)) return name;  // of an environment that EnvOfEpisode made
     return std::filesystem::path(name).filename().string();
   }
 }
@@ -92,7 +92,7 @@ void AlignPose(const Feature& feature, std::span<const double> with, std::span<d
   }
   for (size_t i = 0; i < names.size(); ++i) {
     if (names[i] == "roll" || names[i] == "pitch" || names[i] == "yaw")
-      pose[i] += 2 * kPi * std::round((with[i] - pose[i]) / (2 * kPi));
+      pose[i] += 2 * internal::kPi * std::round((with[i] - pose[i]) / (2 * internal::kPi));
   }
 }
 
@@ -103,7 +103,7 @@ std::vector<double> RowsOf(const Episode& episode, const FeatureSchema& features
   std::vector<double> all;
   size_t begin = 0;
   for (const Feature& feature : features.features()) {
-    const std::vector<double> column = ReadSteps<double>(episode, feature.column.name);
+    const std::vector<double> column = internal::ReadSteps<double>(episode, feature.column.name);
     const auto size = static_cast<size_t>(feature.size());
     if (column.size() != rows * size) {
       throw IoError(fmt::format("{}: column '{}' has {} numbers a row, and its feature {}",
@@ -123,9 +123,10 @@ std::vector<double> RowsOf(const Episode& episode, const FeatureSchema& features
 std::vector<std::string> CodeDifferences(const EnvConfig& config, const Episode& episode) {
   std::set<std::string> hashes;
   if (const auto code = EnvironmentOf(episode).Find("code")) {
-    for (const EpisodeJson& file : code->Items()) hashes.insert(file.At("sha256").AsText());
+    for (const internal::EpisodeJson& file : code->Items())
+      hashes.insert(file.At("sha256").AsText());
   }
-  return CodeOf(config).Unknown(hashes);
+  return internal::CodeOf(config).Unknown(hashes);
 }
 
 void RequireSameCode(const EnvConfig& config, const Episode& episode) {
@@ -146,9 +147,9 @@ class ActionReplay {
     RequireSameCode(env.config(), episode);
     seen_ = RowsOf(episode, env.layout().observed);
     actions_ = RowsOf(episode, env.layout().commanded);
-    rewards_ = ReadSteps<double>(episode, "reward");
-    times_ = ReadSteps<double>(episode, "time");
-    ticks_ = ReadSteps<int64_t>(episode, std::string(kControlTickColumn));
+    rewards_ = internal::ReadSteps<double>(episode, "reward");
+    times_ = internal::ReadSteps<double>(episode, "time");
+    ticks_ = internal::ReadSteps<int64_t>(episode, std::string(kControlTickColumn));
     AddFinalObservation();
   }
 
@@ -192,10 +193,10 @@ class ActionReplay {
   }
 
   void AddFinalObservation() {
-    const auto final = EpisodeJson::Results(episode_).Find(kFinalObservation);
+    const auto final = internal::EpisodeJson::Results(episode_).Find(kFinalObservation);
     if (!final) return;
     for (const Feature& feature : env_.layout().observed.features()) {
-      const EpisodeJson part = final->At(feature.column.name);
+      const internal::EpisodeJson part = final->At(feature.column.name);
       const auto numbers = part.AsNumbers();
       if (std::ssize(numbers) != feature.size())
         part.ThrowNot(fmt::format("a list of {} numbers", feature.size()));
@@ -262,7 +263,7 @@ class ActionReplay {
 }  // namespace
 
 bool IsOfEnv(const Episode& episode) {
-  const auto environment = EpisodeJson::Metadata(episode).Find("environment");
+  const auto environment = internal::EpisodeJson::Metadata(episode).Find("environment");
   return environment && environment->Find("config");
 }
 
@@ -276,7 +277,7 @@ std::string PortableConfig(const EnvConfig& config) {
 
 Json CodeRecord(const EnvConfig& config) {
   Json record = Json::array();
-  const UserCode code = CodeOf(config);
+  const internal::UserCode code = internal::CodeOf(config);
   for (const std::filesystem::path& file : code.files())
     record.push_back({{"file", file.filename().string()}, {"sha256", Sha256File(file)}});
   return record;

@@ -29,7 +29,7 @@ const Pose kElsewhere = Pose::FromRpy({1, -1, 0.3}, {0, 0, 2});
 
 EnvStep StepTo(Env& env, const Eigen::Vector3d& tcp, double gripper) {
   std::vector<double> action(8);
-  PutTquat(Pose::FromRpy(tcp, {kPi, 0, 0}), action);
+  PutTquat(Pose::FromRpy(tcp, {internal::kPi, 0, 0}), action);
   action[7] = gripper;
   return env.Step(action);
 }
@@ -97,12 +97,12 @@ class EnvOfEpisodeTest : public ::testing::Test {
       const std::filesystem::path steps =
           folder / ("edited" + std::to_string(count)) / std::string(kStepsFile);
       std::filesystem::remove(steps);
-      hdf5::File file = hdf5::File::Create(steps);
+      internal::hdf5::File file = internal::hdf5::File::Create(steps);
       for (const ColumnInfo& info : from.columns()) {
         const ColumnSpec& spec = info.spec;
         std::vector<std::byte> bytes(from.ValueCount(spec.name) * SizeOf(spec.type));
         from.ReadBytes(spec.name, {}, spec.type, bytes);
-        hdf5::H5Dataset dataset =
+        internal::hdf5::H5Dataset dataset =
             info.table.empty() ? file.CreateFixed(spec.name, spec.type, spec.shape)
                                : file.CreateExtendible(spec.name, spec.type, spec.shape, info.rows);
         if (info.table.empty()) {

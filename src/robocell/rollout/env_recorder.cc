@@ -58,7 +58,7 @@ class FrameColumns {
     for (const EnvFrame& frame : env.frames()) Add(schema, env, frame);
     if (std::ranges::any_of(env.frames(),
                             [](const EnvFrame& f) { return !f.segmentation.empty(); }))
-      schema.SetSegmentLabels(SegmentLabelsOf(env.scene()));
+      schema.SetSegmentLabels(internal::SegmentLabelsOf(env.scene()));
   }
   // Reads what is shown now.
   void Take(const Env& env, std::vector<ShownFrame>& out) const {
@@ -211,7 +211,7 @@ class EnvEpisode {
   // Of an episode with rows; the last one is written with what the episode ended with.
   void Commit(const EnvEpisodeEnd& end) {
     const bool diverged = ended_.reason == EndReason::kDiverged;
-    RowOutcome& last = ended_.outcome;
+    internal::RowOutcome& last = ended_.outcome;
     if (end.success) last.success = *end.success;
     last.terminated = last.success || diverged;
     last.truncated = !last.terminated;
@@ -232,7 +232,7 @@ class EnvEpisode {
   struct Row {
     std::vector<double> state, commands, seen, action, times, ctrl;
     std::vector<ShownFrame> frames;
-    RowOutcome outcome;
+    internal::RowOutcome outcome;
     EndReason reason = EndReason::kTimeout;
   };
 
@@ -324,8 +324,8 @@ class EnvEpisode {
   uint64_t generation_;
   EpisodeSchema schema_;
   CellFeatures features_;
-  FeatureColumns state_columns_, command_columns_, seen_columns_, asked_columns_;
-  OutcomeColumns outcome_;
+  internal::FeatureColumns state_columns_, command_columns_, seen_columns_, asked_columns_;
+  internal::OutcomeColumns outcome_;
   FeatureSchema labels_;
   ColumnId reason_column_, tick_column_;
   std::optional<FrameColumns> frames_;

@@ -37,7 +37,7 @@ using ::testing::IsEmpty;
 
 std::vector<double> GoingTo(const Eigen::Vector3d& tcp, double gripper = 1) {
   std::vector<double> action(8);
-  PutTquat(Pose::FromRpy(tcp, {kPi, 0, 0}), action);
+  PutTquat(Pose::FromRpy(tcp, {internal::kPi, 0, 0}), action);
   action[7] = gripper;
   return action;
 }
@@ -351,7 +351,7 @@ TEST(EnvRecorders, CountOnAndKeepToTheirOwn) {
 TEST(EnvRecorders, RemoveWhatAKilledOneOfTheirPrefixLeft) {
   const TempDir folder;
   for (const char* prefix : {"episode", "episode-left"}) {
-    const pid_t child = hdf5::Fork();
+    const pid_t child = internal::hdf5::Fork();
     ASSERT_GE(child, 0);
     if (child == 0) {
       Env env(Rc7WithCube());

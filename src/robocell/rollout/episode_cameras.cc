@@ -4,7 +4,7 @@
 
 #include <array>
 
-namespace robocell {
+namespace robocell::internal {
 
 static_assert(kNoBody == kNoSegment);
 
@@ -71,4 +71,4 @@ void EpisodeCameras::PutFrames(EpisodeWriter& writer) {
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -13,7 +13,7 @@
 #include "robocell/robot/robot.h"
 #include "robocell/spec/camera_spec.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class EpisodeCameras {
  public:
@@ -40,4 +40,4 @@ class EpisodeCameras {
 // robot.
 std::vector<SegmentLabel> SegmentLabelsOf(const Scene& scene);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -13,7 +13,7 @@
 #include "robocell/testing/source_dir.h"
 #include "robocell/testing/temp_dir.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr double kHalfMillimetre = 0.5e-3 + 1e-6;  // and the rounding of a float
@@ -107,4 +107,4 @@ TEST_F(EpisodeCamerasTest, ColourIsTheSameWithAndWithoutDepth) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

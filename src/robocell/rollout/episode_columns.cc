@@ -13,7 +13,7 @@
 #include "robocell/features/units.h"
 #include "robocell/mujoco/names.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // "rad" when all are the same, else all in their order.
@@ -150,4 +150,4 @@ void OutcomeColumns::PutControl(EpisodeWriter& writer, double time, std::span<co
   writer.EndRow(control_);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

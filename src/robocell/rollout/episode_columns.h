@@ -12,7 +12,7 @@
 #include "robocell/mujoco/warnings.h"
 #include "robocell/scene/scene.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Features of floating point numbers as columns.
 class FeatureColumns {
@@ -67,4 +67,4 @@ class OutcomeColumns {
   ColumnId control_time_, control_ctrl_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -10,7 +10,7 @@
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::ElementsAre;
@@ -77,4 +77,4 @@ TEST(OutcomeColumns, RefuseWhatIsNoOutcome) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

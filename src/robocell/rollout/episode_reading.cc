@@ -9,7 +9,7 @@
 #include "robocell/base/paths.h"
 #include "robocell/data/episode_files.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr size_t kMostOfValue = 60;
@@ -95,4 +95,4 @@ void RequireRowOfEachStep(const Episode& episode, const std::string& column) {
       ShellWord(episode.folder().parent_path().string())));
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

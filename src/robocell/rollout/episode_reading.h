@@ -17,7 +17,7 @@
 #include "robocell/data/episode_reader.h"
 #include "robocell/spec/yaml.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // A value of episode.json and its place.
 class EpisodeJson {
@@ -66,4 +66,4 @@ std::vector<T> ReadSteps(const Episode& episode, const std::string& column) {
   return episode.Read<T>(column);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

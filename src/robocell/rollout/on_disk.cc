@@ -25,7 +25,7 @@ class Attempts {
   explicit Attempts(const RunConfig& run) : run_(run) {}
 
   struct Found {
-    EpisodeLook look;
+    internal::EpisodeLook look;
     std::optional<Episode> episode = {};  // of a whole one
     EarlierAttempts earlier = {};         // its own
   };
@@ -34,13 +34,14 @@ class Attempts {
  private:
   std::string WhyNotOurs(const Episode& episode);
   const RunConfig& run_;
-  std::optional<RunOrigin> origin_;  // once there is an episode: it asks for the run's models
+  std::optional<internal::RunOrigin>
+      origin_;  // once there is an episode: it asks for the run's models
 };
 
 // Repair may set episodes of other models aside: verify knows them by dataset.json.
-EpisodeLook InTheWay(const fs::path& folder, const std::string& what,
-                     std::string_view advice = kLeftAlone) {
-  return {.state = EpisodeState::kBroken,
+internal::EpisodeLook InTheWay(const fs::path& folder, const std::string& what,
+                               std::string_view advice = internal::kLeftAlone) {
+  return {.state = internal::EpisodeState::kBroken,
           .problem = fmt::format("'{}' is {}: {}", folder.string(), what, advice)};
 }
 
@@ -63,12 +64,12 @@ std::string Attempts::WhyNotOurs(const Episode& episode) {
 
 Attempts::Found Attempts::Look(const PlanItem& item, int attempt) {
   const fs::path folder = fs::path(run_.output) / EpisodeId(run_, item, attempt);
-  Found found{.look = LookAtEpisode(folder)};
-  if (found.look.state != EpisodeState::kWhole) return found;
+  Found found{.look = internal::LookAtEpisode(folder)};
+  if (found.look.state != internal::EpisodeState::kWhole) return found;
   try {
     found.episode.emplace(folder);
     if (const std::string why = WhyNotOurs(*found.episode); !why.empty())
-      return {.look = InTheWay(folder, why, kMoveAway)};
+      return {.look = InTheWay(folder, why, internal::kMoveAway)};
     found.earlier = EarlierAttemptsIn(found.episode->metadata_json());
     return found;
   } catch (const Json::exception& error) {
@@ -80,9 +81,9 @@ Attempts::Found Attempts::Look(const PlanItem& item, int attempt) {
 }
 
 [[noreturn]] void ThrowBroken(const RunConfig& run, const std::string& problem) {
-  if (problem.ends_with(kMoveAway)) throw IoError(problem);
-  throw IoError(
-      fmt::format("{}\nSet it aside: robocell verify --repair {}", problem, ShellWord(run.output)));
+  if (problem.ends_with(internal::kMoveAway)) throw IoError(problem);
+  throw IoError(fmt::format("{}\nSet it aside: robocell verify --repair {}", problem,
+                            internal::ShellWord(run.output)));
 }
 
 ItemOnDisk LookFor(const RunConfig& run, Attempts& attempts, const PlanItem& item) {
@@ -91,8 +92,9 @@ ItemOnDisk LookFor(const RunConfig& run, Attempts& attempts, const PlanItem& ite
   const int count = run.keep == Keep::kAll ? run.max_attempts : 1;
   for (int attempt = 0; attempt < count && !found.success; ++attempt) {
     const Attempts::Found here = attempts.Look(item, attempt);
-    if (here.look.state == EpisodeState::kBroken) found.broken.push_back(here.look.problem);
-    if (here.look.state == EpisodeState::kAbsent) missing.insert(attempt);
+    if (here.look.state == internal::EpisodeState::kBroken)
+      found.broken.push_back(here.look.problem);
+    if (here.look.state == internal::EpisodeState::kAbsent) missing.insert(attempt);
     for (size_t i = 0; i < here.earlier.size(); ++i)
       if (here.earlier[i].refused) missing.erase(static_cast<int>(i));  // it left nothing
     found.success = here.look.success;
@@ -129,7 +131,7 @@ PlanOnDisk LookForItems(const RunConfig& run, const std::vector<PlanItem>& items
 
 std::optional<Episode> KeptAttempt(const RunConfig& run, const PlanItem& item, int attempt) {
   Attempts::Found found = Attempts(run).Look(item, attempt);
-  if (found.look.state == EpisodeState::kBroken) ThrowBroken(run, found.look.problem);
+  if (found.look.state == internal::EpisodeState::kBroken) ThrowBroken(run, found.look.problem);
   return std::move(found.episode);
 }
 

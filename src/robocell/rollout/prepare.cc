@@ -47,7 +47,7 @@ std::string Manifest(const RunConfig& run, const RunInputs& inputs) {
                 {"identity", inputs.identity},
                 {"versions", inputs.versions},
                 {"files", inputs.files}};
-  if (const std::string backend = BackendToBeginWith(run); !backend.empty()) {
+  if (const std::string backend = internal::BackendToBeginWith(run); !backend.empty()) {
     manifest["renderer"] = backend;
   }
   return manifest.dump(2) + "\n";
@@ -151,7 +151,7 @@ bool MustBegin(const RunConfig& run, const RunInputs& inputs) {
     return !changes.empty();
   }
   if (entry.empty()) return true;
-  if (const auto lost = ChangesSinceEpisodes(run)) {
+  if (const auto lost = internal::ChangesSinceEpisodes(run)) {
     if (!lost->empty()) ThrowChanged(run, *lost);
     return true;
   }
@@ -202,7 +202,7 @@ std::vector<std::string> ModelFoldersOf(const fs::path& episode) {
   std::vector<std::string> folders;
   try {
     for (const auto& [name, path] : Episode(episode).models())
-      folders.push_back(StoredModelFolder(path));
+      folders.push_back(internal::StoredModelFolder(path));
   } catch (const Error&) {
     return {};
   }
@@ -214,15 +214,16 @@ std::vector<std::string> ModelFoldersOf(const fs::path& episode) {
 void RestoreModels(const RunConfig& run) {
   std::map<std::string, std::string> missing;  // folder in the dataset -> path of the model
   for (const std::string& model : ModelsOf(run)) {
-    const std::string folder = StoredModelFolder(StoredModelPath(ModelFileSet(model)));
-    if (!IsStored(run.output, folder)) missing.emplace(folder, model);
+    const std::string folder =
+        internal::StoredModelFolder(internal::StoredModelPath(internal::ModelFileSet(model)));
+    if (!internal::IsStored(run.output, folder)) missing.emplace(folder, model);
   }
   const Dataset dataset(run.output);
   for (auto id = dataset.ids().begin(); id != dataset.ids().end() && !missing.empty(); ++id) {
     for (const std::string& folder : ModelFoldersOf(fs::path(run.output) / *id)) {
       const auto found = missing.find(folder);
       if (found == missing.end()) continue;
-      StoreModel(run.output, ModelFileSet(found->second));
+      internal::StoreModel(run.output, internal::ModelFileSet(found->second));
       missing.erase(found);
     }
   }
@@ -265,7 +266,7 @@ RunInputs RequireSameRun(const RunConfig& run) {
   if (!manifest) {
     throw SpecError(
         fmt::format("run '{}': '{}' is no dataset: it has no dataset.json; first call {}", run.run,
-                    run.output, CppAndPythonName("PrepareDataset")));
+                    run.output, internal::CppAndPythonName("PrepareDataset")));
   }
   RunInputs inputs = InputsOf(run);
   if (const auto changes = Changes(*manifest, inputs); !changes.empty()) ThrowChanged(run, changes);

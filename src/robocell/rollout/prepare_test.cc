@@ -56,23 +56,23 @@ TEST(PrepareDataset, KeepsTheModelsOfEpisodesAndNoOthers) {
   TempDir folder;
   const RunConfig run = Demo(folder.path());
   PrepareDataset(run);
-  EXPECT_THAT(StoredModels(folder.path()), IsEmpty());
+  EXPECT_THAT(internal::StoredModels(folder.path()), IsEmpty());
   const std::vector<std::string> models = ModelsOf(run);
   ASSERT_GT(models.size(), 1u);
-  const FileSet used = ModelFileSet(models.front());
+  const FileSet used = internal::ModelFileSet(models.front());
   const SampleEpisode sample(0, false, false);
   for (const bool kept : {false, true}) {
     EpisodeWriter episode(folder.path(), "s0000_e0000", sample.schema, sample.Options());
     episode.AddModel("robot", used);
     sample.PutRows(episode, 3);
-    EXPECT_THAT(StoredModels(folder.path()), IsEmpty()) << "an episode may be given up";
+    EXPECT_THAT(internal::StoredModels(folder.path()), IsEmpty()) << "an episode may be given up";
     if (kept) episode.Commit({.success = true, .terminated = true, .end_reason = "success"});
   }
-  const std::string stored = StoredModelFolder(StoredModelPath(used));
-  EXPECT_THAT(StoredModels(folder.path()), ElementsAre(stored));
+  const std::string stored = internal::StoredModelFolder(internal::StoredModelPath(used));
+  EXPECT_THAT(internal::StoredModels(folder.path()), ElementsAre(stored));
   std::filesystem::remove_all(folder / stored);
   PrepareDataset(run);
-  EXPECT_THAT(StoredModels(folder.path()), ElementsAre(stored))
+  EXPECT_THAT(internal::StoredModels(folder.path()), ElementsAre(stored))
       << "what was lost, and nothing else";
   EXPECT_TRUE(Verify(folder.path()).ok());
 }

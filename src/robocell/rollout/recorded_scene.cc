@@ -42,7 +42,7 @@ std::set<std::string> HashesIn(const fs::path& folder) {
 void RequireSelfContained(const std::string& episode, const fs::path& folder,
                           const fs::path& model) {
   std::optional<std::set<std::string>> kept;
-  const ModelFiles found = FindModelFiles(model);
+  const internal::ModelFiles found = internal::FindModelFiles(model);
   for (const fs::path& file : found.files) {
     if (IsInside(folder, file)) continue;
     if (!kept) kept = HashesIn(folder);
@@ -51,7 +51,7 @@ void RequireSelfContained(const std::string& episode, const fs::path& folder,
         "{}: its model '{}' names '{}', which is outside of what the dataset keeps of it ('{}')",
         episode, model.string(), file.string(), folder.string()));
   }
-  for (const MissingFile& missing : found.missing) {
+  for (const internal::MissingFile& missing : found.missing) {
     if (missing.name.empty())
       throw SpecError(fmt::format("{}: '{}' of its model cannot be read as XML: {}", episode,
                                   missing.document.string(), missing.reason));
@@ -77,12 +77,13 @@ class Models {
     const fs::path model = dataset_ / it->second;
     std::error_code ignored;
     if (!fs::is_regular_file(model, ignored)) return Elsewhere(name, it->second);
-    if (DamageOfStoredModel(dataset_, it->second).empty()) {
-      RequireSelfContained(name_, dataset_ / StoredModelFolder(it->second), model);
+    if (internal::DamageOfStoredModel(dataset_, it->second).empty()) {
+      RequireSelfContained(name_, dataset_ / internal::StoredModelFolder(it->second), model);
       return model.string();
     }
     throw IoError(fmt::format("{}: '{}' is not what was stored; see `robocell verify {}`", name_,
-                              (dataset_ / it->second).string(), ShellWord(dataset_.string())));
+                              (dataset_ / it->second).string(),
+                              internal::ShellWord(dataset_.string())));
   }
 
  private:
@@ -100,7 +101,7 @@ class Models {
                       "dataset, or copy `models` with it",
                       name_, path, dataset_.string()));
     const std::string found = assets::Resolve(name);
-    if (StoredModelPath(ModelFileSet(found)) == path) return found;
+    if (internal::StoredModelPath(internal::ModelFileSet(found)) == path) return found;
     throw SpecError(
         fmt::format("{}: model '{}' of this machine ({}) is not the one it was made "
                     "with, and '{}' is not in '{}'",
@@ -153,17 +154,17 @@ EngineText ReadEngine(const nlohmann::json& engine, const std::string& place) {
 
 PortableScene MakePortable(const SceneSpec& scene) {
   PortableScene portable{.spec = scene, .models = {}};
-  assets::ForEachModel(portable.spec, [&](std::string& name, const std::string& directory) {
+  internal::ForEachModel(portable.spec, [&](std::string& name, const std::string& directory) {
     const std::string path = assets::Resolve(name, directory);
-    FileSet files = ModelFileSet(path);
-    name = assets::PortableName(path).value_or(StoredModelPath(files));
+    FileSet files = internal::ModelFileSet(path);
+    name = assets::PortableName(path).value_or(internal::StoredModelPath(files));
     portable.models.emplace(name, std::move(files));
   });
   return portable;
 }
 
 SceneSpec RecordedScene(const Episode& episode) {
-  const EpisodeJson metadata = EpisodeJson::Metadata(episode);
+  const internal::EpisodeJson metadata = internal::EpisodeJson::Metadata(episode);
   const auto spec = metadata.Find("scene_spec");
   if (!spec) {
     throw ArgumentError(fmt::format(
@@ -183,8 +184,8 @@ SceneSpec RecordedScene(const Episode& episode) {
   SceneSpec scene = spec->AsSpec<SceneSpec>();
   RestoreEngine(metadata.value(), scene, fmt::format("episode '{}'", episode.folder().string()));
   const Models models(episode);
-  assets::ForEachModel(scene,
-                       [&](std::string& name, const std::string&) { name = models.Find(name); });
+  internal::ForEachModel(scene,
+                         [&](std::string& name, const std::string&) { name = models.Find(name); });
   return scene;
 }
 

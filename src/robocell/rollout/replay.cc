@@ -74,7 +74,7 @@ void AlignQuaternion(std::span<double> pose, std::span<const double> with) {
 }
 
 Rates ReadRates(const Episode& episode) {
-  const auto rates = EpisodeJson::Metadata(episode).Find("rates");
+  const auto rates = internal::EpisodeJson::Metadata(episode).Find("rates");
   if (!rates || !rates->Find("control_ms") || !rates->Find("sim_ms")) {
     throw ArgumentError(
         fmt::format("episode '{}' cannot be replayed: its metadata has no rates; episodes that "
@@ -82,7 +82,7 @@ Rates ReadRates(const Episode& episode) {
                     episode.folder().string()));
   }
   const auto read = [&](const char* key) {
-    const EpisodeJson value = rates->At(key);
+    const internal::EpisodeJson value = rates->At(key);
     if (!value.value().is_number() || !(value.value().get<double>() > 0))
       value.ThrowNot("a number of milliseconds above 0");
     return value.value().get<double>();
@@ -93,7 +93,7 @@ Rates ReadRates(const Episode& episode) {
 }
 
 std::string VersionsThatChanged(const Episode& episode) {
-  const EpisodeJson then = EpisodeJson::Versions(episode);
+  const internal::EpisodeJson then = internal::EpisodeJson::Versions(episode);
   const Json now = {{"mujoco", mj_versionString()}, {"robocell", std::string(Version())}};
   std::string text;
   for (const auto& [part, version] : now.items()) {
@@ -179,9 +179,9 @@ class Replay {
   std::vector<int64_t> FirstTicks() const {
     std::vector<int64_t> first;
     if (Has(kTicks)) {
-      first = ReadSteps<int64_t>(episode_, kTicks);
+      first = internal::ReadSteps<int64_t>(episode_, kTicks);
     } else {
-      RequireRowOfEachStep(episode_, "time");
+      internal::RequireRowOfEachStep(episode_, "time");
       for (int64_t row = 0; row < episode_.rows(); ++row)
         first.push_back(row * rates_.control_ticks());
     }
@@ -191,7 +191,7 @@ class Replay {
 
   // What an environment drew for the objects of this episode.
   void VaryObjects() {
-    const auto environment = EpisodeJson::Metadata(episode_).Find("environment");
+    const auto environment = internal::EpisodeJson::Metadata(episode_).Find("environment");
     const auto variations = environment ? environment->Find("variations") : std::nullopt;
     if (!variations) return;
     const auto config = variations->AsSpec<EnvConfig>();
@@ -201,7 +201,7 @@ class Replay {
 
   void Add(Quantity quantity) {
     if (!Has(quantity.column)) return;
-    quantity.recorded = ReadSteps<double>(episode_, quantity.column);
+    quantity.recorded = internal::ReadSteps<double>(episode_, quantity.column);
     const ColumnInfo& info = episode_.column(quantity.column);
     quantity.units = info.spec.units;
     quantity.now.resize(static_cast<size_t>(RowValues(info.spec.shape)));

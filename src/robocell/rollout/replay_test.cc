@@ -60,11 +60,11 @@ class ReplayTest : public ::testing::Test {
   Episode Record(int row = 1000, Meddling::Deed deed = {}) {
     Meddling expert(MakePickPlanner(run, *start), start->scene, row, std::move(deed));
     Rng rng = Rng::Stream(2, "expert");
-    RunRollout(run, *start, expert, rng,
-               {.dataset = folder.path(),
-                .episode_id = "e",
-                .metadata_json = "{}",
-                .keep_failures = true});
+    internal::RunRollout(run, *start, expert, rng,
+                         {.dataset = folder.path(),
+                          .episode_id = "e",
+                          .metadata_json = "{}",
+                          .keep_failures = true});
     return Episode(folder / "e");
   }
 

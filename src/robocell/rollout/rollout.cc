@@ -16,7 +16,7 @@
 #include "robocell/spec/yaml.h"
 #include "robocell/task/task_features.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // Everything that is recorded of one rollout.
@@ -214,4 +214,4 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
   return result;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

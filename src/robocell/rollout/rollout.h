@@ -14,7 +14,7 @@
 #include "robocell/spec/run_config.h"
 #include "robocell/task/task.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Seconds; none counts twice.
 struct RolloutTimes {
@@ -50,4 +50,4 @@ struct RolloutOptions {
 RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expert, Rng& rng,
                          const RolloutOptions& options);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -14,7 +14,7 @@
 #include "robocell/testing/source_dir.h"
 #include "robocell/testing/temp_dir.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::AllOf;
@@ -202,4 +202,4 @@ TEST_F(RolloutTest, WarningsOfTheEpisodeAreCounted) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

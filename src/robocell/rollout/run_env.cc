@@ -61,7 +61,8 @@ RunEnv::RunEnv(RunConfig run) : state_(std::make_unique<State>()) {
   ValidateRunFields(run);
   state_->run = std::move(run);
   state_->sampler = MakeSampler(state_->run);
-  if (!state_->run.cameras.streams.empty()) state_->renderer = MakeRendererOf(state_->run);
+  if (!state_->run.cameras.streams.empty())
+    state_->renderer = internal::MakeRendererOf(state_->run);
 }
 RunEnv::~RunEnv() = default;
 RunEnv::RunEnv(RunEnv&&) noexcept = default;

@@ -34,8 +34,8 @@ using Texts = std::map<std::string, std::string>;
 namespace fs = std::filesystem;
 
 // What defines the run's task, expert, scenes, sampler and features, when a user wrote them.
-UserCode CodeOf(const RunConfig& run, bool with_expert) {
-  UserCode code;
+internal::UserCode CodeOf(const RunConfig& run, bool with_expert) {
+  internal::UserCode code;
   const std::shared_ptr<const TaskKind> task = FindTaskKind(run.task.kind());
   code.AddKind(*task);
   const std::string expert = run.expert.empty() ? task->expert() : run.expert;
@@ -57,12 +57,12 @@ std::map<std::string, fs::path> FilesOf(const RunConfig& run) {
   };
   for (const std::string& model : ModelsOf(run)) {
     const fs::path folder = fs::absolute(model).lexically_normal().parent_path();
-    for (const fs::path& file : FindModelFiles(model).files) {
+    for (const fs::path& file : internal::FindModelFiles(model).files) {
       const fs::path inside = folder.filename() / file.lexically_relative(folder);
       add(inside.lexically_normal().generic_string(), file);
     }
   }
-  const UserCode code = CodeOf(run, true);
+  const internal::UserCode code = CodeOf(run, true);
   for (const fs::path& file : code.files()) add("code/" + file.filename().string(), file);
   return named;
 }
@@ -144,7 +144,7 @@ bool IsUnchanged(const std::filesystem::path& path, const std::string& hash) {
 std::vector<std::string> ModelsOf(const RunConfig& run) {
   std::vector<std::string> paths;
   const auto add = [&](const SceneSpec& scene) {
-    assets::ForEachModel(scene, [&](const std::string& name, const std::string& directory) {
+    internal::ForEachModel(scene, [&](const std::string& name, const std::string& directory) {
       paths.push_back(assets::Resolve(name, directory));
     });
   };

@@ -10,7 +10,7 @@
 #include "robocell/data/model_store.h"
 #include "robocell/rollout/plan.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -86,4 +86,4 @@ std::optional<std::vector<std::string>> ChangesSinceEpisodes(const RunConfig& ru
   return std::vector<std::string>(changes.begin(), changes.end());
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

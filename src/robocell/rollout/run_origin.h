@@ -19,7 +19,7 @@
 #include "robocell/rollout/run_inputs.h"
 #include "robocell/spec/run_config.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class RunOrigin {
  public:
@@ -43,4 +43,4 @@ class RunOrigin {
 // it; nothing when the manifest can be written again. Unset when there are no generated episodes.
 std::optional<std::vector<std::string>> ChangesSinceEpisodes(const RunConfig& run);
 
-}  // namespace robocell
+}  // namespace robocell::internal

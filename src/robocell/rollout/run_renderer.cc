@@ -10,7 +10,7 @@
 #include "robocell/data/episode_reader.h"
 #include "robocell/render/renderer_backends.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using Json = nlohmann::json;
@@ -78,4 +78,4 @@ std::unique_ptr<Renderer> MakeRendererOf(const RunConfig& run, const Visibility&
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

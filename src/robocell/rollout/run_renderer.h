@@ -9,7 +9,7 @@
 #include "robocell/render/renderer.h"
 #include "robocell/spec/run_config.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // The name of the back end: what the run says, else what its dataset was begun with, else "auto".
 std::string BackendOf(const RunConfig& run);
@@ -21,4 +21,4 @@ std::string BackendToBeginWith(const RunConfig& run);
 // Throws Error when the dataset's back end does not work here. Other errors are MakeRenderer's.
 std::unique_ptr<Renderer> MakeRendererOf(const RunConfig& run, const Visibility& visibility = {});
 
-}  // namespace robocell
+}  // namespace robocell::internal

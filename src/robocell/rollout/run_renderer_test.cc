@@ -11,7 +11,7 @@
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 class RunRendererTest : public testing::Test {
@@ -62,4 +62,4 @@ TEST_F(RunRendererTest, BeginsWithWhatTheEnvironmentVariableNames) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

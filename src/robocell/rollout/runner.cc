@@ -41,7 +41,7 @@ struct Runner::State {
   bool stale_sampler = false;  // it may remember scenes of models that were changed
 
   Renderer* EnsureRenderer() {
-    if (!renderer && !run.cameras.streams.empty()) renderer = MakeRendererOf(run);
+    if (!renderer && !run.cameras.streams.empty()) renderer = internal::MakeRendererOf(run);
     return renderer.get();
   }
   std::optional<std::string> advice;
@@ -49,8 +49,8 @@ struct Runner::State {
   const std::string& Advice();
   DatasetLock Enter();
   void RequireUnchangedModels();
-  RolloutOptions Options(const PlanItem& item, int attempt, const EarlierAttempts& earlier,
-                         const StopRequest& stop);
+  internal::RolloutOptions Options(const PlanItem& item, int attempt,
+                                   const EarlierAttempts& earlier, const StopRequest& stop);
   void Attempt(const PlanItem& item, int attempt, const StopRequest& stop, EarlierAttempts& earlier,
                ItemResult& result);
   // The same; an exception of a user's own code is a failure, unless it is the last of a row.
@@ -99,8 +99,9 @@ const std::string& Runner::State::Advice() {
   return *advice;
 }
 
-RolloutOptions Runner::State::Options(const PlanItem& item, int attempt,
-                                      const EarlierAttempts& earlier, const StopRequest& stop) {
+internal::RolloutOptions Runner::State::Options(const PlanItem& item, int attempt,
+                                                const EarlierAttempts& earlier,
+                                                const StopRequest& stop) {
   const nlohmann::json metadata = {{"run", run.run},
                                    {"seed", run.seed},
                                    {"scene", item.scene},
@@ -178,7 +179,7 @@ void AddKept(ItemResult& result, const Episode& episode, EarlierAttempts& earlie
 }
 
 // Sums up a rollout.
-void AddTo(ItemResult& result, const RolloutResult& rollout) {
+void AddTo(ItemResult& result, const internal::RolloutResult& rollout) {
   if (rollout.stopped) return Drop(result);
   ++result.attempts;
   ++result.accepted;
@@ -229,8 +230,8 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopRequest
   const std::shared_ptr<Expert> expert = internal::CallHook(
       Hooks(), "the expert's constructor", [&] { return parts.expert(run, *sample.start); });
   Rng expert_rng = AttemptStream(run, item, attempt, "expert");
-  const RolloutResult rollout =
-      RunRollout(run, *sample.start, *expert, expert_rng, Options(item, attempt, earlier, stop));
+  const internal::RolloutResult rollout = internal::RunRollout(
+      run, *sample.start, *expert, expert_rng, Options(item, attempt, earlier, stop));
   AddTo(result, rollout);
   if (result.stopped) return;
   if (!rollout.committed) RequireUnchangedModels();  // what failed counts too

@@ -10,7 +10,7 @@
 
 #include <chrono>
 
-namespace robocell {
+namespace robocell::internal {
 
 template <class Clock>
 class BasicStageClock {
@@ -45,4 +45,4 @@ class BasicStageClock {
 
 using StageClock = BasicStageClock<std::chrono::steady_clock>;
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // A clock that is moved by hand.
@@ -46,4 +46,4 @@ TEST(StageClock, WhatPassesBetweenStagesBelongsToNone) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -7,7 +7,7 @@
 #include "robocell/features/own_features.h"
 #include "robocell/task/task_kind.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 void UserCode::Add(const std::vector<std::string>& files) {
   for (const std::string& file : files) {
@@ -31,4 +31,4 @@ UserCode CodeOf(const EnvConfig& config) {
   return code;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -10,7 +10,7 @@
 #include "robocell/base/plugin.h"
 #include "robocell/spec/env_config.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class UserCode {
  public:
@@ -34,4 +34,4 @@ class UserCode {
 // The code of an environment's task and of the features that it observes.
 UserCode CodeOf(const EnvConfig& config);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -57,8 +57,8 @@ void Try(Problems& problems, const char* field, F&& check) {
 // Names and sizes as the episode's writer wants them; what ValidateFields has told is left out.
 void ValidateVideo(const CameraSystemConfig& cameras, const CameraConfig& stream,
                    Problems& problems) {
-  if (!stream.name.empty() && !ValidFileName(stream.name))
-    return Try(problems, "name", [&] { RequireFileName("stream", stream.name); });
+  if (!stream.name.empty() && !internal::ValidFileName(stream.name))
+    return Try(problems, "name", [&] { internal::RequireFileName("stream", stream.name); });
   const int width = cameras.width(stream), height = cameras.height(stream);
   if (stream.name.empty() || width < 1 || height < 1 || width % 2 != 0 || height % 2 != 0) return;
   Try(problems, nullptr, [&] {
@@ -81,7 +81,7 @@ std::string FailingStreams(const RunConfig& run) {
 std::unique_ptr<Renderer> RendererFor(const RunConfig& run) {
   try {
     FfmpegVersion();
-    return MakeRendererOf(run, {.geom_groups = {}, .sites = false, .skybox = false});
+    return internal::MakeRendererOf(run, {.geom_groups = {}, .sites = false, .skybox = false});
   } catch (const IoError& error) {
     throw IoError(FailingStreams(run) + error.what());
   } catch (const Error& error) {
@@ -120,7 +120,7 @@ void ValidateStreamsHere(const RunConfig& run, const Scene& scene, Problems& pro
     Problems::Scope cameras(problems, "cameras.streams");
     Problems::Scope item(problems, i);
     Try(problems, nullptr, [&] {
-      const CameraView view = ViewOfStream(scene, stream);
+      const CameraView view = internal::ViewOfStream(scene, stream);
       const int width = run.cameras.width(stream), height = run.cameras.height(stream);
       rgb.resize(3 * static_cast<size_t>(width) * static_cast<size_t>(height));
       renderer->Render(scene.data(), {.camera = view, .width = width, .height = height},
@@ -219,7 +219,7 @@ class SceneValidator {
     std::set<std::string> checked;
     const std::vector<int> indices = SceneIndices(run_);
     for (size_t i = 0; i < bases.size(); ++i) {
-      if (!checked.insert(SpecBytes(bases[i])).second) continue;
+      if (!checked.insert(internal::SpecBytes(bases[i])).second) continue;
       good &= Try("scenes", [&] {
         for (const Support& support : SupportsOf(*source_, indices[i], bases[i]))
           RequireSteady(bases[i], support);
@@ -248,11 +248,12 @@ class SceneValidator {
       Problems::Scope streams(problems_, "cameras.streams");
       Problems::Scope item(problems_, i);
       const CameraConfig& stream = run_.cameras.streams[i];
-      Try(stream.follow.empty() ? "camera" : "follow", [&] { ViewOfStream(scene, stream); });
+      Try(stream.follow.empty() ? "camera" : "follow",
+          [&] { internal::ViewOfStream(scene, stream); });
     }
     for (const std::string& camera : run_.start.visible_from) {
       Try("start.visible_from",
-          [&] { ViewOfStream(scene, internal::StreamToSee(run_.cameras, camera)); });
+          [&] { internal::ViewOfStream(scene, internal::StreamToSee(run_.cameras, camera)); });
     }
   }
 
@@ -291,8 +292,8 @@ void AsProblem(Problems& problems, const F& check) {
 // Names of joints and sensors become paths in steps.h5: not every name can.
 void RequireRecordable(const Robot& robot) {
   EpisodeSchema schema;
-  const OutcomeColumns outcome(schema, robot.scene(), {}, {});
-  const FeatureColumns columns(schema, CellFeatures(robot.scene(), {robot}).schema());
+  const internal::OutcomeColumns outcome(schema, robot.scene(), {}, {});
+  const internal::FeatureColumns columns(schema, CellFeatures(robot.scene(), {robot}).schema());
 }
 
 }  // namespace
@@ -311,8 +312,9 @@ std::vector<std::string> ValidateRun(const RunConfig& run, const RunDemands& dem
 bool ValidateRobot(const Robot& robot, Problems& problems) {
   const size_t before = problems.list().size();
   // Records ask the controllers, and would say the same of them again.
-  if (ValidateControllers(robot, problems)) AsProblem(problems, [&] { RequireRecordable(robot); });
-  AsProblem(problems, [&] { ValidateConfig(robot, problems); });
+  if (internal::ValidateControllers(robot, problems))
+    AsProblem(problems, [&] { RequireRecordable(robot); });
+  AsProblem(problems, [&] { internal::ValidateConfig(robot, problems); });
   return problems.list().size() == before;
 }
 

@@ -11,7 +11,7 @@
 #include "robocell/scene/control_modes.h"
 #include "robocell/scene/spec_tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // The parameters of an actuator that determine how it drives.
@@ -179,4 +179,4 @@ ArmDrive FindArmDrive(const std::vector<std::string>& joints,
   return best;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -20,7 +20,7 @@
 struct mjsActuator_;
 typedef struct mjsActuator_ mjsActuator;
 
-namespace robocell {
+namespace robocell::internal {
 
 std::optional<CtrlMode> ActuatorKind(const mjModel* model, int actuator);
 std::optional<CtrlMode> ActuatorKind(const mjsActuator* actuator);
@@ -67,4 +67,4 @@ struct ArmDrive {
 ArmDrive FindArmDrive(const std::vector<std::string>& joints,
                       const std::vector<JointActuator>& actuators);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -15,7 +15,7 @@
 #include "robocell/scene/spec_tree.h"
 #include "robocell/scene/testing/scenes.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::ElementsAre;
@@ -154,4 +154,4 @@ TEST(ArmDrives, AreNotWhatWasAddedForOtherModes) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

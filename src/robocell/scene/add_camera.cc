@@ -10,7 +10,7 @@
 #include "robocell/scene/spec_tree.h"
 #include "robocell/spec/scene_object.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 bool NameIsTaken(const CameraSpec& camera, const mjSpec* spec, const std::string& place,
@@ -87,7 +87,7 @@ void AddRobotCameras(const RobotConfig& config, const std::string& directory, Pa
     if (ElementKindOf(target.kind) == mjOBJ_UNKNOWN) {
       log.Problem(place,
                   "a robot's camera is attached to a body, site or frame of the robot, not to " +
-                      Describe(target),
+                      DescribeTarget(target),
                   "attach_to");
       continue;
     }
@@ -98,4 +98,4 @@ void AddRobotCameras(const RobotConfig& config, const std::string& directory, Pa
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

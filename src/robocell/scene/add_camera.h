@@ -6,7 +6,7 @@
 #include "robocell/spec/camera_spec.h"
 #include "robocell/spec/sim_options.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // `placement` holds the full pose, in its body, of the camera or of its model's root. A relative
 // path of a model starts at `directory`.
@@ -16,4 +16,4 @@ void AddCamera(const CameraSpec& camera, const Placement& placement, const std::
 // Sets the vertical field of view, degrees; warns of an angle that was meant in radians.
 void SetFovy(mjsCamera* camera, double fovy, const std::string& place, CompileLog& log);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -9,7 +9,7 @@
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::AllOf;
@@ -167,4 +167,4 @@ TEST_F(Cameras, AHousingHoldsOneCamera) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -9,7 +9,7 @@
 #include "robocell/mujoco/engine_exception.h"
 #include "robocell/scene/spec_tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 mjtGeom GeomType(Shape shape) {
@@ -96,7 +96,7 @@ void AttachObject(const SceneObject& object, const ObjectPart& loaded, const Pla
       log.Problem(loaded.part.place,
                   fmt::format("can move freely, so it cannot be attached to {}; attach it to "
                               "the world, or set fixed: true",
-                              Describe(object.attach_to)),
+                              DescribeTarget(object.attach_to)),
                   "attach_to");
       return;
     }
@@ -105,4 +105,4 @@ void AttachObject(const SceneObject& object, const ObjectPart& loaded, const Pla
   AttachPart(at.parent, loaded.part, loaded.root, at.pose * authored, loaded.prefix, log);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

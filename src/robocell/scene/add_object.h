@@ -7,7 +7,7 @@
 #include "robocell/scene/part.h"
 #include "robocell/scene/placement.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Loads an object's model, names what has to have a name, adds or removes its free joint. A
 // primitive becomes a model too, so that both are attached the same way. Null when there were
@@ -24,4 +24,4 @@ std::optional<ObjectPart> LoadObject(const SceneObject& object, const SceneSpec&
 void AttachObject(const SceneObject& object, const ObjectPart& loaded, const Placement& placement,
                   CompileLog& log);
 
-}  // namespace robocell
+}  // namespace robocell::internal

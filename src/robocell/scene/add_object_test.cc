@@ -10,7 +10,7 @@
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 Scene BuildWith(const SceneObject& object) {
@@ -180,4 +180,4 @@ TEST_F(Objects, TooLightForTheEngineAreToldByTheirField) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -18,7 +18,7 @@
 #include "robocell/spec/robot_config.h"
 #include "robocell/spec/shared_parts.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // Puts a robot's prefix in front of the names that its elements have in a model of several robots.
@@ -292,4 +292,4 @@ void AttachRobot(const RobotSpec& robot, const RobotPart& loaded, const Placemen
              robot.prefix, log);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -9,7 +9,7 @@
 #include "robocell/scene/part.h"
 #include "robocell/scene/placement.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 struct RobotPart {
   Part part;
@@ -45,4 +45,4 @@ std::vector<std::string> RobotNames(const List<RobotSpec>& robots, CompileLog& l
 // to.
 std::optional<std::string> BaseBodyName(const BaseConfig& base, const std::string& prefix);
 
-}  // namespace robocell
+}  // namespace robocell::internal

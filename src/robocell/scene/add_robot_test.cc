@@ -15,7 +15,7 @@
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::Contains;
@@ -199,4 +199,4 @@ TEST(MenagerieRobots, KeepAllActuatorsAndNamesWhenAGripperIsMounted) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

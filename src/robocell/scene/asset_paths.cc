@@ -10,7 +10,7 @@
 #include "robocell/scene/part.h"
 #include "robocell/scene/spec_tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -98,4 +98,4 @@ bool MakeAssetPathsAbsolute(mjSpec* spec, const std::string& file, const std::st
   return false;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

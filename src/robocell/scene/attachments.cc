@@ -13,7 +13,7 @@
 #include "robocell/scene/robot_parts.h"
 #include "robocell/scene/spec_tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // Of these the tool brings those of the body that is mounted; of the others all.
@@ -122,4 +122,4 @@ void AddAttachments(const List<AttachmentSpec>& attachments, const Locations& lo
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -93,8 +93,9 @@ TEST_F(Attachments, CarryChainsOfTools) {
   <worldbody><body name="bar" pos="0.01 0 0" euler="0 20 30">
     <geom type="capsule" fromto="0 0 0 0 0 0.03" size="0.005"/><site name="tip" pos="0 0 0.03"/>
   </body></worldbody>)");
-  const Pose authored = Pose::FromRpy({0.01, 0, 0}, {0, Radians(20), 0}) *
-                        Pose::FromRpy({0, 0, 0}, {0, 0, Radians(30)});  // about the turned axes
+  const Pose authored =
+      Pose::FromRpy({0.01, 0, 0}, {0, internal::Radians(20), 0}) *
+      Pose::FromRpy({0, 0, 0}, {0, 0, internal::Radians(30)});  // about the turned axes
   SceneSpec spec = ArmScene();
   std::string site = "flange";
   for (int i = 0; i < 5; ++i) {

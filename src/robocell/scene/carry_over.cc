@@ -16,7 +16,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/pool.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using Keys = std::vector<std::string>;
@@ -402,4 +402,4 @@ void CarryState(const ElementMatch& match, const mjData* from, mjData* to) {
   to->time = from->time;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

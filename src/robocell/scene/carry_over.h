@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace robocell {
+namespace robocell::internal {
 
 // Matches the elements of the two models: by name, and unnamed ones by their parent and their number
 // there: "the second unnamed joint of body 'door'".
@@ -40,4 +40,4 @@ void CarryState(const ElementMatch& match, const mjData* from, mjData* to);
 // numerics, keyframes, tendons' wraps, flexes, skins, meshes, height fields and textures.
 void CarryModel(const ElementMatch& match, mjModel* to);
 
-}  // namespace robocell
+}  // namespace robocell::internal

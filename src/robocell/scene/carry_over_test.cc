@@ -15,7 +15,7 @@
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/scene/testing/workplace.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::ElementsAre;
@@ -199,4 +199,4 @@ TEST(CarryOver, WhatWasWrittenToPairsAndSensorsStaysAndMassesAreSummedAnew) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -7,7 +7,7 @@
 #include "robocell/base/error.h"
 #include "robocell/spec/locations.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 std::string Line(const std::string& place, const std::string& message) {
@@ -108,4 +108,4 @@ void CompileLog::Throw(const std::string& scene) const {
   throw SpecError(text);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

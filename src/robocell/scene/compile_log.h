@@ -14,7 +14,7 @@
 
 #include "robocell/spec/locations.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class CompileLog {
  public:
@@ -67,4 +67,4 @@ class CompileLog {
   std::vector<std::string> warnings_, notes_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -6,7 +6,7 @@
 #include "robocell/scene/testing/robot_files.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::AllOf;
@@ -140,4 +140,4 @@ TEST_F(Located, LightsThatStayBehindAreANoteAndNothingElseIs) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -14,7 +14,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/spec_tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // Kinds that the engine's compiler complains about by name.
@@ -225,4 +225,4 @@ std::string PlaceInModel(const Part& part, mjtObj kind, const std::string& name)
   return place.substr(0, place.size() - std::string_view(": ").size());
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

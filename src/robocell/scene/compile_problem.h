@@ -7,7 +7,7 @@
 
 #include "robocell/scene/part.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // The engine's text (of Compile's SpecError) with file and element as the part has them and, for
 // what is known, what to do about it. Nothing when the text is about no element of this part.
@@ -31,4 +31,4 @@ std::string FileWith(const Part& part, const std::string& name);
 // if the line is not known.
 std::string PlaceInModel(const Part& part, mjtObj kind, const std::string& name);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -6,7 +6,7 @@
 #include "robocell/scene/testing/robot_files.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -169,4 +169,4 @@ TEST_F(CompileProblems, AMissingMeshOfAnObjectAndOfABase) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -27,7 +27,7 @@
 #include "robocell/scene/validate_robot.h"
 #include "robocell/spec/validate.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr const char* kBase = "base";  // its place in messages, and the field that names it
@@ -406,12 +406,16 @@ class SceneCompiler {
   RobotFrameMap frames_;
 };
 
-std::shared_ptr<CompiledScene> CompileScene(const SceneSpec& spec) {
-  return SceneCompiler(spec).Run();
-}
-
 std::shared_ptr<CompiledScene> CompileSavedScene(const SceneSpec& spec, const std::string& path) {
   return SceneCompiler::RunSaved(spec, path);
+}
+
+}  // namespace robocell::internal
+
+namespace robocell {
+
+std::shared_ptr<CompiledScene> CompileScene(const SceneSpec& spec) {
+  return internal::SceneCompiler(spec).Run();
 }
 
 }  // namespace robocell

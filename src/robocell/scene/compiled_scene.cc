@@ -95,7 +95,7 @@ mjModel* CompiledScene::mutable_model() {
     throw Error("scene '" + scene_spec_.name +
                 "': its compiled scene is frozen because it is shared between scenes; "
                 "what writes to the model needs a scene of its own: " +
-                CppAndPythonName("Scene::Build"));
+                internal::CppAndPythonName("Scene::Build"));
   }
   return model_;
 }
@@ -107,7 +107,7 @@ std::shared_ptr<void> CompiledScene::Claim() {
                 "': its compiled scene is used by another scene already, and what one of them "
                 "writes to the model would change the other. Freeze the compiled scene to share it "
                 "with " +
-                CppAndPythonName("Freeze") + ", or compile the spec again");
+                internal::CppAndPythonName("Freeze") + ", or compile the spec again");
   }
   auto claim = std::make_shared<char>();
   if (frozen_) return claim;  // frozen ones may be claimed by several threads at once
@@ -118,7 +118,7 @@ std::shared_ptr<void> CompiledScene::Claim() {
 
 std::vector<std::string> CompiledScene::DifferencesFromStart() const {
   std::vector<std::string> differences;
-  for (const PooledObject& object : PoolOf(*this)) {
+  for (const internal::PooledObject& object : internal::PoolOf(*this)) {
     if (object.IsAsAfterReset(model_)) continue;
     differences.push_back(fmt::format("object '{}' was {}", object.name(),
                                       object.parked_after_reset() ? "added" : "removed"));
@@ -129,7 +129,7 @@ std::vector<std::string> CompiledScene::DifferencesFromStart() const {
 }
 
 void CompiledScene::RestoreStart() {
-  for (const PooledObject& object : PoolOf(*this)) {
+  for (const internal::PooledObject& object : internal::PoolOf(*this)) {
     if (!object.IsAsAfterReset(model_)) object.Switch(model_, object.parked_after_reset());
   }
   if (!modes_) modes_ = model_->opt.disableactuator;

@@ -58,6 +58,10 @@ struct ObjectRecord {
   std::optional<PoolRecord> pool = {};    // unless it comes and goes by compiling
 };
 
+namespace internal {
+class SceneCompiler;
+}
+
 // Shared by its scenes, and by Python without a reference to a Python object: a scene may die on
 // any thread.
 class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
@@ -128,7 +132,7 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   const std::shared_ptr<void>& model_keeper() const { return keeper_; }
 
  private:
-  friend class SceneCompiler;
+  friend class internal::SceneCompiler;
   friend class SceneCacheEntry;
   // A number that no compiled scene of this process had.
   static uint64_t NextGeneration();

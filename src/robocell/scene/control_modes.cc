@@ -19,7 +19,7 @@
 #include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/spec_tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // What all of them are; nothing when they are not of one kind.
@@ -426,4 +426,4 @@ void FillVelocityGains(mjModel* m, int home_key, const std::vector<RobotLimbs>& 
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -20,7 +20,7 @@
 struct mjSpec_;
 typedef struct mjSpec_ mjSpec;
 
-namespace robocell {
+namespace robocell::internal {
 
 // Joints that are switched together, with the actuators that the model has for them, one each.
 struct Limb {
@@ -83,4 +83,4 @@ void FillVelocityGains(mjModel* model, int home_key, const std::vector<RobotLimb
 // Seconds in which an error of the velocity of a joint with a motor falls to 1/e, the others still.
 inline constexpr double kVelocityTime = 0.05;
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -16,7 +16,7 @@
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::ElementsAre;
@@ -280,4 +280,4 @@ TEST_F(ControlModes, AreInTheFilesOfAScene) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

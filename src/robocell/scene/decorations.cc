@@ -7,7 +7,7 @@
 #include "robocell/mujoco/clip_planes.h"
 #include "robocell/scene/spec_tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr double kNear = 0.01, kFar = 100.0;  // metres
@@ -95,4 +95,4 @@ void FixVisibleRange(mjSpec* spec, mjModel* model) {
   SetClipPlanes(model, kNear, kFar);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -4,7 +4,7 @@
 #include "robocell/mujoco/forward.h"
 #include "robocell/spec/scene_spec.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Floor: a plane `floor` at z = 0. Sky: a gradient, and two lights unless the base has its own.
 void AddDecorations(const SceneSpec& scene, mjSpec* spec);
@@ -14,4 +14,4 @@ void AddDecorations(const SceneSpec& scene, mjSpec* spec);
 // off. Cameras see from 1 cm to 100 m.
 void FixVisibleRange(mjSpec* spec, mjModel* model);
 
-}  // namespace robocell
+}  // namespace robocell::internal

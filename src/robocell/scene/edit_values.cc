@@ -13,7 +13,7 @@
 #include "robocell/scene/add_camera.h"
 #include "robocell/scene/spec_tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 class ValueEditor {
@@ -329,4 +329,4 @@ bool SetServoGains(const ServoGains& gains, mjsActuator* actuator) {
   return true;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -18,7 +18,7 @@ typedef struct mjsGeom_ mjsGeom;
 struct mjsActuator_;
 typedef struct mjsActuator_ mjsActuator;
 
-namespace robocell {
+namespace robocell::internal {
 
 // Each attribute is in the compiled model as the edit says, or it is a problem at `place`. The name
 // is none of them.
@@ -44,4 +44,4 @@ struct ServoGains {
 // are scaled (0..255) goes on resting where it did.
 bool SetServoGains(const ServoGains& gains, mjsActuator* actuator);
 
-}  // namespace robocell
+}  // namespace robocell::internal

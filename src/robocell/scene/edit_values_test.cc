@@ -8,7 +8,7 @@
 #include "robocell/scene/testing/edited_arm.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 class EditValues : public EditedArm {};
@@ -197,4 +197,4 @@ TEST_F(EditedShape, IsInTheParentBodyWhateverFramesTheFileHas) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

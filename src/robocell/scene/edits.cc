@@ -10,7 +10,7 @@
 #include "robocell/scene/robot_parts.h"
 #include "robocell/scene/spec_tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // One edit on one model.
@@ -176,4 +176,4 @@ void ApplyEdits(const RobotConfig& config, Part& robot, CompileLog& log) {
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

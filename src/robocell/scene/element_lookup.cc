@@ -10,7 +10,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 std::string Place(const RobotRecord& robot) { return "robot '" + robot.name + "'"; }
@@ -197,4 +197,4 @@ ElementId FindElement(const mjModel* model, const RobotRecord& robot, const Elem
   throw NotFoundError(NoSuchName(Place(robot), Words(kinds), ref.name, names) + how);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

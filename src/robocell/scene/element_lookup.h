@@ -16,7 +16,7 @@
 #include "robocell/scene/compiled_scene.h"
 #include "robocell/spec/element_ref.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 struct ElementId {
   mjtObj kind = mjOBJ_UNKNOWN;
@@ -44,4 +44,4 @@ mjtObj EngineKind(ElementKind kind);
 // in a model that leaves `count` elements of this kind unnamed, the first of them in `body`.
 std::string UnnamedHint(std::string_view kind, size_t count, const std::string& body);
 
-}  // namespace robocell
+}  // namespace robocell::internal

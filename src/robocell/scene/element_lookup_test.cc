@@ -10,7 +10,7 @@
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::ElementsAre;
@@ -118,4 +118,4 @@ TEST_F(ElementLookup, RefusesKindsThatAreNotWanted) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

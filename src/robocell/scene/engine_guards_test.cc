@@ -223,7 +223,7 @@ TEST_F(Guards, AreSavedInXmlAndInBinary) {
   ASSERT_TRUE(stock);
   EXPECT_EQ(stock->opt.jacobian, mjJAC_DENSE);
   EXPECT_EQ(LoadBinary(mjb)->opt.jacobian, mjJAC_DENSE);
-  EXPECT_EQ(CompileSavedScene(Boxes(10), xml)->model()->opt.jacobian, mjJAC_DENSE);
+  EXPECT_EQ(internal::CompileSavedScene(Boxes(10), xml)->model()->opt.jacobian, mjJAC_DENSE);
 }
 
 TEST_F(Guards, AreOverruledInSavedFilesToo) {
@@ -232,8 +232,8 @@ TEST_F(Guards, AreOverruledInSavedFilesToo) {
   spec.options.jacobian = JacobianKind::kSparse;
   const std::string xml = (folder / "scene.xml").string();
   Scene::Build(spec).SaveXml(xml);
-  EXPECT_EQ(CompileSavedScene(spec, xml)->model()->opt.jacobian, mjJAC_SPARSE);
-  EXPECT_EQ(CompileSavedScene(Boxes(10), xml)->model()->opt.jacobian, mjJAC_DENSE);
+  EXPECT_EQ(internal::CompileSavedScene(spec, xml)->model()->opt.jacobian, mjJAC_SPARSE);
+  EXPECT_EQ(internal::CompileSavedScene(Boxes(10), xml)->model()->opt.jacobian, mjJAC_DENSE);
 }
 
 TEST_F(Guards, HoldForModelsFromTheCacheAndForCopies) {

@@ -7,7 +7,7 @@
 #include "robocell/base/suggestions.h"
 #include "robocell/scene/placement.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ElementSet = std::set<std::pair<AttachKind, std::string>>;
@@ -54,7 +54,7 @@ class Order {
       log_.Problem(
           entities_[i].place,
           fmt::format("is attached to {} of {}, which is declared later; move {} before it",
-                      Describe(target), entities_[owner].place, entities_[owner].place),
+                      DescribeTarget(target), entities_[owner].place, entities_[owner].place),
           "attach_to");
       return kMissing;
     }
@@ -126,4 +126,4 @@ std::vector<size_t> BuildOrder(const std::vector<Entity>& entities, const Elemen
   return Order(entities, base, log).Build();
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -10,7 +10,7 @@
 #include "robocell/scene/compile_log.h"
 #include "robocell/spec/types.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // One entity as the order sees it. Entities are given in the order of ties.
 struct Entity {
@@ -29,4 +29,4 @@ std::vector<size_t> BuildOrder(const std::vector<Entity>& entities,
                                const std::set<std::pair<AttachKind, std::string>>& base,
                                CompileLog& log);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -6,7 +6,7 @@
 #include "robocell/base/error.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::ElementsAre;
@@ -90,4 +90,4 @@ TEST(EntityOrder, WhatDependsOnAProblemIsLeftOutWithoutAnother) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

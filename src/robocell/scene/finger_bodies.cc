@@ -7,7 +7,7 @@
 #include "robocell/mujoco/tree.h"
 #include "robocell/scene/element_lookup.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 std::optional<int> BodyOfFinger(const mjModel* m, const RobotRecord& robot, const ElementRef& ref) {
@@ -35,4 +35,4 @@ std::optional<std::array<int, 2>> FingerBodies(const mjModel* m, const RobotReco
   return std::array{*ends[0], *ends[1]};
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

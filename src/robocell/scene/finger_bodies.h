@@ -8,11 +8,11 @@
 
 #include "robocell/scene/compiled_scene.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // The bodies that `fingers` names, else those of the group's two joints; nothing when it is not
 // known which they are. Both may be the same body.
 std::optional<std::array<int, 2>> FingerBodies(const mjModel* model, const RobotRecord& robot,
                                                const MoveGroupConfig& gripper);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -5,7 +5,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/testing/arm_with_hand.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 class FingerBodiesTest : public ArmWithHand {
@@ -36,4 +36,4 @@ TEST_F(FingerBodiesTest, AreUnknownWhenOneIsMissing) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -16,7 +16,7 @@
 #include "robocell/scene/robot_parts.h"
 #include "robocell/scene/spec_tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 bool HasJoint(mjsBody* body) { return !BodyElements(body, mjOBJ_JOINT).empty(); }
@@ -79,4 +79,4 @@ void ExcludeFirstJoints(mjsBody* top, const SimOptions& options, mjSpec* spec) {
   ExcludeChildren(top, &exclusions);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

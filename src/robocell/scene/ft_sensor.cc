@@ -11,7 +11,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/element_lookup.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
@@ -129,4 +129,4 @@ Pose FtSensor::frame_in_world(const mjData* data) const {
   return Pose::FromTranslationAndMatrix(data->site_xpos + 3 * frame_, data->site_xmat + 9 * frame_);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -16,7 +16,7 @@
 #include "robocell/math/twist.h"
 #include "robocell/scene/compiled_scene.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class FtSensor {
  public:
@@ -41,4 +41,4 @@ class FtSensor {
   bool compensate_tool_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

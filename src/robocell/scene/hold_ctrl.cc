@@ -8,7 +8,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/actuator_kind.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 double Clamped(double value, bool limited, const mjtNum* range) {
@@ -113,4 +113,4 @@ bool ActsOn(const mjModel* model, const mjData* data, int actuator, const std::v
   return false;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

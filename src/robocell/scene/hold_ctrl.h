@@ -7,7 +7,7 @@
 #include "robocell/mujoco/forward.h"
 #include "robocell/scene/compiled_scene.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Share of a joint's range that a servo may miss without a warning.
 inline constexpr double kServoSlack = 0.02;
@@ -56,4 +56,4 @@ void MarkDofs(const mjModel* model, const RobotRecord& robot, const MoveGroupCon
 // tendon, at a site ... Moments must be up to date (position stage).
 bool ActsOn(const mjModel* model, const mjData* data, int actuator, const std::vector<bool>& dofs);
 
-}  // namespace robocell
+}  // namespace robocell::internal

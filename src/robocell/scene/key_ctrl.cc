@@ -10,7 +10,7 @@
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // An actuator's pull at one degree of freedom.
@@ -169,4 +169,4 @@ void KeyCtrl::Tell(CompileLog& log) const {
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

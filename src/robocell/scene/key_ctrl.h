@@ -18,7 +18,7 @@
 #include "robocell/scene/hold_ctrl.h"
 #include "robocell/scene/part_keys.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // A control holds a hinge (rad) or another joint (m) when it rests this close to the keyframe.
 inline constexpr double kKeySlackTurn = 0.05;
@@ -53,4 +53,4 @@ class KeyCtrl {
   std::map<std::string, std::pair<PartKey::Source, std::vector<std::string>>> replaced_, short_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -9,7 +9,7 @@
 #include "robocell/scene/testing/robots.h"
 #include "robocell/scene/testing/scenes.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -157,4 +157,4 @@ TEST_F(HomeKey, HoldsRealRobotsStill) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

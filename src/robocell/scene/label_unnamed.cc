@@ -9,7 +9,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/spec_tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr mjtObj kOfBodies[] = {mjOBJ_JOINT, mjOBJ_SITE, mjOBJ_BODY};
@@ -68,4 +68,4 @@ std::string HowToNameJoint(const std::string& label) {
       label, label.substr(0, mark), index);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -13,7 +13,7 @@
 struct mjSpec_;
 typedef struct mjSpec_ mjSpec;
 
-namespace robocell {
+namespace robocell::internal {
 
 // Labels the bodies, joints, sites and actuators of a model that have no name. `root` is the label
 // of a body in the model's world; further ones have their number behind it.
@@ -23,4 +23,4 @@ void LabelUnnamed(mjSpec* spec, const std::string& root);
 // it one: edits: [{joint: {body: elbow, index: 0}, name: NAME}])"; "" for other names of joints.
 std::string HowToNameJoint(const std::string& label);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -13,7 +13,7 @@
 #include "robocell/spec/yaml.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::ElementsAre;
@@ -187,4 +187,4 @@ TEST_F(LabelUnnamed, WhatStaysBehindIsToldWithItsNumber) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

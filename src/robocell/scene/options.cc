@@ -11,7 +11,7 @@
 #include "robocell/base/suggestions.h"
 #include "robocell/spec/timestep.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 int Engine(Integrator integrator) {
@@ -213,4 +213,4 @@ void DropGlobals(mjSpec* part) {
   part->authored = mjsAuthored{};
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -11,7 +11,7 @@
 
 typedef struct mjOption_ mjOption;
 
-namespace robocell {
+namespace robocell::internal {
 
 // Sets options, timestep (unless unset) and gravity of the scene. Names of flags that do not exist
 // are problems.
@@ -35,4 +35,4 @@ void WarnReplacedOptions(const mjOption& base, const SceneSpec& scene, CompileLo
 // attaching it cannot change the scene's.
 void DropGlobals(mjSpec* part);
 
-}  // namespace robocell
+}  // namespace robocell::internal

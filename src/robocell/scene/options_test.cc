@@ -9,7 +9,7 @@
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::ElementsAre;
@@ -158,4 +158,4 @@ TEST_F(Options, WithUnknownFlagsSuggestTheRightOnes) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

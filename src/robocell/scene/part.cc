@@ -22,7 +22,7 @@
 #include "robocell/scene/spec_tree.h"
 #include "robocell/scene/validate_model_file.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 std::vector<std::string> Names(const std::vector<mjsElement*>& elements) {
@@ -280,4 +280,4 @@ void MakeClassNamesUnique(const Part& part, const mjSpec* parent) {
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -16,7 +16,7 @@
 struct mjsBody_;
 typedef struct mjsBody_ mjsBody;
 
-namespace robocell {
+namespace robocell::internal {
 
 struct Part {
   // A tool that became part of it, and what its names begin with there.
@@ -68,4 +68,4 @@ void AttachPart(mjsBody* parent, const Part& part, mjsBody* root, const class Po
 // XML file that it cannot read. Classes matter only for saving; elements keep their values.
 void MakeClassNamesUnique(const Part& part, const mjSpec* parent);
 
-}  // namespace robocell
+}  // namespace robocell::internal

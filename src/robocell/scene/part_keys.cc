@@ -13,7 +13,7 @@
 #include "robocell/mujoco/owners.h"
 #include "robocell/scene/spec_tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 int PositionCount(const mjsJoint* joint) {
@@ -295,4 +295,4 @@ void DropKeys(mjSpec* spec) {
   spec->nkey = 0;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

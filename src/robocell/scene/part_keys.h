@@ -12,7 +12,7 @@
 
 #include "robocell/math/pose.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // The values of one keyframe.
 struct PartKey {
@@ -75,4 +75,4 @@ PartKeys ReadKeys(mjSpec* spec, const std::string& place, const std::string& fie
                   const std::string& file);
 void DropKeys(mjSpec* spec);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -7,7 +7,7 @@
 #include "robocell/scene/scene.h"
 #include "robocell/scene/testing/keyed_arms.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::Contains;
@@ -96,4 +96,4 @@ TEST_F(PartKeysTest, CarryAllThatTheEnginesKeysHold) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -6,7 +6,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/spec_tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 std::optional<Placement> OnElement(mjtObj kind, const std::string& name, const Pose& pose,
@@ -47,7 +47,7 @@ mjtObj ElementKindOf(AttachKind kind) {
   }
 }
 
-std::string Describe(const AttachTarget& target) {
+std::string DescribeTarget(const AttachTarget& target) {
   switch (target.kind) {
     case AttachKind::kWorld:
       return "the world";
@@ -101,7 +101,7 @@ std::optional<Placement> PlaceInWorld(const Placement& placement, const AttachTa
   if (!IsStatic(placement.parent)) {
     log.Problem(place,
                 fmt::format("{} hangs on the world, but is attached to {}, which can move", why,
-                            Describe(target)),
+                            DescribeTarget(target)),
                 "attach_to");
     return std::nullopt;
   }
@@ -109,4 +109,4 @@ std::optional<Placement> PlaceInWorld(const Placement& placement, const AttachTa
   return Placement{WorldBody(spec), PoseInWorld(placement.parent->element) * placement.pose};
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

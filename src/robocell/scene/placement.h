@@ -12,7 +12,7 @@
 #include "robocell/scene/compile_log.h"
 #include "robocell/spec/scene_spec.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 struct Placement {
   mjsBody* parent = nullptr;
@@ -30,7 +30,7 @@ using RobotFrameMap = std::map<std::string, RobotFrames>;
 mjtObj ElementKindOf(AttachKind kind);
 
 // "body 'table'", "the attachment site of robot 'left'", "the shared base frame": for messages.
-std::string Describe(const AttachTarget& target);
+std::string DescribeTarget(const AttachTarget& target);
 
 // Finds the target in `spec`. Root and SharedBase are transforms of the world. Null and an entry in
 // the log when the element does not exist.
@@ -56,4 +56,4 @@ inline Pose SharedBaseFrameToWorld(const SceneSpec& spec) {
   return spec.root_frame_to_world * spec.shared_base_frame_to_root_frame;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -18,7 +18,7 @@
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/random_values.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr double kExact = 1e-9;  // MJCF text and the engine's normalisation round
@@ -337,4 +337,4 @@ TEST(Placement, AFreeJointOfTheModelItselfMakesTheBaseFree) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -8,7 +8,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr double kParkingHeight = 1000;  // metres; images end at 100
@@ -130,4 +130,4 @@ void CountCompensatedBodies(mjModel* m) {
   m->ngravcomp = m->nbody - std::count(m->body_gravcomp, m->body_gravcomp + m->nbody, 0.0);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

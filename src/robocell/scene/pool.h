@@ -13,7 +13,7 @@
 #include "robocell/math/pose.h"
 #include "robocell/scene/compiled_scene.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Position and quaternion wxyz, as a free joint has them.
 using FreeJointPos = std::array<mjtNum, 7>;
@@ -64,4 +64,4 @@ std::vector<PooledObject> PoolOf(const CompiledScene& compiled);
 // To be called after body_gravcomp was written to: the engine looks at the count first.
 void CountCompensatedBodies(mjModel* m);
 
-}  // namespace robocell
+}  // namespace robocell::internal

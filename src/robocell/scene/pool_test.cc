@@ -13,7 +13,7 @@
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/ratio_of_times.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::ElementsAre;
@@ -431,4 +431,4 @@ TEST_F(Pool, PutsTheControlsOfAllItsActuatorsBack) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

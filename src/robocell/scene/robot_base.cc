@@ -7,7 +7,7 @@
 
 #include "robocell/scene/spec_tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr float kPedestalColour[4] = {0.32f, 0.33f, 0.36f, 1.0f};
@@ -133,4 +133,4 @@ std::optional<Placement> AddBase(const RobotSpec& robot, const RobotPart& loaded
   return Placement{body, Pose(Eigen::Vector3d(0, 0, loaded.record.pedestal_height))};
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -10,7 +10,7 @@
 
 #include "robocell/scene/add_robot.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Fills base body, pedestal height and the effective kind of base into the record.
 void SettleBase(RobotPart& robot, CompileLog& log);
@@ -22,4 +22,4 @@ void FitWeld(mjSpec* scene, const RobotRecord& robot);
 std::optional<Placement> AddBase(const RobotSpec& robot, const RobotPart& loaded,
                                  const Placement& placement, CompileLog& log);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -2,7 +2,7 @@
 
 #include <atomic>
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 std::atomic<RobotInspection> installed_inspection = nullptr;
@@ -20,4 +20,4 @@ void InspectRobot(const CompiledRobot& robot, CompileLog& log) {
   if (const RobotInspection inspection = installed_inspection) inspection(robot, log);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -9,7 +9,7 @@
 #include "robocell/scene/compiled_scene.h"
 #include "robocell/scene/part.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // One robot of a model that has just been compiled; valid during the inspection.
 struct CompiledRobot {
@@ -35,4 +35,4 @@ RobotInspection InstalledRobotInspection();
 // Calls what is installed.
 void InspectRobot(const CompiledRobot& robot, CompileLog& log);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -6,7 +6,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/testing/arm_with_hand.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::Contains;
@@ -36,4 +36,4 @@ TEST_F(RobotInspectionTest, WarnsAtEveryCompileThatFollows) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

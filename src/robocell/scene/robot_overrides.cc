@@ -9,7 +9,7 @@
 #include "robocell/scene/robot_parts.h"
 #include "robocell/scene/spec_tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 void OverrideServo(const RobotConfig& config, mjsActuator* actuator) {
@@ -75,4 +75,4 @@ std::optional<std::string> AddTcpSite(const RobotConfig& config, Part& robot, Co
   return name;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

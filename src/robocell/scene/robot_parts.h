@@ -8,7 +8,7 @@
 #include "robocell/spec/robot_spec.h"
 #include "robocell/spec/scene_spec.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // edits.cc
 void ApplyEdits(const RobotConfig& config, Part& robot, CompileLog& log);
@@ -34,4 +34,4 @@ void ExcludeFirstJoints(mjsBody* top, const SimOptions& options, mjSpec* spec);
 // The site for attachment_site * tcp_offset, when both are configured.
 std::optional<std::string> AddTcpSite(const RobotConfig& config, Part& robot, CompileLog& log);
 
-}  // namespace robocell
+}  // namespace robocell::internal

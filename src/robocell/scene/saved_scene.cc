@@ -8,7 +8,7 @@
 
 #include "robocell/base/error.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 struct LookedUpKind {
@@ -48,4 +48,4 @@ void RequireSavedNames(const mjModel* built, const mjModel* saved, const std::st
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

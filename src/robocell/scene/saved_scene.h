@@ -10,7 +10,7 @@
 
 #include "robocell/scene/compiled_scene.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Errors: those of CompileScene for the spec; IoError and SpecError for the file; NotFoundError
 // names what the spec's scene has and the file has not, or as something else.
@@ -20,4 +20,4 @@ std::shared_ptr<CompiledScene> CompileSavedScene(const SceneSpec& spec, const st
 // of `built`, with joints of the same kinds, and its home key.
 void RequireSavedNames(const mjModel* built, const mjModel* saved, const std::string& place);
 
-}  // namespace robocell
+}  // namespace robocell::internal

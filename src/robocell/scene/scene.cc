@@ -76,7 +76,7 @@ void Scene::SyncPoses() const {
   const mjModel* model = s.now.model;
   mjData* data = s.now.data;
   if (data->time == s.poses_at) return;
-  Guarded(s.context, data, [&] {
+  internal::Guarded(s.context, data, [&] {
     mj_kinematics(model, data);
     mj_comPos(model, data);
     mj_camlight(model, data);
@@ -86,10 +86,12 @@ void Scene::SyncPoses() const {
 
 void Scene::PosesChanged() { open().poses_at = -1; }
 
-Pose Scene::root_frame_to_world() const { return RootFrameToWorld(open().compiled->spec()); }
+Pose Scene::root_frame_to_world() const {
+  return internal::RootFrameToWorld(open().compiled->spec());
+}
 
 Pose Scene::shared_base_frame_to_world() const {
-  return SharedBaseFrameToWorld(open().compiled->spec());
+  return internal::SharedBaseFrameToWorld(open().compiled->spec());
 }
 
 const std::string& Scene::name() const { return state_->name; }

@@ -36,7 +36,9 @@
 namespace robocell {
 
 class Scene;
+namespace internal {
 class PooledObject;
+}
 
 // Bodies by name, each with a pose in the world.
 using BodyPoses = std::vector<std::pair<std::string, Pose>>;
@@ -256,7 +258,7 @@ class Scene {
   void Rebuild(const SceneSpec& spec);
   void AddPooled(const SceneObject& object);
   bool RemovePooled(const std::string& name);  // false: it is not of the pool
-  void Swap(PooledObject& object, bool park, const double* pos);
+  void Swap(internal::PooledObject& object, bool park, const double* pos);
 
   std::shared_ptr<State> state_;
   const SceneNow* now_;         // the state's

@@ -76,7 +76,7 @@ std::vector<RobotRecord> RobotsFromJson(const SceneSpec& spec, const json& robot
   std::vector<RobotRecord> records;
   for (size_t i = 0; i < robots.size(); ++i) {
     const json& said = robots[i];
-    RobotRecord record = RecordOf(spec.robots[i], said.at("name"));
+    RobotRecord record = internal::RecordOf(spec.robots[i], said.at("name"));
     record.base.kind = static_cast<BaseKind>(said.at("base_kind").get<int>());
     record.top_body = said.at("top_body");
     record.root_body = said.at("root_body");
@@ -143,7 +143,7 @@ fs::path FileAt(const Locations& locations) {
 // warnings would be about somebody else's file.
 std::string PlacesOf(SceneSpec spec) {
   std::string places;
-  assets::ForEachModel(spec, [&](const std::string& name, const std::string& directory) {
+  internal::ForEachModel(spec, [&](const std::string& name, const std::string& directory) {
     places += assets::Resolve(name, directory) + "\n";
   });
   const auto add = [&](const Locations& locations) {
@@ -234,20 +234,20 @@ void Keep(const CompiledScene& scene, const fs::path& folder, const fs::path& fi
 }  // namespace
 
 fs::path SceneCacheFolder() {
-  if (const std::string own = assets::Environment("ROBOCELL_CACHE_DIR"); !own.empty())
+  if (const std::string own = internal::Environment("ROBOCELL_CACHE_DIR"); !own.empty())
     return fs::path(own) / "scenes";
-  std::string cache = assets::Environment("XDG_CACHE_HOME");
-  if (cache.empty()) cache = assets::Environment("HOME") + "/.cache";
+  std::string cache = internal::Environment("XDG_CACHE_HOME");
+  if (cache.empty()) cache = internal::Environment("HOME") + "/.cache";
   return fs::path(cache) / "robocell" / "scenes";
 }
 
 std::string SceneKey(const SceneSpec& spec) {
   SceneSpec content = spec;  // with hashes for names of files
-  assets::ForEachModel(content, [](std::string& name, const std::string& directory) {
-    const FileSet files = ModelFileSet(assets::Resolve(name, directory), kFingerprints);
+  internal::ForEachModel(content, [](std::string& name, const std::string& directory) {
+    const FileSet files = internal::ModelFileSet(assets::Resolve(name, directory), kFingerprints);
     name = files.hash + ":" + files.main;
   });
-  std::string text = SpecBytes(content);
+  std::string text = internal::SpecBytes(content);
   for (const std::string& version :
        {std::string(Version()), std::string(mj_versionString()), std::string(kLayout)})
     text += version + "\n";

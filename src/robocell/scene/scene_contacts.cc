@@ -41,7 +41,9 @@ std::vector<Contact> Scene::contacts(const std::string& of) const {
     const mjContact& c = data->contact[i];
     if (c.exclude != 0 || c.geom[0] < 0 || c.geom[1] < 0) continue;
     const int body1 = model->geom_bodyid[c.geom[0]], body2 = model->geom_bodyid[c.geom[1]];
-    if (top >= 0 && !IsInSubtree(model, body1, top) && !IsInSubtree(model, body2, top)) continue;
+    if (top >= 0 && !internal::IsInSubtree(model, body1, top) &&
+        !internal::IsInSubtree(model, body2, top))
+      continue;
     out.push_back({GeomName(model, c.geom[0]),
                    GeomName(model, c.geom[1]),
                    ElementName(model, mjOBJ_BODY, body1),

@@ -22,10 +22,10 @@ std::mutex saving;
 mjSpec* UpToDateSpec(CompiledScene& compiled, const std::string& context) {
   mjSpec* spec = compiled.mutable_spec();
   const mjModel* model = compiled.model();
-  if (!Tried(context, [&] { return mj_copyBack(spec, model); })) {
+  if (!internal::Tried(context, [&] { return mj_copyBack(spec, model); })) {
     throw EngineError(context +
                       ": the model was changed in a way that XML cannot hold; save it with " +
-                      CppAndPythonName("SaveBinary") + ". MuJoCo: " + mjs_getError(spec));
+                      internal::CppAndPythonName("SaveBinary") + ". MuJoCo: " + mjs_getError(spec));
   }
   return spec;
 }
@@ -82,12 +82,12 @@ class Writable {
 std::shared_ptr<CompiledScene> Scene::State::WithoutPool() {
   SceneSpec spec = compiled->spec();
   std::erase_if(spec.objects.boxes(), [&](const auto& object) {
-    const PooledObject* pooled = FindPooled(object->name);
+    const internal::PooledObject* pooled = FindPooled(object->name);
     return pooled && pooled->parked;
   });
   for (SceneObject& object : spec.objects) object.parked.reset();
   std::shared_ptr<CompiledScene> there = CompileScene(spec);
-  CarryModel(ElementMatch(model(), there->model()), there->mutable_model());
+  internal::CarryModel(internal::ElementMatch(model(), there->model()), there->mutable_model());
   there->KeepJacobian(*compiled);
   return there;
 }

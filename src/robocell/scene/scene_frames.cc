@@ -154,19 +154,19 @@ Pose Scene::camera_pose(const std::string& name) const {
 
 int Scene::State::RequireMovable(const std::string& name, bool after_reset) const {
   const int body = RequireId(model(), mjOBJ_BODY, name, context);
-  for (const PooledObject& object : pool) {
+  for (const internal::PooledObject& object : pool) {
     const bool parked = after_reset ? object.parked_after_reset() : object.parked;
     if (!parked || object.body() != body) continue;
     if (after_reset) {
       throw ArgumentError(
           fmt::format("{}: a reset parks object '{}', so it cannot start anywhere; put it into the "
                       "scene after the reset, at its pose, with {}",
-                      context, object.name(), CppAndPythonName("AddObject")));
+                      context, object.name(), internal::CppAndPythonName("AddObject")));
     }
     throw ArgumentError(
         fmt::format("{}: object '{}' is parked, so it cannot be moved; put it into the scene at "
                     "its pose with {}",
-                    context, object.name(), CppAndPythonName("AddObject")));
+                    context, object.name(), internal::CppAndPythonName("AddObject")));
   }
   if (model()->body_mocapid[body] >= 0 || IsFree(model(), body)) return body;
   throw ArgumentError(
@@ -263,12 +263,12 @@ void Scene::SetBodyWrench(const std::string& body, const Eigen::Vector3d& force,
                     "feel the force. Its bodies: {}",
                     s.context, body, ListNames(body_names())));
   }
-  for (const PooledObject& object : s.pool) {
-    if (!object.parked || !IsInSubtree(s.model(), id, object.body())) continue;
+  for (const internal::PooledObject& object : s.pool) {
+    if (!object.parked || !internal::IsInSubtree(s.model(), id, object.body())) continue;
     throw ArgumentError(
         fmt::format("{}: object '{}' is parked, so nothing can push it; put it into the scene "
                     "first, with {}",
-                    s.context, object.name(), CppAndPythonName("AddObject")));
+                    s.context, object.name(), internal::CppAndPythonName("AddObject")));
   }
   for (int i = 0; i < 3; ++i) {
     RequireFinite(force[i], fmt::format("{}: force on body '{}'", s.context, body));
@@ -302,10 +302,10 @@ void Scene::SetState(std::span<const double> state) {
   }
   s.FollowPool(state.data() + mj_stateSize(s.model(), mjSTATE_TIME));  // positions come next
   const auto set = [&] { mj_setState(s.model(), s.data.data, state.data(), kState); };
-  Guarded(s.context, s.data.data, set);
+  internal::Guarded(s.context, s.data.data, set);
   ++s.states_set;
   Forward();
-  Guarded(s.context, s.data.data, set);  // the forward pass leaves its own warm start
+  internal::Guarded(s.context, s.data.data, set);  // the forward pass leaves its own warm start
 }
 
 }  // namespace robocell

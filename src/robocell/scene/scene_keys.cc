@@ -12,7 +12,7 @@
 #include "robocell/scene/key_ctrl.h"
 #include "robocell/scene/spec_tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 int PositionCount(const mjModel* model, int joint) {
@@ -232,4 +232,4 @@ void FillSceneKeys(mjModel* model, const std::vector<mjsKey*>& keys, const PartK
   for (size_t i = 0; i < keys.size(); ++i) KeyRow(model, static_cast<int>(i)).Write(keys[i]);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

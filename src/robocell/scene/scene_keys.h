@@ -12,7 +12,7 @@
 #include "robocell/scene/compiled_scene.h"
 #include "robocell/scene/part_keys.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Empty keyframes `home` and of these names, before compiling, so that the model has room for them.
 std::vector<mjsKey*> AddSceneKeys(mjSpec* spec, const std::vector<std::string>& presets);
@@ -33,4 +33,4 @@ std::vector<mjsKey*> AddSceneKeys(mjSpec* spec, const std::vector<std::string>& 
 void FillSceneKeys(mjModel* model, const std::vector<mjsKey*>& keys, const PartKeys& parts,
                    const std::vector<RobotRecord>& robots, CompileLog& log);
 
-}  // namespace robocell
+}  // namespace robocell::internal

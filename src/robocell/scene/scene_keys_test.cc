@@ -17,7 +17,7 @@
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::Contains;
@@ -324,4 +324,4 @@ TEST_F(KeyControls, ThatCannotReachAreTold) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

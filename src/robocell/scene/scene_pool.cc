@@ -16,10 +16,10 @@ namespace {
 
 Pose FrameInWorld(const SceneSpec& spec, const AttachTarget& target, const std::string& place) {
   if (target.kind == AttachKind::kWorld) return Pose();
-  if (target.kind == AttachKind::kRoot) return RootFrameToWorld(spec);
-  if (target.kind == AttachKind::kSharedBase) return SharedBaseFrameToWorld(spec);
-  throw ArgumentError(
-      fmt::format("{} can move freely, so it cannot be attached to {}", place, Describe(target)));
+  if (target.kind == AttachKind::kRoot) return internal::RootFrameToWorld(spec);
+  if (target.kind == AttachKind::kSharedBase) return internal::SharedBaseFrameToWorld(spec);
+  throw ArgumentError(fmt::format("{} can move freely, so it cannot be attached to {}", place,
+                                  internal::DescribeTarget(target)));
 }
 
 // The same object somewhere else.
@@ -46,15 +46,15 @@ std::optional<Pose> PoseOf(const SceneSpec& spec, const SceneObject& known,
 
 }  // namespace
 
-PooledObject* Scene::State::FindPooled(const std::string& object) {
-  for (PooledObject& pooled : pool) {
+internal::PooledObject* Scene::State::FindPooled(const std::string& object) {
+  for (internal::PooledObject& pooled : pool) {
     if (pooled.name() == object) return &pooled;
   }
   return nullptr;
 }
 
 void Scene::State::BindPool() {
-  pool = PoolOf(*compiled);
+  pool = internal::PoolOf(*compiled);
   warm_start.resize(static_cast<size_t>(compiled->model()->nv));
 }
 
@@ -63,10 +63,10 @@ void Scene::State::RequireOwnModel(const char* what, const std::string& object) 
   throw Error(fmt::format(
       "{}: object '{}' cannot be {}: the compiled scene is frozen because it is shared between "
       "scenes. Build a scene of its own with {}, or change the spec and compile it again",
-      context, object, what, CppAndPythonName("Scene::Build")));
+      context, object, what, internal::CppAndPythonName("Scene::Build")));
 }
 
-void Scene::Swap(PooledObject& object, bool park, const mjtNum* pos) {
+void Scene::Swap(internal::PooledObject& object, bool park, const mjtNum* pos) {
   State& s = open();
   mjData* d = s.data.data;
   object.Switch(s.compiled->mutable_model(), park);
@@ -79,7 +79,7 @@ void Scene::Swap(PooledObject& object, bool park, const mjtNum* pos) {
 
 void Scene::AddObject(const std::string& name, const std::optional<Pose>& pose_in_world) {
   State& s = open();
-  PooledObject* object = s.FindPooled(name);
+  internal::PooledObject* object = s.FindPooled(name);
   if (!object) {
     throw NotFoundError(NoSuchName(s.context + " / pool", "object", name, parked_objects()) +
                         " Declare it with `parked` in the scene's spec, or give a SceneObject");
@@ -87,10 +87,10 @@ void Scene::AddObject(const std::string& name, const std::optional<Pose>& pose_i
   if (!object->parked) {
     throw ArgumentError(
         fmt::format("{}: object '{}' is in the scene already; move it with {}, or remove it first",
-                    s.context, name, CppAndPythonName("SetBodyPose")));
+                    s.context, name, internal::CppAndPythonName("SetBodyPose")));
   }
   s.RequireOwnModel("added", name);
-  FreeJointPos pos;
+  internal::FreeJointPos pos;
   std::copy_n(object->home(s.model()), 7, pos.begin());
   if (pose_in_world) pose_in_world->ToWxyz(pos.data(), pos.data() + 3);
   Swap(*object, false, pos.data());
@@ -113,7 +113,7 @@ void Scene::AddPooled(const SceneObject& object) {
 
 bool Scene::RemovePooled(const std::string& name) {
   State& s = open();
-  PooledObject* object = s.FindPooled(name);
+  internal::PooledObject* object = s.FindPooled(name);
   if (!object) return false;
   if (object->parked) {
     throw NotFoundError(
@@ -129,7 +129,7 @@ std::vector<std::string> Scene::object_names() const {
   State& s = open();
   std::vector<std::string> names;
   for (const ObjectRecord& object : s.compiled->objects()) {
-    const PooledObject* pooled = s.FindPooled(object.name);
+    const internal::PooledObject* pooled = s.FindPooled(object.name);
     if (!pooled || !pooled->parked) names.push_back(object.name);
   }
   return names;
@@ -137,14 +137,14 @@ std::vector<std::string> Scene::object_names() const {
 
 std::vector<std::string> Scene::parked_objects() const {
   std::vector<std::string> names;
-  for (const PooledObject& object : open().pool) {
+  for (const internal::PooledObject& object : open().pool) {
     if (object.parked) names.push_back(object.name());
   }
   return names;
 }
 
 void Scene::State::ResetPool() {
-  for (PooledObject& object : pool) {
+  for (internal::PooledObject& object : pool) {
     if (object.parked != object.parked_after_reset()) {
       object.parked = object.parked_after_reset();
       object.Switch(compiled->mutable_model(), object.parked);
@@ -155,7 +155,7 @@ void Scene::State::ResetPool() {
 }
 
 void Scene::State::FollowPool(const mjtNum* qpos) {
-  for (PooledObject& object : pool) {
+  for (internal::PooledObject& object : pool) {
     const bool parked = object.IsParkedAt(qpos);
     if (parked == object.parked) continue;
     RequireOwnModel(parked ? "removed by this state" : "added by this state", object.name());

@@ -23,10 +23,10 @@ namespace {
 
 // Frames are not in the model.
 bool IsFrameIn(CompiledScene& compiled, const std::string& frame, const std::string& root_body) {
-  mjsElement* element = FindSpecElement(compiled.mutable_spec(), mjOBJ_FRAME, frame);
+  mjsElement* element = internal::FindSpecElement(compiled.mutable_spec(), mjOBJ_FRAME, frame);
   if (!element) return false;
   for (mjsBody* body = mjs_getParent(element); body; body = mjs_getParent(body->element)) {
-    if (SpecName(body->element) == root_body) return true;
+    if (internal::SpecName(body->element) == root_body) return true;
   }
   return false;
 }
@@ -37,11 +37,11 @@ bool IsPartOf(CompiledScene& compiled, const AttachTarget& target, const std::st
   const int root = FindId(m, mjOBJ_BODY, root_body);
   if (target.kind == AttachKind::kBody) {
     const int body = FindId(m, mjOBJ_BODY, target.name);
-    return body >= 0 && IsInSubtree(m, body, root);
+    return body >= 0 && internal::IsInSubtree(m, body, root);
   }
   if (target.kind == AttachKind::kSite) {
     const int site = FindId(m, mjOBJ_SITE, target.name);
-    return site >= 0 && IsInSubtree(m, m->site_bodyid[site], root);
+    return site >= 0 && internal::IsInSubtree(m, m->site_bodyid[site], root);
   }
   return target.kind == AttachKind::kFrame && IsFrameIn(compiled, target.name, root_body);
 }
@@ -52,7 +52,7 @@ std::vector<std::string> AttachedTo(CompiledScene& compiled, const std::string& 
   std::vector<std::string> attached;
   const auto look = [&](const std::string& what, const AttachTarget& target) {
     if (IsPartOf(compiled, target, root))
-      attached.push_back(fmt::format("{} (to {})", what, Describe(target)));
+      attached.push_back(fmt::format("{} (to {})", what, internal::DescribeTarget(target)));
   };
   const SceneSpec& spec = compiled.spec();
   for (const SceneObject& other : spec.objects) {
@@ -120,21 +120,23 @@ void Scene::Rebuild(const SceneSpec& spec) {
   std::shared_ptr<CompiledScene> compiled = CompileScene(spec);
   s.compiled->RequireSameFiles(*compiled);
   std::shared_ptr<void> claim = compiled->Claim();
-  const ElementMatch match(s.model(), compiled->model());
-  CarryModel(match, compiled->mutable_model());
+  const internal::ElementMatch match(s.model(), compiled->model());
+  internal::CarryModel(match, compiled->mutable_model());
   compiled->KeepJacobian(*s.compiled);
   DataHandle data = s.factory(*compiled);
   // New elements start as after a reset.
-  Guarded(s.context, data.data, [&, m = compiled->model(), key = compiled->home_key()] {
+  internal::Guarded(s.context, data.data, [&, m = compiled->model(), key = compiled->home_key()] {
     mj_resetDataKeyframe(m, data.data, key);
   });
-  CarryState(match, s.data.data, data.data);
+  internal::CarryState(match, s.data.data, data.data);
   robocell::Forward(compiled->model(), data.data, s.context);
-  CarryState(match, s.data.data, data.data);  // the forward pass leaves its own warm start
+  internal::CarryState(match, s.data.data,
+                       data.data);  // the forward pass leaves its own warm start
 
-  std::vector<PooledObject> pool = PoolOf(*compiled);
-  for (PooledObject& object : pool) {
-    if (const PooledObject* known = s.FindPooled(object.name())) object.parked = known->parked;
+  std::vector<internal::PooledObject> pool = internal::PoolOf(*compiled);
+  for (internal::PooledObject& object : pool) {
+    if (const internal::PooledObject* known = s.FindPooled(object.name()))
+      object.parked = known->parked;
   }
   const auto swap = [&] {
     s.pool.swap(pool);

@@ -114,7 +114,7 @@ StartKeys FindStartKeys(const CompiledScene& compiled, const std::optional<Keyfr
 // Restores a keyframe over another that has the differing values.
 void RestoreKeys(const mjModel* model, mjData* data, const StartKeys& keys,
                  const std::string& context) {
-  Guarded(context, data, [&] {
+  internal::Guarded(context, data, [&] {
     if (keys.start >= 0) {
       mj_resetDataKeyframe(model, data, keys.start);
     } else {
@@ -164,7 +164,8 @@ void ApplyHomeNoise(const CompiledScene& compiled, mjData* data, uint64_t seed,
   for (const RobotRecord& robot : compiled.robots()) {
     for (const auto& [group, noise] : robot.config.home_noise.entries()) {
       AddGroupNoise(model, data, robot, group, *noise, seed);
-      if (!IsZero(*noise)) MarkDofs(model, robot, robot.config.move_groups.at(group), moved);
+      if (!IsZero(*noise))
+        internal::MarkDofs(model, robot, robot.config.move_groups.at(group), moved);
     }
   }
 }
@@ -175,12 +176,12 @@ void HoldNewPositions(const mjModel* model, mjData* data, const std::vector<bool
                       const std::string& context) {
   if (std::find(moved.begin(), moved.end(), true) == moved.end()) return;
   // All that the length of an actuator depends on; contacts and masses it does not.
-  Guarded(context, data, [&] {
+  internal::Guarded(context, data, [&] {
     mj_tendon(model, data);
     mj_transmission(model, data);
   });
   for (int actuator = 0; actuator < model->nactuator; ++actuator) {
-    if (ActsOn(model, data, actuator, moved)) Hold(model, data, actuator);
+    if (internal::ActsOn(model, data, actuator, moved)) internal::Hold(model, data, actuator);
   }
 }
 
@@ -300,7 +301,7 @@ int Scene::AddResetHook(ResetHook hook) {
   State& s = open();
   if (!hook) {
     throw ArgumentError(s.context + ": a reset hook cannot be empty; to take one away: " +
-                        CppAndPythonName("RemoveResetHook"));
+                        internal::CppAndPythonName("RemoveResetHook"));
   }
   s.hooks.emplace(s.next_hook, std::move(hook));
   return s.next_hook++;

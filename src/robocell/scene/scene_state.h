@@ -36,7 +36,7 @@ struct Scene::State {
   std::vector<Watch> observers;
   std::shared_ptr<void> claim;  // on the compiled scene
   bool closed = false;
-  std::vector<PooledObject> pool;
+  std::vector<internal::PooledObject> pool;
   uint64_t states_set = 0;
   std::map<std::string, uint64_t> mocap_puts;  // by body
   std::vector<mjtNum> warm_start;              // scratch
@@ -44,7 +44,7 @@ struct Scene::State {
   // After the compiled scene and the data were set.
   void Show() { now = {compiled->model(), data.data, compiled->generation()}; }
   void BindPool();
-  PooledObject* FindPooled(const std::string& object);
+  internal::PooledObject* FindPooled(const std::string& object);
   // The pool as the spec says.
   void ResetPool();
   // The pool as these positions have it.

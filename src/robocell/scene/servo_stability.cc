@@ -12,7 +12,7 @@
 #include "robocell/mujoco/tree.h"
 #include "robocell/scene/actuator_kind.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr double kUsualStiffness = 1e6;  // N/m or N m/rad; stiffer servos are typing errors
@@ -144,4 +144,4 @@ std::string RoundedGain(double value) {
   return fmt::format("{:g}", std::floor(value / digit) * digit);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -11,7 +11,7 @@
 
 #include "robocell/mujoco/forward.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 struct UnstableServo {
   int actuator = -1;
@@ -31,4 +31,4 @@ std::vector<UnstableServo> UnstableServos(const mjModel* model, int base_body,
 // A gain for advice, down to one digit: "2000", "0.05".
 std::string RoundedGain(double value);
 
-}  // namespace robocell
+}  // namespace robocell::internal

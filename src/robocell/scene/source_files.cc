@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 // The files of the models that can be found.
 std::set<fs::path> FilesOf(SceneSpec spec) {
   std::set<std::string> models;
-  assets::ForEachModel(spec, [&](const std::string& name, const std::string& directory) {
+  internal::ForEachModel(spec, [&](const std::string& name, const std::string& directory) {
     try {
       models.insert(assets::Resolve(name, directory));
     } catch (const Error&) {
@@ -25,7 +25,7 @@ std::set<fs::path> FilesOf(SceneSpec spec) {
   std::set<fs::path> files;
   for (const std::string& model : models) {
     try {
-      const ModelFiles found = FindModelFiles(model);
+      const internal::ModelFiles found = internal::FindModelFiles(model);
       files.insert(found.files.begin(), found.files.end());
     } catch (const Error&) {
     }

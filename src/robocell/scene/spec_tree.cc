@@ -10,7 +10,7 @@
 #include "robocell/mujoco/engine_exception.h"
 #include "robocell/mujoco/names.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 Pose ResolvedPose(const double pos[3], const double quat[4], const mjsOrientation& alt,
@@ -192,4 +192,4 @@ void AttachBody(mjsBody* parent, mjsBody* child, const Pose& pose, const std::st
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -14,7 +14,7 @@
 
 #include "robocell/math/pose.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Every element of a kind, in the engine's order.
 std::vector<mjsElement*> SpecElements(const mjSpec* spec, mjtObj kind);
@@ -84,4 +84,4 @@ void ResolveFromTo(Stretched* element) {
 void AttachBody(mjsBody* parent, mjsBody* child, const Pose& pose, const std::string& prefix,
                 const std::string& context);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -16,7 +16,7 @@
 #include "robocell/scene/label_unnamed.h"
 #include "robocell/scene/validate_robot.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // The groups of one robot.
@@ -276,4 +276,4 @@ void ValidateGroups(const mjModel* model, const mjData* reference,
   for (const RobotRecord& robot : robots) GroupValidator(model, reference, robot, log).Run();
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

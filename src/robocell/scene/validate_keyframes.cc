@@ -8,7 +8,7 @@
 #include "robocell/base/units.h"
 #include "robocell/mujoco/names.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // For an angle that only makes sense in degrees, a length that only makes sense in millimetres, or
@@ -76,4 +76,4 @@ void ValidateKeyframes(const mjModel* model, const PartKeys& parts,
   for (const auto& [name, key] : parts.presets) check(key, false);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

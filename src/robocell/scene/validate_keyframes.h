@@ -12,7 +12,7 @@
 #include "robocell/scene/compiled_scene.h"
 #include "robocell/scene/part.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // How far outside its limits a number from a file may be: files round.
 inline constexpr double kLimitSlack = 1e-4;
@@ -28,4 +28,4 @@ std::optional<std::string> OutsideLimits(const mjModel* model, int joint, double
 void ValidateKeyframes(const mjModel* model, const PartKeys& parts,
                        const std::vector<RobotRecord>& robots, CompileLog& log);
 
-}  // namespace robocell
+}  // namespace robocell::internal

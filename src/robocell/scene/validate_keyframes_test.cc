@@ -6,7 +6,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/testing/arm_with_hand.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -38,4 +38,4 @@ TEST_F(Keyframes, OfTheModelOutsideTheLimitsAreWarningsUnlessTheyAreHome) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -14,7 +14,7 @@
 #include "robocell/scene/compile_problem.h"
 #include "robocell/scene/spec_tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr size_t kHead = 1 << 16;  // bytes in which the first element stands
@@ -166,4 +166,4 @@ std::string OtherKeys(const Part& part) {
       values.empty() ? "" : fmt::format(": {} has {}", names[0], ListNames(values, 40)));
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

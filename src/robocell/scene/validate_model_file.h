@@ -6,7 +6,7 @@
 #include "robocell/scene/compile_log.h"
 #include "robocell/scene/part.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // A problem when the file is no MJCF but a URDF, which has no actuators, sites or cameras: for
 // robots; a passive tool and an object need none.
@@ -31,4 +31,4 @@ void ValidatePresetSizes(Part& part, CompileLog& log);
 // keyframe at all.
 std::string OtherKeys(const Part& part);
 
-}  // namespace robocell
+}  // namespace robocell::internal

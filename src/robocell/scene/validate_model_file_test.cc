@@ -11,7 +11,7 @@
 #include "robocell/scene/testing/arm_with_hand.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::AllOf;
@@ -145,4 +145,4 @@ TEST_F(ModelFile, AUrdfIsNoRobotsModel) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -10,7 +10,7 @@
 #include "robocell/scene/ft_sensor.h"
 #include "robocell/scene/validate_keyframes.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // One robot. Messages name the field, then what is wrong with it.
@@ -171,4 +171,4 @@ void ValidateRobot(const mjModel* model, const RobotRecord& robot, CompileLog& l
   RobotValidator(model, robot, log).Run();
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -10,7 +10,7 @@
 #include "robocell/scene/compile_log.h"
 #include "robocell/scene/compiled_scene.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // The joints at their reference, with the poses, tendons and actuator moments that follow from it.
 DataPtr AtReference(const mjModel* model);
@@ -28,4 +28,4 @@ void ValidateGroups(const mjModel* model, const mjData* reference,
 void ValidateToolPoints(const mjModel* model, const mjData* reference,
                         const std::vector<RobotRecord>& robots, CompileLog& log);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -6,7 +6,7 @@
 #include "robocell/scene/testing/robot_files.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using RobotNames = RobotFiles;
@@ -21,4 +21,4 @@ TEST_F(RobotNames, AJointThatDoesNotExist) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -7,7 +7,7 @@
 #include "robocell/scene/element_lookup.h"
 #include "robocell/scene/validate_robot.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr double kTolerance = 1e-5;  // m and rad; numbers in files are rounded
@@ -69,4 +69,4 @@ void ValidateToolPoints(const mjModel* model, const mjData* reference,
   for (const RobotRecord& robot : robots) ValidateToolPoint(model, reference, robot, log);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -29,15 +29,16 @@ ObjectSize MeasureModel(const std::string& path) {
   ObjectSize size;
   const int body = FindId(m, mjOBJ_BODY, scene.compiled()->object("object").root_body);
   for (int g = 0; g < m->ngeom; ++g) {
-    if (!IsCollisionGeom(m, g) || !IsInSubtree(m, m->geom_bodyid[g], body)) continue;
+    if (!internal::IsCollisionGeom(m, g) || !internal::IsInSubtree(m, m->geom_bodyid[g], body))
+      continue;
     double most[2];
     for (int i = 0; i < 2; ++i) {
-      const Interval e = GeomExtent(m, scene.data(), g, Eigen::Vector3d::Unit(i));
+      const Interval e = internal::GeomExtent(m, scene.data(), g, Eigen::Vector3d::Unit(i));
       most[i] = std::max(std::abs(e.lower), std::abs(e.upper));
     }
     size.radius = std::max(size.radius, std::hypot(most[0], most[1]));
-    size.height =
-        std::max(size.height, -GeomExtent(m, scene.data(), g, Eigen::Vector3d::UnitZ()).lower);
+    size.height = std::max(
+        size.height, -internal::GeomExtent(m, scene.data(), g, Eigen::Vector3d::UnitZ()).lower);
   }
   return size;
 }
@@ -46,7 +47,7 @@ ObjectSize SizeOfModel(const std::string& path) {
   static std::mutex mutex;
   static std::map<std::string, ObjectSize> known;
   const std::lock_guard lock(mutex);
-  const std::string hash = ModelFileSet(assets::Resolve(path)).hash;
+  const std::string hash = internal::ModelFileSet(assets::Resolve(path)).hash;
   const auto it = known.find(hash);
   return it != known.end() ? it->second : known.emplace(hash, MeasureModel(path)).first->second;
 }

@@ -9,7 +9,7 @@
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr int kGrid = 9;                                  // rays along each side of the opening
@@ -138,4 +138,4 @@ std::vector<HollowOfBody> FindHollows(const Scene& scene, int root) {
   return found;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -7,7 +7,7 @@
 #include "robocell/scene/scene.h"
 #include "robocell/spec/types.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // A box in a body's frame, and the way out of it along one of the frame's axes.
 struct Hollow {
@@ -28,4 +28,4 @@ struct HollowOfBody {
 // Those of a body and of what hangs on it.
 std::vector<HollowOfBody> FindHollows(const Scene& scene, int root);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -7,7 +7,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/testing/temp_dir.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // A box of boards, 0.4 m wide and deep and 0.2 m high, open on one side.
@@ -52,4 +52,4 @@ TEST(Hollow, AClosedBoxHasNone) { EXPECT_FALSE(HollowOf(BoxOfBoards(true, true))
 TEST(Hollow, WhatLacksAWallHasNone) { EXPECT_FALSE(HollowOf(BoxOfBoards(false, false))); }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

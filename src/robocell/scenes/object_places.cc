@@ -5,7 +5,7 @@
 
 #include "robocell/base/units.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr int kTries = 60;
@@ -59,4 +59,4 @@ bool PlaceOn(const Support& support, std::span<const ObjectSize> sizes,
   return true;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -9,7 +9,7 @@
 #include "robocell/scenes/support.h"
 #include "robocell/spec/scene_object.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 inline constexpr double kObjectGap = 0.03;   // metres between objects
 inline constexpr double kEdgeMargin = 0.03;  // from the support's edge
@@ -23,4 +23,4 @@ inline bool IsFixed(const SceneObject& object) { return object.fixed == true; }
 bool PlaceOn(const Support& support, std::span<const ObjectSize> sizes,
              std::vector<SceneObject>& objects, Rng& rng);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 const Support kTable{Pose::FromRpy({1, 2, 0.4}, {0, 0, 0.7}), 0.3, 0.2, 0.02};
@@ -61,4 +61,4 @@ TEST(ObjectPlaces, AreTheSameForTheSameNumbers) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

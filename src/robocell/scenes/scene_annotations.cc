@@ -46,7 +46,7 @@ class Derivation {
     }
     for (int body = 1; body < m_->nbody; ++body) {
       if (of_robots_[body]) continue;
-      if (const std::optional<Hollow> hollow = FindHollow(scene_, body))
+      if (const std::optional<internal::Hollow> hollow = internal::FindHollow(scene_, body))
         found.containers.push_back(ContainerOf(body, *hollow));
     }
     for (const SceneObject& object : scene_.compiled()->spec().objects)
@@ -60,7 +60,7 @@ class Derivation {
   void MarkSubtree(const std::string& root) {
     const int id = FindId(m_, mjOBJ_BODY, root);
     for (int body = 1; id >= 0 && body < m_->nbody; ++body) {
-      if (IsInSubtree(m_, body, id)) of_robots_[body] = true;
+      if (internal::IsInSubtree(m_, body, id)) of_robots_[body] = true;
     }
   }
   Articulation ArticulationOf(int joint) const {
@@ -93,7 +93,7 @@ class Derivation {
     const bool opens = m_->jnt_type[joint] == mjJNT_HINGE || m_->jnt_type[joint] == mjJNT_SLIDE;
     return opens ? joint : -1;
   }
-  Container ContainerOf(int body, const Hollow& hollow) const {
+  Container ContainerOf(int body, const internal::Hollow& hollow) const {
     const mjData* d = scene_.data();
     const Pose at = Pose::FromTranslationAndMatrix(d->xpos + 3 * body, d->xmat + 9 * body);
     const int joint = MovedJoint(body);

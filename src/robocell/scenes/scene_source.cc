@@ -154,9 +154,9 @@ SceneSpec MakeBaseScene(const RunConfig& run, int index) {
 
 void RequireSameAgain(const RunConfig& run, SceneSource& source, int index,
                       const SceneSpec& scene) {
-  const std::string bytes = SpecBytes(scene);
+  const std::string bytes = internal::SpecBytes(scene);
   const auto require = [&](SceneSource& of, const char* when) {
-    if (SpecBytes(MakeBaseScene(run, of, index)) == bytes) return;
+    if (internal::SpecBytes(MakeBaseScene(run, of, index)) == bytes) return;
     throw SpecError(fmt::format(
         "run '{}': scenes: source '{}' gave another scene {} {}; a scene must follow from its "
         "index "

@@ -8,7 +8,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/robot/control_ticks.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr double kSeconds = 0.4;      // between looks at the objects ...
@@ -52,4 +52,4 @@ std::optional<std::string> Settle(Scene& scene, std::span<Robot> robots,
   return std::nullopt;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -13,7 +13,7 @@
 #include "robocell/robot/robot.h"
 #include "robocell/scene/scene.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // How far the target may move while it settles unless said otherwise, metres.
 inline constexpr double kMostSettling = 0.05;
@@ -31,4 +31,4 @@ struct SettleOptions {
 std::optional<std::string> Settle(Scene& scene, std::span<Robot> robots,
                                   const std::string& target_body, const SettleOptions& options);
 
-}  // namespace robocell
+}  // namespace robocell::internal

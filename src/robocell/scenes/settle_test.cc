@@ -5,7 +5,7 @@
 
 #include "robocell/testing/pick_scene.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 PickScene Dropped(double height) {
@@ -65,4 +65,4 @@ TEST(Settle, ATargetThatEndsElsewhereIsRefused) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -31,7 +31,7 @@ std::string BodyNameOf(const Scene& scene, const std::string& name) {
 // A hollow of one of the reference's bodies.
 struct HollowOf {
   BodyHandle body;
-  Hollow hollow;
+  internal::Hollow hollow;
 };
 
 }  // namespace
@@ -74,9 +74,11 @@ struct SpatialRelation::Impl {
       if (contact.exclude != 0 || contact.geom[0] < 0 || contact.geom[1] < 0) continue;
       const int a = m->geom_bodyid[contact.geom[0]], b = m->geom_bodyid[contact.geom[1]];
       const double up = contact.frame[2];  // from a to b
-      if (IsInSubtree(m, a, reference.id()) && IsInSubtree(m, b, object.id()) && up > kFromAbove)
+      if (internal::IsInSubtree(m, a, reference.id()) && internal::IsInSubtree(m, b, object.id()) &&
+          up > kFromAbove)
         return true;
-      if (IsInSubtree(m, b, reference.id()) && IsInSubtree(m, a, object.id()) && -up > kFromAbove)
+      if (internal::IsInSubtree(m, b, reference.id()) && internal::IsInSubtree(m, a, object.id()) &&
+          -up > kFromAbove)
         return true;
     }
     return false;
@@ -100,8 +102,8 @@ struct SpatialRelation::Impl {
 
   Interval ExtentOf(int body, const Eigen::Vector3d& direction) const {
     Interval all{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-    for (const int g : CollisionGeomsOf(scene.model(), body)) {
-      const Interval extent = GeomExtent(scene.model(), scene.data(), g, direction);
+    for (const int g : internal::CollisionGeomsOf(scene.model(), body)) {
+      const Interval extent = internal::GeomExtent(scene.model(), scene.data(), g, direction);
       all.lower = std::min(all.lower, extent.lower);
       all.upper = std::max(all.upper, extent.upper);
     }
@@ -124,14 +126,14 @@ SpatialRelation::SpatialRelation(const Scene& scene, const std::string& object, 
   const mjModel* m = scene.model();
   for (const auto& [name, body] :
        {std::pair(object, impl_->object.id()), std::pair(reference, impl_->reference.id())}) {
-    if (CollisionGeomsOf(m, body).empty()) {
+    if (internal::CollisionGeomsOf(m, body).empty()) {
       throw ArgumentError(fmt::format(
           "SpatialRelation: '{}' has no shape that collides, so that nothing can be {} it", name,
           ToString(relation)));
     }
   }
   if (relation == Relation::kOnTopOf) return;
-  for (const HollowOfBody& found : FindHollows(scene, impl_->reference.id()))
+  for (const internal::HollowOfBody& found : internal::FindHollows(scene, impl_->reference.id()))
     impl_->hollows.push_back(
         {BodyHandle(scene, ElementName(m, mjOBJ_BODY, found.body)), found.hollow});
   if (relation == Relation::kInside && impl_->hollows.empty()) {

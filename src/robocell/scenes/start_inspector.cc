@@ -50,12 +50,14 @@ double RayDown(const mjModel* m, const mjData* d, Vector3d from, const Vector3d&
                int* geom) {
   double way = 0;
   for (int layer = 0; layer < kMostLayers; ++layer) {
-    const double hit = Guarded("looking for what is below", [&] {
+    const double hit = internal::Guarded("looking for what is below", [&] {
       return mj_ray(m, d, from.data(), down.data(), nullptr, 1, without, geom, nullptr);
     });
     if (hit < 0) return -1;
     way += hit;
-    if (IsCollisionGeom(m, *geom) && !IsInSubtree(m, m->geom_bodyid[*geom], without)) return way;
+    if (internal::IsCollisionGeom(m, *geom) &&
+        !internal::IsInSubtree(m, m->geom_bodyid[*geom], without))
+      return way;
     constexpr double kOn = 1e-4;  // m, past what was hit
     from += (hit + kOn) * down;
     way += kOn;
@@ -66,7 +68,8 @@ double RayDown(const mjModel* m, const mjData* d, Vector3d from, const Vector3d&
 std::vector<int> CollidingGeoms(const mjModel* m, int root) {
   std::vector<int> geoms;
   for (int g = 0; g < m->ngeom; ++g) {
-    if (IsCollisionGeom(m, g) && IsInSubtree(m, m->geom_bodyid[g], root)) geoms.push_back(g);
+    if (internal::IsCollisionGeom(m, g) && internal::IsInSubtree(m, m->geom_bodyid[g], root))
+      geoms.push_back(g);
   }
   return geoms;
 }
@@ -82,15 +85,15 @@ double NearestOther(const Scene& scene, int root, double horizon) {
   mjData* d = scene.data();
   double nearest = horizon;
   for (int a = 0; a < m->ngeom; ++a) {
-    if (!IsInSubtree(m, m->geom_bodyid[a], root)) continue;
+    if (!internal::IsInSubtree(m, m->geom_bodyid[a], root)) continue;
     for (int b = 0; b < m->ngeom && nearest == horizon; ++b) {
-      if (IsInSubtree(m, m->geom_bodyid[b], root)) continue;
+      if (internal::IsInSubtree(m, m->geom_bodyid[b], root)) continue;
       const bool bounded = m->geom_rbound[a] > 0 && m->geom_rbound[b] > 0;
       if (bounded && mju_dist3(d->geom_xpos + 3 * a, d->geom_xpos + 3 * b) >
                          m->geom_rbound[a] + m->geom_rbound[b] + horizon)
         continue;
-      nearest = Guarded("distance of an object to its surroundings", d,
-                        [&] { return mj_geomDistance(m, d, a, b, horizon, nullptr); });
+      nearest = internal::Guarded("distance of an object to its surroundings", d,
+                                  [&] { return mj_geomDistance(m, d, a, b, horizon, nullptr); });
     }
   }
   return nearest;
@@ -98,7 +101,7 @@ double NearestOther(const Scene& scene, int root, double horizon) {
 
 bool HasGeoms(const mjModel* m, int root) {
   for (int g = 0; g < m->ngeom; ++g) {
-    if (IsInSubtree(m, m->geom_bodyid[g], root)) return true;
+    if (internal::IsInSubtree(m, m->geom_bodyid[g], root)) return true;
   }
   return false;
 }
@@ -118,9 +121,9 @@ void StartInspector::Bind() {
   for (const std::string& name : names_) {
     const int body = RootBody(scene_, name);
     for (int b = 0; b < m->nbody; ++b) {
-      if (IsInSubtree(m, b, body)) object_of_[b] = static_cast<int>(objects_.size());
+      if (internal::IsInSubtree(m, b, body)) object_of_[b] = static_cast<int>(objects_.size());
     }
-    objects_.push_back({name, body, CollidingGeoms(m, body), kMostSettling});
+    objects_.push_back({name, body, CollidingGeoms(m, body), internal::kMostSettling});
   }
   MarkRobots();
   accepted_.clear();
@@ -137,13 +140,13 @@ void StartInspector::MarkRobots() {
     bases.emplace_back(FindId(m, mjOBJ_BODY, robot.base_body), robot.name);
   for (const auto& robot : bases) {
     const int base = robot.first;  // no structured binding: lambdas of clang 14 cannot capture it
-    const bool mounted =
-        base >= 0 && std::ranges::any_of(bases, [&](const auto& other) {
-          return other.first > 0 && other.first != base && IsInSubtree(m, base, other.first);
-        });
+    const bool mounted = base >= 0 && std::ranges::any_of(bases, [&](const auto& other) {
+                           return other.first > 0 && other.first != base &&
+                                  internal::IsInSubtree(m, base, other.first);
+                         });
     if (base < 0 || mounted) continue;
     for (int b = 0; b < m->nbody; ++b) {
-      if (IsInSubtree(m, b, base)) robot_of_[b] = static_cast<int>(robots_.size());
+      if (internal::IsInSubtree(m, b, base)) robot_of_[b] = static_cast<int>(robots_.size());
     }
     robots_.push_back(robot.second);
   }
@@ -234,7 +237,8 @@ StartInspector::Gap StartInspector::GapUnder(const Object& object) const {
   const double below = RayDown(m, d, middle, down, object.body, &geom);
   if (below < 0) return {std::numeric_limits<double>::infinity(), -1};
   double lowest = -std::numeric_limits<double>::infinity();
-  for (const int g : object.geoms) lowest = std::max(lowest, GeomExtent(m, d, g, down).upper);
+  for (const int g : object.geoms)
+    lowest = std::max(lowest, internal::GeomExtent(m, d, g, down).upper);
   return {down.dot(middle) + below - lowest, geom};
 }
 
@@ -251,7 +255,7 @@ bool StartInspector::ReachesOver(const Object& object) const {
   for (const Vector3d& axis : {along, across}) {
     double lower = std::numeric_limits<double>::infinity(), upper = -lower;
     for (const int g : object.geoms) {
-      const Interval extent = GeomExtent(m, d, g, axis);
+      const Interval extent = internal::GeomExtent(m, d, g, axis);
       lower = std::min(lower, extent.lower);
       upper = std::max(upper, extent.upper);
     }
@@ -284,9 +288,9 @@ void StartInspector::Accept() {
   for (Object& object : objects_) {
     const double height = GapUnder(object).height;
     if (!std::isfinite(height)) continue;
-    object.most_gap = kMostSettling + std::max(0.0, height);
+    object.most_gap = internal::kMostSettling + std::max(0.0, height);
     object.may_reach_over = ReachesOver(object);
-    if (height < kAbove || height > kMostSettling) continue;
+    if (height < kAbove || height > internal::kMostSettling) continue;
     lowering_.emplace_back(ElementName(scene_.model(), mjOBJ_BODY, object.body),
                            height * Down(scene_.model()));
   }
@@ -341,15 +345,16 @@ std::vector<std::string> RobotsInTheFloor(const Scene& scene) {
     double deepest = kInTheFloor;
     int part = -1, floor = -1;
     for (int plane = 0; plane < m->ngeom; ++plane) {
-      if (m->geom_type[plane] != mjGEOM_PLANE || !IsCollisionGeom(m, plane)) continue;
+      if (m->geom_type[plane] != mjGEOM_PLANE || !internal::IsCollisionGeom(m, plane)) continue;
       const Vector3d up(d->geom_xmat[9 * plane + 2], d->geom_xmat[9 * plane + 5],
                         d->geom_xmat[9 * plane + 8]);
       const double level = up.dot(Vector3d(d->geom_xpos + 3 * plane));
       for (int g = 0; base >= 0 && g < m->ngeom; ++g) {
         const int body = m->geom_bodyid[g];
-        if (!IsInSubtree(m, body, base) || m->body_weldid[body] != 0 || !IsCollisionGeom(m, g))
+        if (!internal::IsInSubtree(m, body, base) || m->body_weldid[body] != 0 ||
+            !internal::IsCollisionGeom(m, g))
           continue;
-        const double depth = level - GeomExtent(m, d, g, up).lower;
+        const double depth = level - internal::GeomExtent(m, d, g, up).lower;
         if (depth <= deepest) continue;
         deepest = depth;
         part = g;
@@ -374,14 +379,15 @@ double DepthInFloor(const Scene& scene, const std::string& name, int* floor) {
   const Vector3d middle(d->subtree_com + 3 * root);
   double deepest = 0;
   for (int plane = 0; plane < m->ngeom; ++plane) {
-    if (m->geom_type[plane] != mjGEOM_PLANE || !IsCollisionGeom(m, plane)) continue;
+    if (m->geom_type[plane] != mjGEOM_PLANE || !internal::IsCollisionGeom(m, plane)) continue;
     const Vector3d up(d->geom_xmat[9 * plane + 2], d->geom_xmat[9 * plane + 5],
                       d->geom_xmat[9 * plane + 8]);
     const double level = up.dot(Vector3d(d->geom_xpos + 3 * plane));
     if (up.dot(middle) >= level) continue;
     for (int g = 0; g < m->ngeom; ++g) {
-      if (!IsInSubtree(m, m->geom_bodyid[g], root) || !IsCollisionGeom(m, g)) continue;
-      const double depth = level - GeomExtent(m, d, g, up).lower;
+      if (!internal::IsInSubtree(m, m->geom_bodyid[g], root) || !internal::IsCollisionGeom(m, g))
+        continue;
+      const double depth = level - internal::GeomExtent(m, d, g, up).lower;
       if (depth <= deepest) continue;
       deepest = depth;
       *floor = plane;
@@ -419,12 +425,13 @@ std::vector<std::string> ObjectsInside(const Scene& scene) {
     const bool counts =
         scene.compiled()->object(names[i]).free_joint && DepthInFloor(scene, names[i], &floor) == 0;
     for (int b = 0; b < m->nbody && counts; ++b) {
-      if (IsInSubtree(m, b, root)) object_of[b] = static_cast<int>(i);
+      if (internal::IsInSubtree(m, b, root)) object_of[b] = static_cast<int>(i);
     }
   }
   for (const RobotRecord& record : scene.compiled()->robots()) {
     const int base = FindId(m, mjOBJ_BODY, record.base_body);
-    for (int b = 0; b < m->nbody && base >= 0; ++b) robot[b] += IsInSubtree(m, b, base) ? 1 : 0;
+    for (int b = 0; b < m->nbody && base >= 0; ++b)
+      robot[b] += internal::IsInSubtree(m, b, base) ? 1 : 0;
   }
   deepest.assign(names.size(), -1);
   depths.assign(names.size(), StartInspector::kInside);
@@ -456,7 +463,8 @@ std::vector<std::string> ObjectsInMillimetres(const Scene& scene) {
     const bool free = scene.compiled()->object(name).free_joint.has_value();
     int largest = -1;
     for (int g = 0; g < m->ngeom; ++g) {
-      if (!IsInSubtree(m, m->geom_bodyid[g], root) || m->geom_type[g] == mjGEOM_PLANE) continue;
+      if (!internal::IsInSubtree(m, m->geom_bodyid[g], root) || m->geom_type[g] == mjGEOM_PLANE)
+        continue;
       const mjtNum* half = m->geom_aabb + 6 * g + 3;  // of a box around it
       const double thickest = std::max({half[0], half[1], half[2]});
       const double thinnest = std::min({half[0], half[1], half[2]});

@@ -39,7 +39,7 @@ std::vector<std::string> SitesInPlace(const Scene& scene) {
   for (const std::string& object : scene.parked_objects()) {
     const int root = FindId(m, mjOBJ_BODY, scene.compiled()->object(object).root_body);
     std::erase_if(sites, [&](const std::string& site) {
-      return IsInSubtree(m, m->site_bodyid[FindId(m, mjOBJ_SITE, site)], root);
+      return internal::IsInSubtree(m, m->site_bodyid[FindId(m, mjOBJ_SITE, site)], root);
     });
   }
   return sites;
@@ -186,7 +186,7 @@ class LevelFaces {
   static constexpr double kBeforeAll = 1e6;
 
   std::optional<Support> FaceOf(int g) const {
-    if (m_->geom_type[g] != mjGEOM_BOX || !IsCollisionGeom(m_, g)) return std::nullopt;
+    if (m_->geom_type[g] != mjGEOM_BOX || !internal::IsCollisionGeom(m_, g)) return std::nullopt;
     const int body = m_->geom_bodyid[g];
     if (m_->body_dofnum[m_->body_weldid[body]] > 0 || IsMocap(body)) return std::nullopt;
     if (IsUnder(body, parked_) || IsUnder(body, robots_)) return std::nullopt;
@@ -202,7 +202,8 @@ class LevelFaces {
   }
   bool IsMocap(int body) const { return m_->body_mocapid[m_->body_rootid[body]] >= 0; }
   bool IsUnder(int body, const std::vector<int>& roots) const {
-    return std::ranges::any_of(roots, [&](int root) { return IsInSubtree(m_, body, root); });
+    return std::ranges::any_of(roots,
+                               [&](int root) { return internal::IsInSubtree(m_, body, root); });
   }
   // A robot that stands there moves out of the way.
   bool HasRoom(const Eigen::Vector3d& top) const {

@@ -5,7 +5,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr int kDrawnGroups = 3;                  // 0, 1, 2: what renderers draw
@@ -75,4 +75,4 @@ double VisibleShare(const Scene& scene, const std::string& body, const CameraMod
   return rays.Share();
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -7,7 +7,7 @@
 #include "robocell/render/camera_model.h"
 #include "robocell/scene/scene.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // The share, 0 to 1, of points on a body and on what hangs from it that are in the image with
 // nothing in front of them. The points are those where rays to a grid in the bounding boxes of its
@@ -15,4 +15,4 @@ namespace robocell {
 // neither counts nor hides. Poses of the scene are up to date. NotFoundError for an unknown body.
 double VisibleShare(const Scene& scene, const std::string& body, const CameraModel& camera);
 
-}  // namespace robocell
+}  // namespace robocell::internal

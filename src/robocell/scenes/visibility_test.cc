@@ -5,7 +5,7 @@
 #include "robocell/base/error.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // A cube of 10 cm at the origin, and a wall beside the way to it.
@@ -57,4 +57,4 @@ TEST(VisibleShare, AnUnknownBodyIsNotFound) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -231,7 +231,7 @@ StepLimit EnvConfig::step_limit() const {
   }
   constexpr double kNone = std::numeric_limits<double>::infinity();
   if (relative_to == RelativeTo::kNone) return {kNone, kNone};
-  return {0.5, (joints ? 5 : 90) * kPi / 180};
+  return {0.5, (joints ? 5 : 90) * internal::kPi / 180};
 }
 
 StepLimit EnvConfig::target_lead() const {
@@ -294,7 +294,7 @@ void EnvConfig::Validate(Problems& problems) const {
   ValidateLimitOfMode(*this, "max_target_lead", max_target_lead, problems);
   ValidateEnvTask(*this, problems);
   ValidateVariations(*this, problems);
-  ValidateEnvObjects(*this, problems);
+  internal::ValidateEnvObjects(*this, problems);
   ValidateCameraAdds(*this, problems);
 }
 

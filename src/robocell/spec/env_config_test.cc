@@ -110,10 +110,10 @@ TEST(EnvConfig, StepsAreLimitedAsTheControlModeHasThem) {
 
 TEST(EnvConfig, AbsoluteActionsAreNotLimitedUnlessAsked) {
   EnvConfig env;
-  EXPECT_DOUBLE_EQ(env.step_limit().rotation, 5 * kPi / 180);
+  EXPECT_DOUBLE_EQ(env.step_limit().rotation, 5 * internal::kPi / 180);
   env.control_mode = ControlMode::kCartesianTrpy;
   EXPECT_EQ(env.step_limit().translation, 0.5);
-  EXPECT_DOUBLE_EQ(env.step_limit().rotation, kPi / 2);
+  EXPECT_DOUBLE_EQ(env.step_limit().rotation, internal::kPi / 2);
   env.relative_to = RelativeTo::kNone;
   EXPECT_TRUE(std::isinf(env.step_limit().translation));
 }

@@ -63,7 +63,7 @@ void CameraAdderConfig::Validate(Problems& problems) const {
 }
 
 void SimSettings::Validate(Problems& problems) const {
-  ValidateTimestep(timestep, 1, "timestep", problems);
+  internal::ValidateTimestep(timestep, 1, "timestep", problems);
   // What is no number is told where it is read.
   if (frequency > 0 && timestep > 0 && std::isfinite(timestep) && frequency * timestep > 1) {
     problems.AddAt("frequency",

@@ -6,7 +6,7 @@
 
 #include "robocell/base/suggestions.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // A controller of arms that no field of a robot file chooses.
@@ -60,4 +60,4 @@ std::string WhyNotControlledBy(MoveGroupKind group, std::string_view controller)
                      group == MoveGroupKind::kGripper ? ", which takes its opening" : "");
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

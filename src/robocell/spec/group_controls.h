@@ -9,7 +9,7 @@
 
 #include "robocell/spec/robot_config.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 std::vector<ControlKind> ControlsOf(MoveGroupKind group);
 
@@ -20,4 +20,4 @@ const char* WithArticle(MoveGroupKind group);
 // "" when it can. Controllers that users registered are not known here: "".
 std::string WhyNotControlledBy(MoveGroupKind group, std::string_view controller);
 
-}  // namespace robocell
+}  // namespace robocell::internal

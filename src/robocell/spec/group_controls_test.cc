@@ -10,7 +10,7 @@
 #include "robocell/spec/yaml.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using testing::ValidationError;
@@ -87,4 +87,4 @@ TEST(GroupControls, EveryFileThatHoldsARobotRefusesThem) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -105,7 +105,7 @@ double SuitableSimHz(double hz, double now_hz) {
 // Whether these rates would be taken: advice that is refused helps nobody.
 bool IsTaken(const Rates& rates) {
   constexpr int64_t kMost = std::numeric_limits<int>::max();
-  if (SimOf(rates).period_ms() < kShortestTimestep * 1000) return false;
+  if (SimOf(rates).period_ms() < internal::kShortestTimestep * 1000) return false;
   if (rates.sim_steps() <= 0 || rates.control_ticks() <= 0) return false;
   try {
     const Ratio rate = rates.policy_rate();
@@ -218,8 +218,9 @@ void Rates::Validate(Problems& problems) const {
   const GivenTime policy = PolicyOf(*this), control = ControlOf(*this), sim = SimOf(*this);
   for (const GivenTime& time : {policy, control, sim}) ValidateOneUnit(time, problems);
   const size_t before = problems.list().size();
-  if (sim.is_positive()) ValidateTimestep(sim.period_ms(), 1000, sim.field(), problems);
-  if (sim.period_ms() >= kShortestTimestep * 1000) ValidateStepsPerAction(policy, sim, problems);
+  if (sim.is_positive()) internal::ValidateTimestep(sim.period_ms(), 1000, sim.field(), problems);
+  if (sim.period_ms() >= internal::kShortestTimestep * 1000)
+    ValidateStepsPerAction(policy, sim, problems);
   ValidateMultiple(policy, control, "control ticks", *this, problems);
   ValidateMultiple(control, sim, "steps of the engine", *this, problems);
   if (problems.list().size() == before && sim_steps() > 0 && control_ticks() > 0)

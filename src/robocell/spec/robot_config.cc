@@ -107,7 +107,7 @@ void ValidateControls(const RobotConfig& robot, Problems& problems) {
   for (const auto& [key, kind] : robot.control.entries()) {
     const MoveGroupConfig* group = robot.move_groups.find(key);
     if (!group || !IsNamed(group->kind) || !IsNamed(*kind)) continue;
-    const std::string why = WhyNotControlledBy(group->kind, ToString(*kind));
+    const std::string why = internal::WhyNotControlledBy(group->kind, ToString(*kind));
     if (!why.empty()) problems.AddAt(key, why);
   }
 }
@@ -142,12 +142,12 @@ void ValidateLengths(const Map<std::vector<double>>& map, std::string_view field
 
 // As the configuration has them; what arms find in their model is checked where it is known.
 void ValidateGroupsApart(const RobotConfig& robot, Problems& problems) {
-  std::vector<GroupParts> groups;
+  std::vector<internal::GroupParts> groups;
   for (const auto& [name, group] : robot.move_groups.entries()) {
     groups.push_back(
         {.name = name, .joints = group->joints.names, .actuators = group->actuators.names});
   }
-  for (const SharedParts& shared : FindSharedParts(groups))
+  for (const internal::SharedParts& shared : internal::FindSharedParts(groups))
     problems.AddAt(shared.field, shared.message);
 }
 
@@ -226,7 +226,7 @@ void RobotConfig::Validate(Problems& problems) const {
   ValidateLengths(home_noise, "home_noise", *this, true, problems);
   ValidateGroupsApart(*this, problems);
   ValidateHomesAgree(*this, problems);
-  ValidateAttachments(attachments, problems);
+  internal::ValidateAttachments(attachments, problems);
   std::vector<std::string> camera_names;
   for (const CameraSpec& camera : cameras) camera_names.push_back(camera.name);
   ValidateUnique(camera_names, "cameras", "name", problems);

@@ -21,7 +21,7 @@ bool RobotSpec::can_switch_to(CtrlMode mode) const {
 void RobotSpec::Validate(Problems& problems) const {
   ValidatePlacement(euler, quat, problems);
   if (name) ValidateNamePart(*name, "name", problems);
-  ValidateAttachments(attachments, problems);
+  internal::ValidateAttachments(attachments, problems);
   if (!part_of.empty() && !config)
     problems.AddAt("config", "is not set; part_of says where the robot is, not what it is");
   if (path.empty() && !config)

@@ -37,7 +37,7 @@ void SceneSpec::Validate(Problems& problems) const {
     if (!add_skybox)
       problems.AddAt("add_skybox", "is required without a base scene: true or false");
   }
-  if (timestep) ValidateTimestep(*timestep, 1, "timestep", problems);
+  if (timestep) internal::ValidateTimestep(*timestep, 1, "timestep", problems);
   // A robot that is part of another's model has that one's prefix.
   std::vector<std::string> prefixes;
   for (const RobotSpec& robot : robots) {

@@ -7,7 +7,7 @@
 
 #include "robocell/base/suggestions.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using Names = std::vector<std::string>;
@@ -73,4 +73,4 @@ std::vector<SharedParts> FindSharedParts(const std::vector<GroupParts>& groups) 
   return found;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

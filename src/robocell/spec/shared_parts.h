@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace robocell {
+namespace robocell::internal {
 
 // The elements of a group. An arm that names no actuators has those of its joints.
 struct GroupParts {
@@ -24,4 +24,4 @@ struct SharedParts {
 // One entry for each two groups that share something.
 std::vector<SharedParts> FindSharedParts(const std::vector<GroupParts>& groups);
 
-}  // namespace robocell
+}  // namespace robocell::internal

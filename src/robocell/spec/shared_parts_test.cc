@@ -7,7 +7,7 @@
 #include "robocell/spec/testing/messages.h"
 #include "robocell/spec/testing/specs.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -50,4 +50,4 @@ TEST(SharedParts, AGroupWithoutActuatorsSharesJointsAndStartsWhereTheOtherDoes) 
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

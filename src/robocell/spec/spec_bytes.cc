@@ -10,7 +10,7 @@
 #include "robocell/spec/scene_spec.h"
 #include "robocell/spec/validate.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 class ByteWriter {
@@ -93,4 +93,4 @@ std::string SpecBytes(const SceneSpec& spec) {
   return writer.Take();
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -8,9 +8,11 @@
 #include <string>
 
 namespace robocell {
-
 struct SceneSpec;
+}
+
+namespace robocell::internal {
 
 std::string SpecBytes(const SceneSpec& spec);
 
-}  // namespace robocell
+}  // namespace robocell::internal

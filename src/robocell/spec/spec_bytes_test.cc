@@ -9,7 +9,7 @@
 #include "robocell/spec/testing/random_spec.h"
 #include "robocell/spec/yaml.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using testing::RandomSpec;
@@ -71,4 +71,4 @@ TEST(SpecBytes, ZeroIsZero) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

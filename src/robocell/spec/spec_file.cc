@@ -39,7 +39,7 @@ bool MayBeOfType(const fs::path& file, const std::string& type) {
   std::string text(kEnoughToTell, '\0');
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<size_t>(std::max<std::streamsize>(stream.gcount(), 0)));
-  return IsText(text) && !yaml::IsOtherKindOfText(text, type);
+  return IsText(text) && !internal::yaml::IsOtherKindOfText(text, type);
 }
 
 // Those that may be of the `type`: neither those of another one nor what is no text.
@@ -48,7 +48,7 @@ std::vector<std::string> SpecFilesIn(const fs::path& folder, const std::string& 
   std::erase_if(names, [&](const std::string& name) {
     const fs::path file = folder / name, ending = file.extension();
     const bool is_yaml = name.front() != '.' && (ending == ".yaml" || ending == ".yml");
-    return !is_yaml || !CanReadFile(file) || !MayBeOfType(file, type);
+    return !is_yaml || !internal::CanReadFile(file) || !MayBeOfType(file, type);
   });
   return names;
 }
@@ -84,17 +84,19 @@ size_t CharacterLength(std::string_view text, size_t i) {
 
 std::string MissingSpecFile(const std::string& path, const std::string& type) {
   std::error_code error;
-  if (CanReadFile(path)) return "";
-  const yaml::FileKind kind = yaml::FileKindOf(type);
+  if (internal::CanReadFile(path)) return "";
+  const internal::yaml::FileKind kind = internal::yaml::FileKindOf(type);
   const std::string tail =
-      fmt::format(" How to write {}: {}", yaml::WithArticle(kind.what), kind.page);
+      fmt::format(" How to write {}: {}", internal::yaml::WithArticle(kind.what), kind.page);
   if (fs::is_directory(path, error)) {
-    return fmt::format("'{}' is a folder; give {}.{}{}", path, yaml::WithArticle(kind.what),
+    return fmt::format("'{}' is a folder; give {}.{}{}", path,
+                       internal::yaml::WithArticle(kind.what),
                        Listing(path, kind.what, SpecFilesIn(path, type)), tail);
   }
   if (fs::exists(path, error)) {
     return fmt::format("'{}' is {}; give {}. What a pipe brings is written to a file first.{}",
-                       path, WhatIsAt(path), yaml::WithArticle(kind.what), tail);
+                       path, internal::WhatIsAt(path), internal::yaml::WithArticle(kind.what),
+                       tail);
   }
   const fs::path folder = fs::path(path).parent_path();
   const fs::path looked = folder.empty() ? fs::path(".") : folder;
@@ -125,13 +127,13 @@ std::string ReadSpecFile(const std::string& path, const std::string& type) {
   std::error_code ignored;
   const uint64_t bytes = fs::file_size(path, ignored);
   if (!ignored && bytes > kMostSpecBytes) {
-    const std::string what = yaml::FileKindOf(type).what;
+    const std::string what = internal::yaml::FileKindOf(type).what;
     throw IoError(
         fmt::format("'{}' has {} MiB; {} has a few kB, and 16 MiB are the most that is "
                     "read. Is it the right file?",
-                    path, bytes >> 20, yaml::WithArticle(what)));
+                    path, bytes >> 20, internal::yaml::WithArticle(what)));
   }
-  return ReadRealFile(path, kMostSpecBytes);
+  return internal::ReadRealFile(path, kMostSpecBytes);
 }
 
 void RequireText(std::string_view text, const std::string& source) {

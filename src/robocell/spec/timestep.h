@@ -9,7 +9,7 @@
 
 #include "robocell/spec/problems.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 constexpr double kShortestTimestep = 1e-5, kLongestTimestep = 0.1;  // seconds
 
@@ -31,4 +31,4 @@ inline void ValidateTimestep(double value, double per_second, std::string_view f
   if (!problem.empty()) problems.AddAt(field, problem);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -6,7 +6,8 @@ namespace robocell {
 
 Pose PlacementPose(const Vec3& pos, const Vec3& euler, const Vec4& quat) {
   if (quat != kIdentityQuat) return Pose(ToEigen(pos), quat);
-  return Pose::FromRpy(ToEigen(pos), {Radians(euler[0]), Radians(euler[1]), Radians(euler[2])});
+  return Pose::FromRpy(ToEigen(pos), {internal::Radians(euler[0]), internal::Radians(euler[1]),
+                                      internal::Radians(euler[2])});
 }
 
 }  // namespace robocell

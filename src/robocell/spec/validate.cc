@@ -91,7 +91,7 @@ void ValidateElementRef(const ElementRef& ref, Problems& problems) {
 }
 
 void ValidateNamePart(const std::string& name, std::string_view field, Problems& problems) {
-  if (name.empty() || ValidFileName(name)) return;
+  if (name.empty() || internal::ValidFileName(name)) return;
   problems.AddAt(field,
                  fmt::format("'{}' cannot be a name here: datasets have it in their columns' "
                              "names, robots/ROBOT/GROUP and objects/OBJECT; write it without "

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-namespace robocell {
+namespace robocell::internal {
 
 void ValidateAttachments(const List<AttachmentSpec>& attachments, Problems& problems) {
   Problems::Scope list(problems, "attachments");
@@ -24,4 +24,4 @@ void ValidateAttachments(const List<AttachmentSpec>& attachments, Problems& prob
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

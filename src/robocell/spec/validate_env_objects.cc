@@ -6,7 +6,7 @@
 
 #include "robocell/spec/validate.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr const char* kFrames =
@@ -69,4 +69,4 @@ void ValidateEnvObjects(const EnvConfig& env, Problems& problems) {
   ObjectValidator(env, problems).ValidateAll();
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

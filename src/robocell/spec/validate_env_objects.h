@@ -3,10 +3,10 @@
 
 #include "robocell/spec/env_config.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Adds a problem for an id that is used twice (which decides between frames), that is a robot's
 // name, or whose elements would have names that begin like those of a robot or gripper.
 void ValidateEnvObjects(const EnvConfig& env, Problems& problems);
 
-}  // namespace robocell
+}  // namespace robocell::internal

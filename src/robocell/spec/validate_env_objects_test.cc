@@ -7,7 +7,7 @@
 #include "robocell/spec/testing/duo_env.h"
 #include "robocell/spec/testing/messages.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -51,4 +51,4 @@ TEST(EnvObjects, ObjectsAreNotNamedLikePartsOfRobots) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -14,9 +14,9 @@ namespace robocell {
 namespace {
 
 template <class T>
-T ReadText(std::string_view text, yaml::Reader& reader, const std::string& source) {
+T ReadText(std::string_view text, internal::yaml::Reader& reader, const std::string& source) {
   T spec{};
-  reader.ReadDocument(yaml::ParseText(text, source), spec);
+  reader.ReadDocument(internal::yaml::ParseText(text, source), spec);
   reader.problems().Throw(source);
   return spec;
 }
@@ -26,15 +26,16 @@ T ReadText(std::string_view text, yaml::Reader& reader, const std::string& sourc
 template <class T>
 T ParseYaml(std::string_view text, const std::string& source, const std::string& directory,
             const std::vector<std::string>& overrides) {
-  yaml::Reader reader(source, directory);
-  for (const std::string& given : overrides) reader.AddOverride(yaml::ParseOverride(given));
+  internal::yaml::Reader reader(source, directory);
+  for (const std::string& given : overrides)
+    reader.AddOverride(internal::yaml::ParseOverride(given));
   return ReadText<T>(text, reader, source);
 }
 
 template <class T>
 T LoadYaml(const std::string& path, const std::vector<std::string>& overrides) {
-  yaml::Reader reader(path, std::filesystem::path(path).parent_path().string());
-  for (const std::string& text : overrides) reader.AddOverride(yaml::ParseOverride(text));
+  internal::yaml::Reader reader(path, std::filesystem::path(path).parent_path().string());
+  for (const std::string& text : overrides) reader.AddOverride(internal::yaml::ParseOverride(text));
   return ReadText<T>(ReadSpecFile(path, T::kTypeName), reader, path);
 }
 
@@ -45,17 +46,17 @@ T LoadYaml(const std::string& path) {
 
 template <class T>
 std::string ToYaml(const T& spec) {
-  yaml::Writer writer;
+  internal::yaml::Writer writer;
   writer.Write(spec);
   return writer.text() + "\n";
 }
 
 template <class T>
 T FromYamlUnchecked(std::string_view text) {
-  yaml::Reader reader("text", "");
+  internal::yaml::Reader reader("text", "");
   reader.ForgetLocations();
   T spec{};
-  reader.Read(yaml::ParseText(text, "text"), spec);
+  reader.Read(internal::yaml::ParseText(text, "text"), spec);
   reader.problems().Throw("text");
   return spec;
 }

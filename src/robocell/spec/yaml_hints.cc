@@ -11,7 +11,7 @@
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/scene_spec.h"
 
-namespace robocell::yaml {
+namespace robocell::internal::yaml {
 namespace {
 
 constexpr size_t kShown = 60;  // longest piece of a file quoted in a hint
@@ -203,4 +203,4 @@ bool IsOtherKindOfText(std::string_view text, const std::string& type) {
   return OtherKind(keys, type, FileKindOf(type).fields) != nullptr;
 }
 
-}  // namespace robocell::yaml
+}  // namespace robocell::internal::yaml

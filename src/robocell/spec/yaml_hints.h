@@ -10,7 +10,7 @@ namespace YAML {
 class Node;
 }
 
-namespace robocell::yaml {
+namespace robocell::internal::yaml {
 
 // "a robot file", "an environment file".
 std::string WithArticle(std::string_view noun);
@@ -65,4 +65,4 @@ std::string OtherKindOfFile(const YAML::Node& root, const std::string& type,
 // than `type`'s.
 bool IsOtherKindOfText(std::string_view text, const std::string& type);
 
-}  // namespace robocell::yaml
+}  // namespace robocell::internal::yaml

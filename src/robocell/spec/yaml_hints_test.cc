@@ -8,7 +8,7 @@
 #include "robocell/spec/scene_spec.h"
 #include "robocell/spec/testing/messages.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::AllOf;
@@ -233,4 +233,4 @@ TEST(OtherKind, OneStrayFieldIsNotAnotherKind) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -11,7 +11,7 @@
 #include "robocell/spec/yaml_reader.h"
 #include "robocell/spec/yaml_syntax.h"
 
-namespace robocell::yaml {
+namespace robocell::internal::yaml {
 namespace {
 
 constexpr int kMostDepth = 64;  // no spec file is deeper
@@ -124,4 +124,4 @@ Override ParseOverride(const std::string& text) {
           ParseText(std::string_view(text).substr(equals + 1), "--set " + text)};
 }
 
-}  // namespace robocell::yaml
+}  // namespace robocell::internal::yaml

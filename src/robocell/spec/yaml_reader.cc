@@ -11,7 +11,7 @@
 #include "robocell/spec/render_quality.h"
 #include "robocell/spec/spec_file.h"
 
-namespace robocell::yaml {
+namespace robocell::internal::yaml {
 namespace {
 
 constexpr size_t kLongestShown = 60;     // longest piece of a file quoted in a message
@@ -668,4 +668,4 @@ void Reader::ReadRobotFile(const YAML::Node& node, RobotConfig& out) {
   }
 }
 
-}  // namespace robocell::yaml
+}  // namespace robocell::internal::yaml

@@ -32,7 +32,7 @@
 #include "robocell/spec/yaml_hints.h"
 #include "robocell/spec/yaml_stray.h"
 
-namespace robocell::yaml {
+namespace robocell::internal::yaml {
 
 // The tree of one document. SpecError with source:line:column when the text is not YAML, is too
 // large or too deep, or holds more than one document.
@@ -394,4 +394,4 @@ class Reader {
   size_t indices_ = 0;
 };
 
-}  // namespace robocell::yaml
+}  // namespace robocell::internal::yaml

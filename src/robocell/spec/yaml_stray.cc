@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
-namespace robocell::yaml {
+namespace robocell::internal::yaml {
 namespace {
 
 bool IsNumber(const YAML::Node& key) {
@@ -52,4 +52,4 @@ std::string Stray::Text() const {
       name_, items);
 }
 
-}  // namespace robocell::yaml
+}  // namespace robocell::internal::yaml

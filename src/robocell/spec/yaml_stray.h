@@ -10,7 +10,7 @@ namespace YAML {
 class Node;
 }
 
-namespace robocell::yaml {
+namespace robocell::internal::yaml {
 
 // Looks at the entries of one map, in their order.
 class Stray {
@@ -39,4 +39,4 @@ class Stray {
   std::vector<Part> parts_;
 };
 
-}  // namespace robocell::yaml
+}  // namespace robocell::internal::yaml

@@ -12,7 +12,7 @@
 
 #include "robocell/spec/yaml_hints.h"
 
-namespace robocell::yaml {
+namespace robocell::internal::yaml {
 namespace {
 
 constexpr std::string_view kBlank = " \t\r";
@@ -330,4 +330,4 @@ std::string SecondDocument(std::string_view text, const std::string& source,
                               "indentation and dashes right? (A spec file has one document)");
 }
 
-}  // namespace robocell::yaml
+}  // namespace robocell::internal::yaml

@@ -10,7 +10,7 @@ class ParserException;
 struct Mark;
 }  // namespace YAML
 
-namespace robocell::yaml {
+namespace robocell::internal::yaml {
 
 // "f.yaml:3:1: not valid YAML: the `[` of line 2, column 8 is still open before this: ...".
 std::string SyntaxError(std::string_view text, const std::string& source,
@@ -28,4 +28,4 @@ std::string UnclosedQuote(std::string_view text, const std::string& source, cons
 std::string SecondDocument(std::string_view text, const std::string& source,
                            const YAML::Mark& mark);
 
-}  // namespace robocell::yaml
+}  // namespace robocell::internal::yaml

@@ -12,7 +12,7 @@
 #include "robocell/spec/robot_config.h"
 #include "robocell/spec/testing/messages.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::AnyOf;
@@ -128,4 +128,4 @@ TEST(YamlSyntax, QuotesThatEndAreLeftAlone) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-namespace robocell::yaml {
+namespace robocell::internal::yaml {
 
 Writer::Writer() = default;
 Writer::~Writer() = default;
@@ -95,4 +95,4 @@ void Writer::Write(const ElementRef& value) {
   if (value.kind) out_ << YAML::EndMap;
 }
 
-}  // namespace robocell::yaml
+}  // namespace robocell::internal::yaml

@@ -14,7 +14,7 @@
 #include "robocell/spec/task_spec.h"
 #include "robocell/spec/validate.h"
 
-namespace robocell::yaml {
+namespace robocell::internal::yaml {
 
 class Writer {
  public:
@@ -121,4 +121,4 @@ class Writer {
   YAML::Emitter out_;
 };
 
-}  // namespace robocell::yaml
+}  // namespace robocell::internal::yaml

@@ -14,7 +14,7 @@
 #include "robocell/spec/yaml_reader.h"
 #include "robocell/spec/yaml_writer.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -146,4 +146,4 @@ TEST(ToYaml, LeavesOutWhatIsUnset) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

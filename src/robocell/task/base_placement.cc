@@ -49,7 +49,8 @@ void RequireFinite(const BasePlacement& placement) {
 BasePlacement SpreadBasePlacement(const BaseRange& range, uint64_t seed, uint64_t turn, int attempt,
                                   Rng& rng) {
   const auto point = [&](uint64_t base, const char* purpose) {
-    const double shifted = RadicalInverse(turn + 1, base) + Rng::Stream(seed, purpose).Uniform();
+    const double shifted =
+        internal::RadicalInverse(turn + 1, base) + Rng::Stream(seed, purpose).Uniform();
     const double even = shifted - std::floor(shifted);
     const double spread = std::min(1.0, kWidening * attempt);
     return Reflected(even + spread * rng.Uniform(-1, 1));
@@ -64,11 +65,12 @@ std::optional<Pose> ProposeBasePose(const Robot& robot, const Support& support, 
                                     const BasePlacement& placement, const StartConfig& start,
                                     Rng& rng) {
   const RobotOutline outline(robot);
-  const double first = rng.Uniform(-kPi, kPi);
-  const double turn = kPi + rng.Uniform(-start.base_facing_noise, start.base_facing_noise);
+  const double first = rng.Uniform(-internal::kPi, internal::kPi);
+  const double turn =
+      internal::kPi + rng.Uniform(-start.base_facing_noise, start.base_facing_noise);
   std::vector<Pose> clear;
   for (int i = 0; i < kBearings; ++i) {
-    const double bearing = first + 2 * kPi * i / kBearings;
+    const double bearing = first + 2 * internal::kPi * i / kBearings;
     const Eigen::Vector3d offset(placement.distance * std::cos(bearing),
                                  placement.distance * std::sin(bearing), placement.height);
     const Pose base = Pose::FromRpy(target.translation() + offset, {0, 0, bearing + turn});
@@ -100,7 +102,7 @@ std::optional<Refusal> ValidateBaseReach(const Robot& robot, const Pose& target)
 
 std::optional<Refusal> ValidateBaseClearance(const Scene& scene, const Robot& robot,
                                              double clearance) {
-  const Clearance nearest = RobotClearance(scene, robot, clearance);
+  const internal::Clearance nearest = internal::RobotClearance(scene, robot, clearance);
   if (nearest.distance >= clearance) return std::nullopt;
   return Refusal{Refusal::kBaseInCollision,
                  fmt::format("{} is {:.3f} m from {}", nearest.robot_geom, nearest.distance,
@@ -112,9 +114,9 @@ std::optional<Refusal> ValidateVisibility(const Scene& scene, const std::string&
   for (const std::string& camera : run.start.visible_from) {
     const CameraConfig stream = internal::StreamToSee(run.cameras, camera);
     const CameraModel model =
-        ComputeCamera(scene.model(), scene.data(), ViewOfStream(scene, stream),
+        ComputeCamera(scene.model(), scene.data(), internal::ViewOfStream(scene, stream),
                       run.cameras.width(stream), run.cameras.height(stream));
-    const double share = VisibleShare(scene, target_body, model);
+    const double share = internal::VisibleShare(scene, target_body, model);
     if (share >= run.start.visible_share && share > 0) continue;
     return Refusal{Refusal::kCameraConstraint,
                    fmt::format("camera '{}' sees {:.0f} % of the object, and start.visible_share "

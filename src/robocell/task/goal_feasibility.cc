@@ -18,7 +18,7 @@
 #include "robocell/mujoco/step.h"
 #include "robocell/mujoco/tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using Eigen::Vector3d;
@@ -269,4 +269,4 @@ double RadiusOf(const mjModel* m, int body) {
   return radius;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -13,7 +13,7 @@
 #include "robocell/robot/robot.h"
 #include "robocell/scene/scene.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Where an object is to rest: a place in the frame of a body, whose body may give way.
 struct RestPlace {
@@ -41,4 +41,4 @@ double HeightOverSupport(const Scene& scene, const Eigen::Vector3d& place, int w
 // The farthest point of a body's geoms from the body's origin, metres; no less than the truth.
 double RadiusOf(const mjModel* model, int body);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -36,7 +36,7 @@ Interval ExtentAlong(const mjModel* m, const mjData* d, const std::vector<int>& 
                      const Eigen::Vector3d& direction) {
   Interval all{1e9, -1e9};
   for (const int g : geoms) {
-    const Interval e = GeomExtent(m, d, g, direction);
+    const Interval e = internal::GeomExtent(m, d, g, direction);
     all = {std::min(all.lower, e.lower), std::max(all.upper, e.upper)};
   }
   return all;
@@ -98,7 +98,11 @@ Squeeze Judge(const PadRays& rays) {
 class CandidateSearch {
  public:
   CandidateSearch(const mjModel* model, const mjData* data, int body, const GripperShape& shape)
-      : m_(model), d_(data), body_(body), shape_(shape), geoms_(CollisionGeomsOf(model, body)) {
+      : m_(model),
+        d_(data),
+        body_(body),
+        shape_(shape),
+        geoms_(internal::CollisionGeomsOf(model, body)) {
     if (geoms_.empty()) return;
     height_ = ExtentAlong(m_, d_, geoms_, Eigen::Vector3d::UnitZ());
     away_ = 0.01 + Length(height_) + Length(ExtentAlong(m_, d_, geoms_, Eigen::Vector3d::UnitX())) +
@@ -149,7 +153,7 @@ class CandidateSearch {
     return least;
   }
 
-  double Yaw(int i) const { return BodyYaw(d_, body_) + kPi * i / kYaws; }
+  double Yaw(int i) const { return BodyYaw(d_, body_) + internal::kPi * i / kYaws; }
 
   void TryHeight(double yaw, double height) {
     const Eigen::Matrix3d axes = TopDown(yaw);
@@ -171,9 +175,9 @@ class CandidateSearch {
       for (int k = 0; k < kRaysAlong; ++k) {
         const double rise = 0.95 * (-half_height_ + (up + half_height_) * k / (kRaysAlong - 1));
         const Eigen::Vector3d from = at + half_width_ * (i - 1) * x + Eigen::Vector3d(0, 0, rise);
-        const RayHit left = CastRay(m_, d_, geoms_, from + away_ * y, -y);
+        const internal::RayHit left = internal::CastRay(m_, d_, geoms_, from + away_ * y, -y);
         if (!std::isfinite(left.distance)) continue;
-        const RayHit right = CastRay(m_, d_, geoms_, from - away_ * y, y);
+        const internal::RayHit right = internal::CastRay(m_, d_, geoms_, from - away_ * y, y);
         if (!std::isfinite(right.distance)) continue;
         rays.left[rays.hits] = {away_ - left.distance, left.normal.dot(y)};
         rays.right[rays.hits] = {right.distance - away_, -right.normal.dot(y)};
@@ -184,7 +188,7 @@ class CandidateSearch {
   }
 
   void Add(const Eigen::Vector3d& at, double yaw, const Squeeze& squeeze) {
-    static const double kLeastSquare = std::cos(Radians(25.0));
+    static const double kLeastSquare = std::cos(internal::Radians(25.0));
     const double width = squeeze.width();
     if (width < std::max(kLeastWidth, shape_.closed_gap() + kLeastAboveClosed)) return;
     if (width > shape_.open_gap() - 2 * kOpenClearance || squeeze.square < kLeastSquare) return;
@@ -193,7 +197,7 @@ class CandidateSearch {
                         2 * std::max(0.0, std::abs(at.z() - com_.z()) - 0.01) +
                         0.3 * (1 - squeeze.square) + 0.05 * (1 - squeeze.cover) +
                         3 * std::max(0.0, 0.012 - width) + 0.3 * width;
-    for (const double flip : {0.0, kPi}) {  // either finger may be left
+    for (const double flip : {0.0, internal::kPi}) {  // either finger may be left
       const Eigen::Matrix3d axes = TopDown(yaw + flip);
       const Pose tcp =
           Pose(middle - axes * shape_.PadAt(width), axes) * shape_.grasp_in_tcp().inverse();
@@ -245,11 +249,11 @@ std::string DescribeHeldWidths(double closed_gap, double open_gap) {
 
 std::string SizesForGrasp(const mjModel* model, const mjData* data, int object_body,
                           const GripperShape& shape) {
-  const std::vector<int> geoms = CollisionGeomsOf(model, object_body);
+  const std::vector<int> geoms = internal::CollisionGeomsOf(model, object_body);
   if (geoms.empty()) return "none of its geoms collides";
   double narrowest = std::numeric_limits<double>::infinity();
   for (int k = 0; k < kYaws; ++k) {
-    const double yaw = BodyYaw(data, object_body) + k * kPi / kYaws;
+    const double yaw = BodyYaw(data, object_body) + k * internal::kPi / kYaws;
     const Eigen::Vector3d across(std::cos(yaw), std::sin(yaw), 0);
     narrowest = std::min(narrowest, Length(ExtentAlong(model, data, geoms, across)));
   }

@@ -36,7 +36,8 @@ TEST(CastRay, AgreesWithTheEnginesRays) {
     // Far from everything else; the engine is asked for solid geoms only.
     pick.scene.SetBodyPose(pick.target_body, Pose({30, 0, 5}, RandomQuaternion(rng)));
     const mjModel* m = pick.scene.model();
-    const std::vector<int> geoms = CollisionGeomsOf(m, FindId(m, mjOBJ_BODY, pick.target_body));
+    const std::vector<int> geoms =
+        internal::CollisionGeomsOf(m, FindId(m, mjOBJ_BODY, pick.target_body));
     mjtByte groups[mjNGROUP] = {0};
     for (const int g : geoms) groups[m->geom_group[g]] = 1;
     int hits = 0;
@@ -46,7 +47,7 @@ TEST(CastRay, AgreesWithTheEnginesRays) {
       int geom = -1;
       const double oracle = mj_ray(m, pick.scene.data(), from.data(), direction.data(), groups, 1,
                                    -1, &geom, nullptr);
-      const RayHit hit = CastRay(m, pick.scene.data(), geoms, from, direction);
+      const internal::RayHit hit = internal::CastRay(m, pick.scene.data(), geoms, from, direction);
       ASSERT_EQ(std::isfinite(hit.distance), oracle >= 0 && oracle < 1) << kind;
       if (!std::isfinite(hit.distance)) continue;
       ++hits;
@@ -92,15 +93,16 @@ TEST(FindGrasps, TheObjectIsCentredBetweenThePads) {
   for (const char* kind : {"box", "cylinder", "sphere", "bottle", "nut", "spool"}) {
     const PickScene pick = MakePickScene(ObjectOnTheTable(kind));
     PlanningScene planning = pick.planning();
-    const std::vector<int> geoms = CollisionGeomsOf(planning.model(), planning.target_body());
+    const std::vector<int> geoms =
+        internal::CollisionGeomsOf(planning.model(), planning.target_body());
     const GraspCandidate best = GraspsOf(pick).front();
     const auto shape = pick.shape();
     const Pose grasp = best.tcp_in_world * shape->grasp_in_tcp();
     const Vector3d middle = grasp * shape->PadAt(best.width), y = grasp.rotation().col(1);
     const double left =
-        CastRay(planning.model(), planning.data(), geoms, middle + 0.1 * y, -y).distance;
+        internal::CastRay(planning.model(), planning.data(), geoms, middle + 0.1 * y, -y).distance;
     const double right =
-        CastRay(planning.model(), planning.data(), geoms, middle - 0.1 * y, y).distance;
+        internal::CastRay(planning.model(), planning.data(), geoms, middle - 0.1 * y, y).distance;
     // Curved pads' edges may touch up to a millimetre or two before the middle does.
     EXPECT_NEAR(left, right, 0.003) << kind;
     EXPECT_NEAR(0.2 - left - right, best.width, 0.004) << kind;

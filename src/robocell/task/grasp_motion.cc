@@ -45,7 +45,7 @@ void GraspMotions::SolveMore() {
   for (size_t i = begin; i < end; ++i)
     targets.push_back(world_in_base_ * candidates_[i].tcp_in_world);
   IkBatchOptions options;
-  options.ik.tolerance = kLineIkTolerance;
+  options.ik.tolerance = internal::kLineIkTolerance;
   options.ik.prefer = IkPrefer::kSeed;
   options.ik.max_restarts = kRestarts;
   const IkBatchResult result = IkBatch(planning_.robot().chain(), targets, home_, options);
@@ -89,11 +89,11 @@ std::optional<GraspMotion> GraspMotions::TryCandidate(const GraspCandidate& gras
   if (!IsFree(q, {.gap = open}) || !IsFree(q, {.gap = before})) return std::nullopt;
   const Pose tcp = world_in_base_ * grasp.tcp_in_world;
   const Chain& chain = planning_.robot().chain();
-  JointPath down = LineAbove(chain, tcp, q, up_in_base_, options_.above);
-  JointPath up = LineAbove(chain, tcp, q, up_in_base_, options_.lift);
-  if (const double missing = MissingShare(down); missing > 0)
+  JointPath down = internal::LineAbove(chain, tcp, q, up_in_base_, options_.above);
+  JointPath up = internal::LineAbove(chain, tcp, q, up_in_base_, options_.lift);
+  if (const double missing = internal::MissingShare(down); missing > 0)
     return no_way_down_.Add(missing * options_.above), std::nullopt;
-  if (const double missing = MissingShare(up); missing > 0)
+  if (const double missing = internal::MissingShare(up); missing > 0)
     return no_way_up_.Add(missing * options_.lift), std::nullopt;
   for (size_t i = 1; i < down.size(); ++i) {
     if (!IsFree(down[i], {.gap = open})) return std::nullopt;

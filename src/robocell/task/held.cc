@@ -10,7 +10,7 @@
 #include "robocell/robot/gripper_group.h"
 #include "robocell/robot/robot.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 std::vector<int> RobotRoots(const Scene& scene) {
@@ -91,4 +91,4 @@ bool IsHeld(const Scene& scene, const std::string& body) {
   return partners.several_robots || IsGrasped(scene, roots, partners.robot, body).value_or(true);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

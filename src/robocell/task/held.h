@@ -5,7 +5,7 @@
 
 #include "robocell/scene/scene.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Who touches a body's subtree in the present contacts.
 struct Touching {
@@ -21,4 +21,4 @@ bool OnlyRobotsTouch(const Scene& scene, const std::string& body);
 // is not held.
 bool IsHeld(const Scene& scene, const std::string& body);
 
-}  // namespace robocell
+}  // namespace robocell::internal

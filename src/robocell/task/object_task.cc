@@ -37,8 +37,8 @@ void ObjectTask::Bind(const Scene& scene, const TaskSetting& setting) {
 
 std::optional<Refusal> ObjectTask::Arrange(Scene& scene, Rng& /*rng*/) {
   constexpr double kMayFall = -std::numeric_limits<double>::infinity();
-  const std::string why =
-      WhyOutOfReach(robots_, ObjectInWorld(), kMayFall, RadiusOf(scene.model(), object_->id()));
+  const std::string why = internal::WhyOutOfReach(robots_, ObjectInWorld(), kMayFall,
+                                                  internal::RadiusOf(scene.model(), object_->id()));
   if (why.empty()) return std::nullopt;
   return Refusal{.reason = fmt::format("'{}' is out of reach", fields_.name), .detail = why};
 }
@@ -74,7 +74,7 @@ Pose ObjectTask::Around(const Pose& offset, const Vec2& spread, Rng& rng) {
 
 Pose ObjectTask::Start(Rng& rng) const {
   const Pose at = Around(offset_, fields_.spread, rng);
-  const double yaw = fields_.rotate ? rng.Uniform(-kPi, kPi) : 0;
+  const double yaw = fields_.rotate ? rng.Uniform(-internal::kPi, internal::kPi) : 0;
   const Pose turn = Pose::FromRpy(Eigen::Vector3d::Zero(), {0, 0, yaw});
   return {at.translation(), (turn * at).quaternion()};
 }
@@ -92,7 +92,7 @@ double ObjectTask::Lift() const { return ObjectInWorld().z() - (root_ * start_).
 double ObjectTask::Lifted() const { return std::clamp(Lift() / fields_.lift_height, 0.0, 1.0); }
 
 bool ObjectTask::IsLifted(const Scene& scene) const {
-  return Lift() >= fields_.lift_height && IsHeld(scene, object_->name());
+  return Lift() >= fields_.lift_height && internal::IsHeld(scene, object_->name());
 }
 
 }  // namespace robocell

@@ -10,7 +10,7 @@
 #include "robocell/scenes/catalogue.h"
 #include "robocell/task/place_motion.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr const char* kGoal = "goal";  // its name in the scene
@@ -99,4 +99,4 @@ std::optional<Refusal> PickAndPlaceSampler::ValidateGrasp(const Scene& scene,
   return Refusal{Refusal::kNoWayToPlace, places.Reasons()};
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

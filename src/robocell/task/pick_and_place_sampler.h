@@ -11,7 +11,7 @@
 #include "robocell/task/pick_and_place_task.h"
 #include "robocell/task/pick_sampler.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // The kinds of things that a run may put objects on: those it names, else a tray.
 std::vector<std::string> GoalKindsOf(const PickAndPlaceTaskConfig& task);
@@ -43,4 +43,4 @@ class PickAndPlaceSampler final : public PickTaskSampler {
   std::shared_ptr<PickAndPlaceTask> made_task_;  // ... and its task
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -9,7 +9,7 @@
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/source_dir.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::Contains;
@@ -129,4 +129,4 @@ TEST(PickAndPlaceTask, NeedsAGoal) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -102,8 +102,8 @@ std::vector<std::string> PickAndPlaceTask::resting_objects() const {
 std::optional<Refusal> PickAndPlaceTask::CheckDrawnGoal(const Scene& scene) const {
   if (has_goal_object() || task_.goal_spread == Vec2{0, 0}) return std::nullopt;
   const int own = object().id();
-  const double meant = HeightOverSupport(scene, root() * goal_offset_.translation(), own);
-  const double drawn = HeightOverSupport(scene, GoalInWorld(), own);
+  const double meant = internal::HeightOverSupport(scene, root() * goal_offset_.translation(), own);
+  const double drawn = internal::HeightOverSupport(scene, GoalInWorld(), own);
   if (!std::isfinite(meant) || std::abs(drawn - meant) <= task_.goal_tolerance) return std::nullopt;
   return Refusal{.reason = "the goal that was drawn is not on what is under task.goal",
                  .detail = std::isfinite(drawn)
@@ -132,19 +132,19 @@ void PickAndPlaceTask::RequirePossible(const Scene& scene) {
   const std::string goal = task_.goal ? fmt::format("task.goal [{}]", fmt::join(*task_.goal, ", "))
                                       : fmt::format("the goal on top of '{}'", task_.goal_object);
   const double spread = 2 * std::hypot(task_.goal_spread[0], task_.goal_spread[1]);
-  const double slack = RadiusOf(m, object().id()) + task_.goal_tolerance + spread;
+  const double slack = internal::RadiusOf(m, object().id()) + task_.goal_tolerance + spread;
   const Eigen::Vector3d at = GoalInWorld();
-  if (const std::string why = WhyOutOfReach(robots(), at, at.z(), slack); !why.empty()) {
+  if (const std::string why = internal::WhyOutOfReach(robots(), at, at.z(), slack); !why.empty()) {
     throw ArgumentError(fmt::format(
         "{}: {} is out of reach: {}. Move the goal or the robot (robot_to_shared_base_frame)",
         place(), goal, why));
   }
-  std::vector<RestPlace> places;
+  std::vector<internal::RestPlace> places;
   for (const Eigen::Vector3d& at : PossibleGoals()) {
-    places.push_back(has_goal_object() ? RestPlace{goal_body_->id(), at}
-                                       : RestPlace{0, root() * at});
+    places.push_back(has_goal_object() ? internal::RestPlace{goal_body_->id(), at}
+                                       : internal::RestPlace{0, root() * at});
   }
-  const std::string why = WhyNoRest(scene, object().id(), places, task_.goal_tolerance);
+  const std::string why = internal::WhyNoRest(scene, object().id(), places, task_.goal_tolerance);
   if (why.empty()) return;
   throw ArgumentError(fmt::format(
       "{}: '{}' cannot come to rest at {}: {}. Give the place of its root when it lies there, "
@@ -163,10 +163,13 @@ void PickAndPlaceTask::Begin(const Scene& scene) {
 Eigen::Vector3d PickAndPlaceTask::TopOfGoalObject(const Scene& scene) const {
   const mjModel* m = scene.model();
   const mjData* d = scene.data();
-  const auto extent = [&](int geom) { return GeomExtent(m, d, geom, Eigen::Vector3d::UnitZ()); };
+  const auto extent = [&](int geom) {
+    return internal::GeomExtent(m, d, geom, Eigen::Vector3d::UnitZ());
+  };
   double bottom = std::numeric_limits<double>::infinity(), top = -bottom;
-  for (const int g : CollisionGeomsOf(m, object().id())) bottom = std::min(bottom, extent(g).lower);
-  const std::vector<int> geoms = CollisionGeomsOf(m, goal_body_->id());
+  for (const int g : internal::CollisionGeomsOf(m, object().id()))
+    bottom = std::min(bottom, extent(g).lower);
+  const std::vector<int> geoms = internal::CollisionGeomsOf(m, goal_body_->id());
   for (const int g : geoms) top = std::max(top, extent(g).upper);
   if (!std::isfinite(bottom) || !std::isfinite(top)) {
     throw ArgumentError(fmt::format(
@@ -177,7 +180,7 @@ Eigen::Vector3d PickAndPlaceTask::TopOfGoalObject(const Scene& scene) const {
   const Pose goal_object = goal_body_->pose_in_world();
   Eigen::Vector3d at = goal_object.translation();
   at.z() = top + 1;
-  const double below = CastRay(m, d, geoms, at, -Eigen::Vector3d::UnitZ()).distance;
+  const double below = internal::CastRay(m, d, geoms, at, -Eigen::Vector3d::UnitZ()).distance;
   if (std::isfinite(below)) top = at.z() - below;  // a tray's floor is below its rims
   at.z() = top + ObjectInWorld().z() - bottom;
   return goal_object.inverse() * at;
@@ -196,7 +199,7 @@ bool PickAndPlaceTask::IsAtRest(const Scene& scene) const {
 
 bool PickAndPlaceTask::IsPutDown(const Scene& scene) const {
   if ((ObjectInWorld() - GoalInWorld()).norm() > task_.goal_tolerance) return false;
-  const Touching touching = TouchingBody(scene, object().name());
+  const internal::Touching touching = internal::TouchingBody(scene, object().name());
   return touching.other && !touching.robot && IsAtRest(scene);
 }
 

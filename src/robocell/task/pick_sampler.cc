@@ -154,7 +154,7 @@ class KindOfPick : public TaskKindOf<Config, T> {
     return contents;
   }
   std::string ReachAdvice(const RunConfig& run) const override {
-    return robocell::ReachAdvice(run);
+    return robocell::internal::ReachAdvice(run);
   }
 
  protected:
@@ -172,19 +172,20 @@ class KindOfPick : public TaskKindOf<Config, T> {
 using PickKind = KindOfPick<PickTaskConfig, PickTask, PickTaskSampler>;
 
 class PickAndPlaceKind final
-    : public KindOfPick<PickAndPlaceTaskConfig, PickAndPlaceTask, PickAndPlaceSampler> {
+    : public KindOfPick<PickAndPlaceTaskConfig, PickAndPlaceTask, internal::PickAndPlaceSampler> {
  public:
   void ValidateRun(const RunConfig& run, Problems& problems) const override {
     KindOfPick::ValidateRun(run, problems);
-    ValidateKinds("task.goals", run.task.As<PickAndPlaceTaskConfig>().goals, AllGoalKinds(),
-                  problems);
+    ValidateKinds("task.goals", run.task.As<PickAndPlaceTaskConfig>().goals,
+                  internal::AllGoalKinds(), problems);
   }
   std::vector<SceneObject> Contents(const RunConfig& run) const override {
     std::vector<SceneObject> contents = KindOfPick::Contents(run);
     Rng rng = Rng::Stream(0, "check");
-    for (const std::string& kind : GoalKindsOf(run.task.As<PickAndPlaceTaskConfig>())) {
+    for (const std::string& kind : internal::GoalKindsOf(run.task.As<PickAndPlaceTaskConfig>())) {
       const auto same = [&](const SceneObject& object) { return object.name == kind; };
-      if (std::ranges::none_of(contents, same)) contents.push_back(MakeGoalObject(kind, kind, rng));
+      if (std::ranges::none_of(contents, same))
+        contents.push_back(internal::MakeGoalObject(kind, kind, rng));
     }
     return contents;
   }

@@ -172,9 +172,9 @@ TEST(PickTaskSampler, AStartIsAtRestAndTheRobotStandsFree) {
   for (const EpisodeStart& start : DemoSamples().starts) {
     Scene scene = start.scene;
     EXPECT_EQ(scene.time(), 0);
-    EXPECT_EQ(RobotClearance(scene, RobotsOf(scene).front(), 0.009).robot_geom, "");
-    EXPECT_FALSE(TouchingBody(scene, scene.compiled()->object("target").root_body).robot);
-    EXPECT_TRUE(TouchingBody(scene, scene.compiled()->object("target").root_body).other);
+    EXPECT_EQ(internal::RobotClearance(scene, RobotsOf(scene).front(), 0.009).robot_geom, "");
+    EXPECT_FALSE(internal::TouchingBody(scene, scene.compiled()->object("target").root_body).robot);
+    EXPECT_TRUE(internal::TouchingBody(scene, scene.compiled()->object("target").root_body).other);
     const Pose before = scene.body_pose(scene.compiled()->object("target").root_body);
     start.task->Begin(scene);
     EXPECT_FALSE(start.task->Judge(scene).success);

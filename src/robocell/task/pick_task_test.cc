@@ -97,7 +97,7 @@ TEST_F(PickTaskTest, ACentimetreAboveItsStartIsPicked) {
   PickTask task = Begun();
   EXPECT_FALSE(task.Judge(scene_).success) << "it lies there";
   Put("bar", {0, 0, kLying + 0.009});
-  EXPECT_TRUE(OnlyRobotsTouch(scene_, "bar"));
+  EXPECT_TRUE(internal::OnlyRobotsTouch(scene_, "bar"));
   EXPECT_FALSE(task.Judge(scene_).success) << "9 mm";
   EXPECT_NEAR(task.Judge(scene_).reward, 0.5 * 0.9, 1e-9) << "without a TCP half is for the height";
   Put("bar", {0, 0, kLying + 0.011});
@@ -110,7 +110,7 @@ TEST_F(PickTaskTest, ACentimetreAboveItsStartIsPicked) {
 TEST_F(PickTaskTest, WhatNobodyTouchesIsNotPicked) {
   PickTask task = Begun();
   Put("bar", {1, 0, kLying + 0.1});
-  const Touching touching = TouchingBody(scene_, "bar");
+  const internal::Touching touching = internal::TouchingBody(scene_, "bar");
   EXPECT_FALSE(touching.robot || touching.other);
   EXPECT_NEAR(task.Judge(scene_).reward, 0.5, 1e-12);
   EXPECT_FALSE(task.Judge(scene_).success) << "thrown";
@@ -118,12 +118,12 @@ TEST_F(PickTaskTest, WhatNobodyTouchesIsNotPicked) {
 
 TEST_F(PickTaskTest, WhatTheTableCarriesTooIsNotPicked) {
   PickTask task = Begun();
-  Put("bar", {0, 0, kTop + 0.05 - kPress}, kPi / 2);
-  const Touching touching = TouchingBody(scene_, "bar");
+  Put("bar", {0, 0, kTop + 0.05 - kPress}, internal::kPi / 2);
+  const internal::Touching touching = internal::TouchingBody(scene_, "bar");
   EXPECT_TRUE(touching.robot && touching.other);
   EXPECT_NEAR(task.Judge(scene_).reward, 0.5, 1e-9);
   EXPECT_FALSE(task.Judge(scene_).success) << "put on its end";
-  Put("bar", {0, 0, kTop + 0.051}, kPi / 2);
+  Put("bar", {0, 0, kTop + 0.051}, internal::kPi / 2);
   EXPECT_TRUE(task.Judge(scene_).success);
 }
 
@@ -147,7 +147,7 @@ TEST_F(PickTaskTest, WhatStartsOnAStackIsLiftedFromThere) {
   EXPECT_FALSE(task.Judge(scene_).success);
   EXPECT_EQ(task.Judge(scene_).reward, 0) << "although it is above the table";
   Put("bar", {0, 0, start + 0.009});
-  EXPECT_TRUE(OnlyRobotsTouch(scene_, "bar"));
+  EXPECT_TRUE(internal::OnlyRobotsTouch(scene_, "bar"));
   EXPECT_FALSE(task.Judge(scene_).success);
   Put("bar", {0, 0, start + 0.011});
   EXPECT_TRUE(task.Judge(scene_).success);
@@ -169,10 +169,10 @@ TEST_F(PickTaskTest, SeveralRobotsMayHoldIt) {
 TEST_F(PickTaskTest, WhatHangsOnOneFingerIsNotPicked) {
   PickTask task = Begun("box");
   PutBetweenFingers(0);
-  EXPECT_FALSE(TouchingBody(scene_, "box").robot);
+  EXPECT_FALSE(internal::TouchingBody(scene_, "box").robot);
   for (const double side : {1.0, -1.0}) {
     PutBetweenFingers(side * (0.005 + kPress));
-    EXPECT_TRUE(OnlyRobotsTouch(scene_, "box"));
+    EXPECT_TRUE(internal::OnlyRobotsTouch(scene_, "box"));
     EXPECT_GT(task.Judge(scene_).reward, 0.4);
     EXPECT_FALSE(task.Judge(scene_).success) << side;
   }

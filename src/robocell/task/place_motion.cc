@@ -25,7 +25,8 @@ Eigen::Vector3d PlaceOver(const Eigen::Vector3d& place) {
 std::vector<Pose> PosesAbout(const Eigen::Vector3d& place, const Pose& object_in_world) {
   std::vector<Pose> poses;
   for (int i = 0; i < kPlaceTurns; ++i) {
-    const Pose turn = Pose::FromRpy(Eigen::Vector3d::Zero(), {0, 0, 2 * kPi * i / kPlaceTurns});
+    const Pose turn =
+        Pose::FromRpy(Eigen::Vector3d::Zero(), {0, 0, 2 * internal::kPi * i / kPlaceTurns});
     poses.emplace_back(place, (turn * object_in_world).quaternion());
   }
   return poses;
@@ -43,7 +44,7 @@ PlaceMotions::PlaceMotions(PlanningScene& planning, const Pose& object_in_tcp,
   std::vector<Pose> targets;
   for (const Pose& pose : poses) targets.push_back(world_in_base * pose * tcp_in_object);
   IkBatchOptions ik;
-  ik.ik.tolerance = kLineIkTolerance;
+  ik.ik.tolerance = internal::kLineIkTolerance;
   ik.ik.prefer = IkPrefer::kSeed;
   ik.ik.max_restarts = kPlaceRestarts;
   const IkBatchResult result = IkBatch(planning_.robot().chain(), targets, start, ik);
@@ -64,8 +65,8 @@ std::optional<PlaceMotion> PlaceMotions::Next() {
   while (next_ < candidates_.size()) {
     const Candidate& candidate = candidates_[next_++];
     JointPath down =
-        LineAbove(robot.chain(), candidate.tcp_in_base, candidate.q, up, options_.above);
-    if (MissingShare(down) > 0) {
+        internal::LineAbove(robot.chain(), candidate.tcp_in_base, candidate.q, up, options_.above);
+    if (internal::MissingShare(down) > 0) {
       ++no_way_down_;
       continue;
     }

@@ -13,7 +13,7 @@
 #include "robocell/task/base_placement.h"
 #include "robocell/task/grasp_motion.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr double kGrid = 0.05;           // metres between the places that are tried
@@ -161,4 +161,4 @@ class Search {
 
 std::string ReachAdvice(const RunConfig& run) { return Search(run).Text(); }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -6,7 +6,7 @@
 
 #include "robocell/spec/run_config.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // "base_distance and base_height_offset from which a grasp is in reach ...", by inverse kinematics
 // of grasps from above at distances and heights all around the robot, with the pregrasp and the
@@ -14,4 +14,4 @@ namespace robocell {
 // the robot.
 std::string ReachAdvice(const RunConfig& run);
 
-}  // namespace robocell
+}  // namespace robocell::internal

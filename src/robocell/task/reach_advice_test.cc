@@ -8,7 +8,7 @@
 #include "robocell/task/pick_sampler.h"
 #include "robocell/testing/source_dir.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::AllOf;
@@ -55,4 +55,4 @@ TEST(ReachAdvice, ALiftThatIsTooHighIsNamed) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

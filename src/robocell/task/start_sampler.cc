@@ -88,7 +88,7 @@ bool StartSampler::PlaceObjects(const Support& support, std::vector<SceneObject>
                                 Rng& rng) {
   std::vector<ObjectSize> own_sizes;
   for (const SceneObject& object : objects) own_sizes.push_back(sizes().Of(object));
-  return PlaceOn(support, own_sizes, objects, rng);
+  return internal::PlaceOn(support, own_sizes, objects, rng);
 }
 
 // What `start` and the task say of places; unset when neither says anything.
@@ -183,7 +183,7 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& su
         .MadeBy(Refusal::kBaseStage);
   }
   for (const SceneObject& object : setup.objects) {
-    if (!IsFixed(object))
+    if (!internal::IsFixed(object))
       setup.scene.SetBodyPose(setup.scene.compiled()->object(object.name).root_body, object.pose());
   }
   internal::CallHook(*setup.task, "starts", [&] {
@@ -237,8 +237,8 @@ std::optional<Refusal> StartSampler::Arrange(Setup& setup, const Support& suppor
 std::optional<Refusal> StartSampler::PrepareStart(Setup& setup, const Support& support,
                                                   const BasePlacement& placement, Rng& rng) {
   if (auto refusal = Arrange(setup, support, placement, rng)) return refusal;
-  if (auto why_not = Settle(setup.scene, {&setup.robot, 1}, setup.target_body,
-                            {.sim_steps = run_.rates.sim_steps(), .stop = setup.stop}))
+  if (auto why_not = internal::Settle(setup.scene, {&setup.robot, 1}, setup.target_body,
+                                      {.sim_steps = run_.rates.sim_steps(), .stop = setup.stop}))
     return Refusal{Refusal::kUnsettled, *why_not}.MadeBy(Refusal::kSettlingStage);
   if (setup.related) {
     if (const auto why_not = setup.related->WhyNotKept(setup.scene, setup.objects))

@@ -16,16 +16,11 @@ from __future__ import annotations
 import difflib
 
 from robocell import (
-    AttachKind,
     AttachmentSpec,
-    AttachTarget,
-    CtrlMode,
     RobotSpec,
     Scene,
     SceneSpec,
     Shape,
-    ToolFrameSpec,
-    VideoResolution,
     __mujoco_version__,
     __version__,
 )
@@ -36,9 +31,10 @@ from robocell.compat.mj_kdl_wrapper.names import Condim, scene_object_site_name
 from robocell.compat.mj_kdl_wrapper.objects import SceneObject
 from robocell.compat.mj_kdl_wrapper.robot import Robot
 from robocell.compat.mj_kdl_wrapper.video import VideoRecorder
+from robocell.control import CtrlMode
 from robocell.diagnose import mujoco_version
-from robocell.render import CameraSpec
-from robocell.robots import ForceTorqueSensorSpec
+from robocell.render import CameraSpec, VideoResolution
+from robocell.robots import AttachKind, AttachTarget, ForceTorqueSensorSpec, ToolFrameSpec
 from robocell.scene import ResetContext, ResetInfo, ResetOptions
 
 __all__ = [

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from robocell import ClosedError, Scene, SceneSpec, ToolFrameSpec
+from robocell import ClosedError, Scene, SceneSpec
 from robocell.compat.mj_kdl_wrapper.calls import told
 from robocell.compat.mj_kdl_wrapper.forward import Forwarding
 from robocell.compat.mj_kdl_wrapper.robot import Robot
+from robocell.robots import ToolFrameSpec
 from robocell.scene import ResetContext
 
 Hook = Callable[[ResetContext], Any]

@@ -40,7 +40,7 @@ class Robot(robocell.Robot):
         base_body: str,
         tip_body: str,
         prefix: str = "",
-        tool: robocell.ToolFrameSpec | None = None,
+        tool: robocell.robots.ToolFrameSpec | None = None,
     ) -> Robot:
         """A robot without configuration: the chain between two bodies."""
         return Robot(robocell.Robot.from_scene(scene, base_body, tip_body, prefix, tool))

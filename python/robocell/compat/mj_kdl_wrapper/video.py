@@ -51,7 +51,7 @@ class VideoRecorder(Forwarding):
         cls,
         target: robocell.Scene | Env,
         path: str | Path,
-        resolution: robocell.VideoResolution = robocell.VideoResolution.R720p,
+        resolution: robocell.render.VideoResolution = robocell.render.VideoResolution.R720p,
         fps: int = 60,
     ) -> VideoRecorder:
         """With one of the usual sizes."""

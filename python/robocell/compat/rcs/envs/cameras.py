@@ -28,10 +28,10 @@ FREE_IN_WORLD = Pose(translation=[0, -sqrt(2), sqrt(2)], rpy=[pi / 4, 0, 0])
 FREE_FOVY = 45.0
 
 
-def camera_of_the_page(name: str, robot: str) -> rc.CameraAdderConfig:
+def camera_of_the_page(name: str, robot: str) -> rc.envs.CameraAdderConfig:
     """The page's camera of this name; one of a wrist follows `robot`."""
     pose, follows = PAGE_CAMERAS[name]
-    camera = rc.CameraAdderConfig(fovy=60.0, offset=pose)
+    camera = rc.envs.CameraAdderConfig(fovy=60.0, offset=pose)
     if follows:
         camera.robot_name = robot
     return camera
@@ -39,12 +39,12 @@ def camera_of_the_page(name: str, robot: str) -> rc.CameraAdderConfig:
 
 def placed_cameras(
     streams: Mapping[str, SimCameraConfig],
-    adds: Mapping[str, rc.CameraAdderConfig],
+    adds: Mapping[str, rc.envs.CameraAdderConfig],
     *,
     robots: Iterable[str],
     models: Iterable[Path],
     root_frame_to_world: rc.Pose,
-) -> dict[str, rc.CameraAdderConfig]:
+) -> dict[str, rc.envs.CameraAdderConfig]:
     """The cameras of `adds` and those that `streams` needs beside them.
 
     A free camera stands still in the world. The page's minimal scene takes images of ``bird_eye``
@@ -57,7 +57,7 @@ def placed_cameras(
         camera = stream.camera_of(name)
         if stream.type == CameraType.free:
             offset = root_frame_to_world.inverse() * FREE_IN_WORLD
-            placed[camera] = rc.CameraAdderConfig(fovy=FREE_FOVY, offset=offset)
+            placed[camera] = rc.envs.CameraAdderConfig(fovy=FREE_FOVY, offset=offset)
             continue
         if stream.type != CameraType.fixed or camera in placed or camera not in PAGE_CAMERAS:
             continue

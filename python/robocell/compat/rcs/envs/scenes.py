@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import robocell as rc
-from robocell import CameraAdderConfig
 from robocell.compat.rcs._fields import NamedFields
 from robocell.compat.rcs.common import Pose
 from robocell.compat.rcs.envs.base import ControlMode, RelativeTo
@@ -17,7 +16,7 @@ from robocell.compat.rcs.envs.cameras import placed_cameras
 from robocell.compat.rcs.envs.tasks import BaseTaskConfig
 from robocell.compat.rcs.registries import SCENE_PATHS
 from robocell.compat.rcs.sim import SimCameraConfig, SimConfig, SimGripperConfig, SimRobotConfig
-from robocell.envs import WrapperConfig
+from robocell.envs import CameraAdderConfig, WrapperConfig
 
 if TYPE_CHECKING:
     from robocell.gym import GymEnv
@@ -36,7 +35,7 @@ Placed = tuple[Path, rc.Pose]
 
 
 def _without_images(
-    camera: str, added: rc.CameraAdderConfig, streams: Mapping[str, SimCameraConfig]
+    camera: str, added: rc.envs.CameraAdderConfig, streams: Mapping[str, SimCameraConfig]
 ) -> str | None:
     """What is wrong when no entry of camera_cfgs takes images of a camera that was added.
 
@@ -84,7 +83,7 @@ class SimEnvCreatorConfig(NamedFields):
     world_frame_objects: Mapping[str, Placed] | None = None
     root_frame_objects: Mapping[str, Placed] | None = None
     robot_frame_objects: Mapping[str, Mapping[str, Placed]] | None = None
-    camera_adds: Mapping[str, rc.CameraAdderConfig] | None = None
+    camera_adds: Mapping[str, rc.envs.CameraAdderConfig] | None = None
     gripper_offsets: Mapping[str, rc.Pose] | None = None
     _original_cfg: None = field(default=None, repr=False)
 
@@ -122,7 +121,7 @@ class SimEnvCreatorConfig(NamedFields):
 
     def _placed_cameras(
         self, robots: Mapping[str, rc.RobotConfig], grippers: Mapping[str, rc.RobotConfig]
-    ) -> dict[str, rc.CameraAdderConfig]:
+    ) -> dict[str, rc.envs.CameraAdderConfig]:
         return placed_cameras(
             self.camera_cfgs or {},
             self.camera_adds or {},
