@@ -94,8 +94,8 @@ TEST(CellFeatures, NumbersOfAUsersOwnMustBeFinite) {
                   [](const Scene&, std::span<double> out) { out[0] = std::nan(""); });
   const Cell cell;
   CellFeatures features(cell.scene, {*cell.robot}, {.own = {"bad_of_test"}});
-  ExpectThrow<ArgumentError>([&] { features.ReadState(); },
-                             "feature 'features/bad_of_test' is nan at t = 0.000 s");
+  ExpectThrow<HookError>([&] { features.ReadState(); },
+                         "feature 'features/bad_of_test' is nan at t = 0.000 s");
 }
 
 TEST(CellFeatures, NumbersBeyondTheirRangeAreCutToIt) {

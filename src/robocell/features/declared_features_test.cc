@@ -33,8 +33,13 @@ class Declaring final : public DeclaresFeatures {
   std::vector<double> numbers_;
 };
 
+Scene EmptyScene() {
+  return Scene::Build(
+      {.name = "empty", .timestep = 0.002, .add_floor = false, .add_skybox = false});
+}
+
 DeclaredFeatures Declared(std::vector<Feature> features, std::vector<double> numbers = {}) {
-  return {Scene::Build({.name = "empty"}),
+  return {EmptyScene(),
           std::make_shared<Declaring>(std::move(features), std::move(numbers)), "task"};
 }
 
@@ -76,7 +81,7 @@ TEST(DeclaredFeatures, WhatIsNoFeatureIsRefused) {
 }
 
 TEST(DeclaredFeatures, NobodyDeclaresNone) {
-  DeclaredFeatures features(Scene::Build({.name = "empty"}), nullptr, "task");
+  DeclaredFeatures features(EmptyScene(), nullptr, "task");
   EXPECT_EQ(features.size(), 0);
   features.Read({});
 }

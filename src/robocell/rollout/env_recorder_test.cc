@@ -438,7 +438,7 @@ TEST(EnvRecorders, FeaturesKeepTheirShape) {
   env.Step(GoingTo({0.45, 0, 0.3}));
   recorder.Close();
   const Episode episode = Dataset(folder / "out").At(0);
-  const FeatureSchema schema = FeatureSchema::FromJson(episode.features_json());
+  const FeatureSchema& schema = episode.features();
   for (const std::string path : {"features/", "observation/features/"}) {
     const Feature& matrix = schema.Find(path + "recorded_matrix");
     EXPECT_EQ(matrix.column.shape, (std::vector<int64_t>{2, 3})) << path;
