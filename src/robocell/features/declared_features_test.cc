@@ -39,8 +39,8 @@ Scene EmptyScene() {
 }
 
 DeclaredFeatures Declared(std::vector<Feature> features, std::vector<double> numbers = {}) {
-  return {EmptyScene(),
-          std::make_shared<Declaring>(std::move(features), std::move(numbers)), "task"};
+  return {EmptyScene(), std::make_shared<Declaring>(std::move(features), std::move(numbers)),
+          "task"};
 }
 
 TEST(DeclaredFeatures, HaveTheirPathAndAllThatTheyDeclare) {

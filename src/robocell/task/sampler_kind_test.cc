@@ -49,8 +49,7 @@ class BoundOfTest final : public Task {
 
 TEST(BindStart, BindsATaskOnceUnlessTheSamplerDid) {
   const RunConfig run = ExampleRun("demo.yaml");
-  SceneSpec spec{
-      .name = "cell", .timestep = 0.002, .add_floor = false, .add_skybox = false};
+  SceneSpec spec{.name = "cell", .timestep = 0.002, .add_floor = false, .add_skybox = false};
   spec.robots.push_back({.name = "other", .config = run.robot.config, .prefix = "a/"});
   spec.robots.push_back({.name = run.robot.config.name,
                          .config = run.robot.config,
