@@ -33,13 +33,13 @@ class Declaring final : public DeclaresFeatures {
   std::vector<double> numbers_;
 };
 
-Scene EmptyScene() {
+Scene SceneOfNothing() {
   return Scene::Build(
       {.name = "empty", .timestep = 0.002, .add_floor = false, .add_skybox = false});
 }
 
 DeclaredFeatures Declared(std::vector<Feature> features, std::vector<double> numbers = {}) {
-  return {EmptyScene(), std::make_shared<Declaring>(std::move(features), std::move(numbers)),
+  return {SceneOfNothing(), std::make_shared<Declaring>(std::move(features), std::move(numbers)),
           "task"};
 }
 
@@ -81,7 +81,7 @@ TEST(DeclaredFeatures, WhatIsNoFeatureIsRefused) {
 }
 
 TEST(DeclaredFeatures, NobodyDeclaresNone) {
-  DeclaredFeatures features(EmptyScene(), nullptr, "task");
+  DeclaredFeatures features(SceneOfNothing(), nullptr, "task");
   EXPECT_EQ(features.size(), 0);
   features.Read({});
 }
