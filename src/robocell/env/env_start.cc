@@ -160,7 +160,8 @@ void Env::TryStart(bool is_first) {
   scene_.Reset();
   FindPreparedObjects();
   MakeInspector();
-  if (is_first) WarnOfStart();
+  const bool is_placed = !prepared_ || prepared_->has_support();  // else the task has to do it
+  if (is_first && is_placed) WarnOfStart();
   if (!start_inspector_) {
     if (!task_) return;
     if (const std::string why = MakeStart(kTriedSeed, {}, {}); !why.empty())

@@ -113,7 +113,8 @@ TEST(PreparedObjects, StartOnATableThatIsInReach) {
   config.root_frame_objects["table"] = {.offset = Pose(Eigen::Vector3d(0.4, 0, 0.1)),
                                         .fixed = true,
                                         .shape = Shape::kBox,
-                                        .size = Vec3{0.15, 0.25, 0.1}};
+                                        .size = Vec3{0.15, 0.25, 0.1},
+                                        .mass = 10.0};
   Env env(config);
   for (uint64_t seed = 0; seed < 5; ++seed) {
     env.Reset({.seed = seed});
