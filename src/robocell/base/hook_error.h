@@ -1,14 +1,9 @@
 // Hooks: methods of tasks, experts and samplers, and functions of features, which users may write.
 // HookError: one of them failed, or returned what cannot be used. Runs end the attempt with it,
 // whoever noticed.
-//
-//   const TaskVerdict verdict =
-//       internal::CallHook(*task, "judge", [&] { return task->Judge(scene); });
 #pragma once
 
-#include <stdexcept>
 #include <string>
-#include <type_traits>
 
 #include "robocell/base/error.h"
 
@@ -40,23 +35,4 @@ class Hooks {
   virtual std::string PlaceOfHook(const char* /*method*/) const { return ""; }
 };
 
-namespace internal {
-
-// Throws the exception that is being handled as a HookError, as far as it says that a hook failed:
-// not for a disk that is full or a spec that is wrong, which would fail again, nor for exceptions of
-// other languages, which tell more as they are.
-[[noreturn]] void RethrowOfHook(const Hooks& hooks, const char* method);
-
-// Calls a hook, or what checks its result. Exceptions of the standard library and of robocell
-// become a HookError with the place of the method.
-template <class Call>
-std::invoke_result_t<Call> CallHook(const Hooks& hooks, const char* method, Call&& call) {
-  try {
-    return call();
-  } catch (...) {
-    RethrowOfHook(hooks, method);
-  }
-}
-
-}  // namespace internal
 }  // namespace robocell

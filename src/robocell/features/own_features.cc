@@ -6,6 +6,7 @@
 #include <mutex>
 #include <utility>
 
+#include "robocell/base/call_hook.h"
 #include "robocell/base/error.h"
 #include "robocell/base/paths.h"
 #include "robocell/base/plugin.h"

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "robocell/base/hook_error.h"
+#include "robocell/base/call_hook.h"
 #include "robocell/base/log.h"
 #include "robocell/env/stepper.h"
 #include "robocell/mujoco/warnings.h"

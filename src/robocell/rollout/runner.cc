@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "robocell/base/call_hook.h"
 #include "robocell/base/error.h"
 #include "robocell/base/log.h"
 #include "robocell/data/dataset.h"

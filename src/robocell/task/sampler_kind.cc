@@ -7,6 +7,7 @@
 #include <mutex>
 #include <utility>
 
+#include "robocell/base/call_hook.h"
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/task/task_kind.h"

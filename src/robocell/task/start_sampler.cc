@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "robocell/base/call_hook.h"
 #include "robocell/base/error.h"
 #include "robocell/motion/gripper_shape.h"
 #include "robocell/scene/scene_cache.h"

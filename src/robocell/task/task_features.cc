@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "robocell/base/call_hook.h"
 #include "robocell/features/declared_features.h"
 
 namespace robocell {

@@ -1,4 +1,7 @@
-#include "robocell/base/hook_error.h"
+#include "robocell/base/call_hook.h"
+
+#include <stdexcept>
+#include <string>
 
 namespace robocell::internal {
 

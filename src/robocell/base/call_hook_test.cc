@@ -1,4 +1,4 @@
-#include "robocell/base/hook_error.h"
+#include "robocell/base/call_hook.h"
 
 #include <gtest/gtest.h>
 
