@@ -4,10 +4,10 @@
 #   make demo       a small pick dataset     make soak     the tests that take minutes
 #   make wheel      the package, into dist
 #   make test       all tests                make format   rewrite files in the project's style
-#   make check      everything that finds    make docs     redraw pictures, check links
+#   make check      everything that finds    make docs     redraw pictures, build the site
 #                   faults without a robot   make clean    remove what was built (not .venv)
 #
-# make check is the sum of: check-format check-lint check-types check-rules check-docs check-subdirectory
+# make check is the sum of: check-format check-lint check-types check-rules check-docs check-site check-subdirectory
 # check-wheel check-tidy check-sanitizers check-fuzz; each can be run alone. make soak adds check-tsan.
 
 SHELL := /bin/bash
@@ -33,7 +33,7 @@ CXX_FILES = $$(git ls-files --cached --others --exclude-standard '*.cc' '*.h')
 headline = printf '\n=== %s ===\n' "$(1)"
 
 .PHONY: build build-python setup demo test test-cc test-python check check-format check-lint check-types \
-  check-rules check-docs check-subdirectory check-wheel check-tidy check-sanitizers check-fuzz check-tsan check-tsan-cc \
+  check-rules check-docs check-site site check-subdirectory check-wheel check-tidy check-sanitizers check-fuzz check-tsan check-tsan-cc \
   check-tsan-python wheel bench soak \
   soak-reliability soak-tests soak-debug soak-fuzz clean format docs
 
@@ -50,6 +50,11 @@ build-python: setup
 	@$(call headline,build)
 	@$(call configure,release) -DROBOCELL_PYTHON=ON
 	@cmake --build --preset release -j $(JOBS) --target robocell _core _core_stubs
+
+# The documentation site, into build/site/html, and the notebooks, which are run if they or the package changed. A
+# warning is an error.
+build_site = mkdir -p build/site; NO_MKDOCS_2_WARNING=1 $(PYTHON) -m mkdocs build --strict >build/site/build.log 2>&1 \
+  || { cat build/site/build.log; exit 1; }
 
 # configure PRESET [options]: quiet when it goes well, the whole log when it does not
 configure = configure() { preset=$$1; shift; mkdir -p build/$$preset; \
@@ -73,7 +78,7 @@ test-python: build
 	@scripts/fetch_test_robots
 	@$(PYTHON) -m pytest -n $(JOBS) --dist worksteal
 
-check: check-format check-lint check-rules check-docs check-types check-subdirectory check-wheel check-tidy check-sanitizers check-fuzz
+check: check-format check-lint check-rules check-docs check-types check-site check-subdirectory check-wheel check-tidy check-sanitizers check-fuzz
 	@$(call headline,make check: nothing found)
 
 check-format: setup
@@ -93,6 +98,11 @@ check-rules: setup
 check-docs: setup
 	@$(call headline,docs)
 	@$(PYTHON) scripts/check_docs.py
+
+# Every notebook runs, every link and reference of the site leads somewhere.
+check-site: build-python
+	@$(call headline,site and notebooks)
+	@$(build_site)
 
 # Types come from the extension's stubs, so it is built first.
 check-types: build-python
@@ -202,6 +212,13 @@ docs: build
 	@$(PYTHON) scripts/make_pictures.py
 	@for script in docs/make_*.py; do if [ -e "$$script" ]; then $(PYTHON) "$$script"; fi; done
 	@$(PYTHON) scripts/check_docs.py
+	@$(MAKE) site
+
+# The site alone, with the pictures as they are.
+site: build-python
+	@$(call headline,site)
+	@$(build_site)
+	@echo 'open build/site/html/index.html'
 
 clean:
 	rm -rf build dist

@@ -1,4 +1,4 @@
-"""The code in docs/ is code: Python runs, C++ compiles against the library as it is."""
+"""The code in docs/ is code: Python runs, C++ compiles, and commands print what the pages show."""
 
 from __future__ import annotations
 
@@ -7,13 +7,20 @@ import subprocess
 import sys
 from pathlib import Path
 
+import console_blocks
 import pytest
 from commands import warnings_of
 from test_packaging import ROOT, run
 
 from menagerie import require_menagerie
 
-PAGES = sorted((ROOT / "docs").glob("*.md"))
+DOCS = ROOT / "docs"
+PAGES = sorted(page for page in DOCS.rglob("*.md") if page.parent.name != "decisions")
+WITH_COMMANDS = [page for page in PAGES if console_blocks.commands(page)]
+
+
+def name_of(page: Path) -> str:
+    return str(page.relative_to(DOCS).with_suffix(""))
 
 
 def blocks(page: Path, language: str) -> list[str]:
@@ -28,13 +35,19 @@ def make_demo(folder: Path) -> None:
     subprocess.run(command, cwd=folder, capture_output=True, check=True)
 
 
-@pytest.mark.parametrize("page", [p for p in PAGES if blocks(p, "python")], ids=lambda p: p.stem)
+def prepare(page: Path, folder: Path) -> None:
+    """The files that a page takes as given, and those that it shows."""
+    for name in ("examples", "models"):
+        (folder / name).symlink_to(ROOT / name)
+    console_blocks.write_files(page, folder)
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if blocks(p, "python")], ids=name_of)
 def test_the_python_of_a_page_runs_from_top_to_bottom(page: Path, tmp_path: Path):
     code = "\n".join(blocks(page, "python"))
     if "fr3_2f85" in code:
         require_menagerie("franka_fr3", "robotiq_2f85")
-    for folder in ("examples", "models"):
-        (tmp_path / folder).symlink_to(ROOT / folder)
+    prepare(page, tmp_path)
     if "experiment_output/demo" in code:
         make_demo(tmp_path)
     script = tmp_path / "page.py"
@@ -44,6 +57,23 @@ def test_the_python_of_a_page_runs_from_top_to_bottom(page: Path, tmp_path: Path
     )
     assert done.returncode == 0, done.stderr
     assert warnings_of(done.stderr) == ""
+
+
+@pytest.mark.parametrize("page", WITH_COMMANDS, ids=name_of)
+def test_the_commands_of_a_page_print_what_it_shows(page: Path, tmp_path: Path):
+    prepare(page, tmp_path)
+    for command in console_blocks.commands(page):
+        printed = console_blocks.run(command.line, tmp_path)
+        assert console_blocks.agrees(command.printed, printed), "\n".join(
+            [f"$ {command.line}", *printed, "", "but the page shows", *command.printed]
+        )
+
+
+def test_each_how_to_shows_a_command_or_a_program():
+    pages = [page for page in (DOCS / "howto").glob("*.md") if page.stem != "index"]
+    without = [p.stem for p in pages if not blocks(p, "python") and not console_blocks.commands(p)]
+    assert pages
+    assert without == []
 
 
 def test_the_list_of_all_fields_is_as_the_specs_have_them():

@@ -60,7 +60,7 @@ def compiled_blocks() -> str:
 
 
 def test_no_page_is_forgotten():
-    with_code = {page.stem for page in (ROOT / "docs").glob("*.md") if blocks(page, "cpp")}
+    with_code = {page.stem for page in (ROOT / "docs").rglob("*.md") if blocks(page, "cpp")}
     assert with_code == {*GIVEN, "install", "tasks"}
 
 

@@ -49,18 +49,18 @@ class Robot::State : public SceneObserver {
   // if that is its mode. A group that this cannot drive gets none; with `must_be_driven`, when the
   // configuration names `controller`, that is an error.
   void AddGroup(internal::MadeGroup made, const std::string& controller, bool must_be_driven);
-  GroupSlot* Find(const std::string& name);
+  internal::GroupSlot* Find(const std::string& name);
   // The first of the kind; of grippers the one that goes with the first arm, see GripperOf().
-  GroupSlot* FindKind(MoveGroupKind kind) { return first_[static_cast<size_t>(kind)]; }
+  internal::GroupSlot* FindKind(MoveGroupKind kind) { return first_[static_cast<size_t>(kind)]; }
   // The gripper that goes with an arm: the first that hangs on the arm's last link, in the order of
   // the file; where it carries none the first that no other arm carries. Null for none.
-  GroupSlot* GripperOf(const GroupSlot& arm) const;
+  internal::GroupSlot* GripperOf(const internal::GroupSlot& arm) const;
   // NotFoundError with the alternatives.
-  GroupSlot& Require(const std::string& name);
-  GroupSlot& RequireKind(MoveGroupKind kind);
-  Controller& RequireController(GroupSlot& slot);
+  internal::GroupSlot& Require(const std::string& name);
+  internal::GroupSlot& RequireKind(MoveGroupKind kind);
+  Controller& RequireController(internal::GroupSlot& slot);
   // The group that has the actuators of a mode; ArgumentError says why there is none.
-  MoveGroup& RequireDrive(GroupSlot& slot, CtrlMode mode);
+  MoveGroup& RequireDrive(internal::GroupSlot& slot, CtrlMode mode);
   // Calls `run` with the control of each slot that has a controller. A controller may replace
   // itself, its group or others.
   template <class Run>
@@ -72,11 +72,12 @@ class Robot::State : public SceneObserver {
   }
   // A controller of that kind and mode that goes on as the one that it is to replace: servos that
   // hold the arm against gravity go on holding it.
-  std::unique_ptr<Controller> Successor(GroupSlot& slot, const std::string& kind, CtrlMode mode);
+  std::unique_ptr<Controller> Successor(internal::GroupSlot& slot, const std::string& kind,
+                                        CtrlMode mode);
   // Puts a controller of the slot's group in, and switches to what it drives without a jump of the
   // forces. Where that fails, all is as it was.
-  void Use(GroupSlot& slot, std::shared_ptr<Controller> controller);
-  const Chain& RequireChain(GroupSlot& slot);
+  void Use(internal::GroupSlot& slot, std::shared_ptr<Controller> controller);
+  const Chain& RequireChain(internal::GroupSlot& slot);
 
   internal::FtReading& RequireFtSensor(const std::string& name);
   std::vector<std::string> ft_sensor_names() const;
@@ -95,7 +96,7 @@ class Robot::State : public SceneObserver {
   void AppendGroups(std::vector<std::shared_ptr<MoveGroup>>& out) const;
   // "scene 'pick' / robot 'left'".
   std::string place() const { return "scene '" + scene.name() + "' / robot '" + record.name + "'"; }
-  std::string place(const GroupSlot& slot) const {
+  std::string place(const internal::GroupSlot& slot) const {
     return place() + " / group '" + slot.own->group->name() + "'";
   }
 
@@ -103,7 +104,7 @@ class Robot::State : public SceneObserver {
 
   // Data of every tick, side by side.
   Scene scene;
-  std::vector<std::shared_ptr<GroupSlot>> slots;
+  std::vector<std::shared_ptr<internal::GroupSlot>> slots;
   std::vector<double> pos, vel, trq;  // the arm's measurement ports
   std::vector<internal::FtReading> ft_sensors;
   std::string lost;  // why it could not follow when the scene was compiled anew
@@ -141,13 +142,13 @@ class Robot::State : public SceneObserver {
   [[noreturn]] void ThrowLost() const;
   // Gives a new slot its control; ArgumentError when `controller` cannot drive its group, or an arm
   // of other joints drives some of its actuators.
-  void Drive(GroupSlot& slot, const std::string& controller, bool configured);
+  void Drive(internal::GroupSlot& slot, const std::string& controller, bool configured);
   // Returns the control of the actuators of that key; null without one.
   std::shared_ptr<internal::GroupControl> FindControl(const std::string& key) const;
   // ArgumentError when the group's actuators are not all its own to drive.
-  void RequireUndriven(const GroupSlot& slot) const;
+  void RequireUndriven(const internal::GroupSlot& slot) const;
   // A controller of the slot's group in the place of one of the same mode, driven to the same.
-  void PutInstead(GroupSlot& slot, const std::string& controller);
+  void PutInstead(internal::GroupSlot& slot, const std::string& controller);
   // Reads the chain with everything attached to it: at its present place if it was refreshed, else
   // at the reference.
   void ReadChainAgain(internal::ControlledGroup& group) const;
@@ -160,16 +161,16 @@ class Robot::State : public SceneObserver {
   void FindCollisionGeoms();
   void FindFtSensors();
   void ListKinds();
-  std::vector<GroupSlot*> OfKind(MoveGroupKind kind) const;
+  std::vector<internal::GroupSlot*> OfKind(MoveGroupKind kind) const;
   // The body that the arm's last joint moves; -1 when it has no joints of the model.
-  int LastLink(const GroupSlot& arm) const;
+  int LastLink(const internal::GroupSlot& arm) const;
   // Returns true if one of the gripper's joints hangs on the arm's last link.
-  bool Carries(const GroupSlot& arm, const GroupSlot& gripper) const;
+  bool Carries(const internal::GroupSlot& arm, const internal::GroupSlot& gripper) const;
   // The first arm that carries it; null for none.
-  GroupSlot* CarrierOf(const GroupSlot& gripper) const;
+  internal::GroupSlot* CarrierOf(const internal::GroupSlot& gripper) const;
 
-  std::array<GroupSlot*, 4> first_ = {};  // see FindKind()
-  int running_ = 0;                       // loops over controllers
+  std::array<internal::GroupSlot*, 4> first_ = {};  // see FindKind()
+  int running_ = 0;                                 // loops over controllers
   std::vector<std::shared_ptr<void>> replaced_;
   bool reading_ = false;  // the arm writes into the ports
 };

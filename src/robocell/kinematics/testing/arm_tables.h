@@ -40,12 +40,12 @@ inline std::string ArmXml(const std::vector<TableRow>& rows) {
 // The Puma 560, after P. I. Corke and B. Armstrong-Helouvry, "A Search for Consensus Among Model
 // Parameters Reported for the PUMA 560 Robot", 1994.
 inline std::vector<TableRow> Puma560() {
-  return {{0, kQuarterTurn, 0, Radians(-160), Radians(160)},
-          {0.4318, 0, 0, Radians(-45), Radians(225)},
-          {0.0203, -kQuarterTurn, 0.15005, Radians(-225), Radians(45)},
-          {0, kQuarterTurn, 0.4318, Radians(-110), Radians(170)},
-          {0, -kQuarterTurn, 0, Radians(-100), Radians(100)},
-          {0, 0, 0.0563, Radians(-266), Radians(266)}};
+  return {{0, kQuarterTurn, 0, internal::Radians(-160), internal::Radians(160)},
+          {0.4318, 0, 0, internal::Radians(-45), internal::Radians(225)},
+          {0.0203, -kQuarterTurn, 0.15005, internal::Radians(-225), internal::Radians(45)},
+          {0, kQuarterTurn, 0.4318, internal::Radians(-110), internal::Radians(170)},
+          {0, -kQuarterTurn, 0, internal::Radians(-100), internal::Radians(100)},
+          {0, 0, 0.0563, internal::Radians(-266), internal::Radians(266)}};
 }
 
 // Seven joints with offsets at all of them and narrow limits, like those of one arm of ABB's YuMi.

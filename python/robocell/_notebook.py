@@ -1,0 +1,189 @@
+"""How scenes, robots, episodes and datasets show themselves in a notebook: a picture and a table.
+
+Notebooks call `_repr_html_` of the last value of a cell. Nothing here is loaded, drawn or read
+before that. Without a renderer or a decoder the picture is left out; the table is always there.
+"""
+
+from __future__ import annotations
+
+import base64
+import html
+import tempfile
+from collections.abc import Callable, Iterable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from robocell import _core
+
+if TYPE_CHECKING:
+    import numpy as np
+
+WIDTH, HEIGHT = 360, 270  # of pictures, pixels
+MOST_ROWS = 12  # of a table; what is beyond is counted
+METHOD = "_repr_html_"
+
+Row = tuple[str, object]
+
+
+def page(pictures: Iterable[str], rows: Iterable[Row], title: str) -> str:
+    """A title, pictures beside each other, and a table of names and values."""
+    cells = "".join(
+        f"<tr><th style='text-align:left'>{html.escape(name)}</th>"
+        f"<td style='text-align:left'>{html.escape(str(value))}</td></tr>"
+        for name, value in rows
+    )
+    return (
+        f"<div class='robocell-repr'><strong>{html.escape(title)}</strong>"
+        "<div style='display:flex;flex-wrap:wrap;gap:1em;align-items:flex-start'>"
+        f"{''.join(pictures)}<table>{cells}</table></div></div>"
+    )
+
+
+def picture(rgb: np.ndarray, label: str) -> str:
+    """An image (height, width, 3) of uint8 as a tag that contains it."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "picture.png"
+        _core.write_png(file, rgb)
+        encoded = base64.b64encode(file.read_bytes()).decode()
+    text = html.escape(label, quote=True)
+    return f"<img alt='{text}' title='{text}' src='data:image/png;base64,{encoded}'>"
+
+
+def picture_of(make: Callable[[], np.ndarray], label: str) -> list[str]:
+    """The picture, or none if this machine cannot make it."""
+    try:
+        return [picture(make(), label)]
+    except _core.Error:
+        return []
+
+
+def listed(names: Iterable[str]) -> str:
+    """Names in one line; the first ones if there are many."""
+    names = list(names)
+    more = len(names) - MOST_ROWS
+    return ", ".join(names[:MOST_ROWS]) + (f" and {more} more" if more > 0 else "") or "none"
+
+
+def numbers(values: Iterable[float], digits: int = 3) -> str:
+    """Numbers in one line."""
+    return " ".join(f"{value:.{digits}f}" for value in values)
+
+
+def view_of(scene: _core.Scene, size: float | None = None) -> _core.OrbitCamera:
+    """A camera that sees all robots, or the whole model if there are none."""
+    robots = [robot for robot in scene.robots if robot.n_joints]
+    if not robots:
+        model = scene.model
+        return _core.OrbitCamera(
+            lookat=tuple(model.stat.center),
+            distance=2 * model.stat.extent,
+            azimuth=135,
+            elevation=-25,
+        )
+    points = [
+        point
+        for robot in robots
+        for point in (robot.base_in_world.translation, robot.tcp_in_world.translation)
+    ]
+    lowest = [min(point[i] for point in points) for i in range(3)]
+    highest = [max(point[i] for point in points) for i in range(3)]
+    middle = tuple((low + high) / 2 for low, high in zip(lowest, highest, strict=True))
+    across = max(high - low for low, high in zip(lowest, highest, strict=True))
+    distance = size or across + 1.1 * max(robot.reach for robot in robots)
+    return _core.OrbitCamera(lookat=middle, distance=distance, azimuth=135, elevation=-20)
+
+
+def drawn(scene: _core.Scene) -> np.ndarray:
+    """The scene as it is now."""
+    renderer = _core.Renderer(scene)
+    image: np.ndarray = renderer.render(view_of(scene), WIDTH, HEIGHT)["rgb"]
+    return image
+
+
+def scene_html(scene: _core.Scene) -> str:
+    """A picture of the scene as it is, its robots, objects and cameras."""
+    if scene.closed:
+        return page([], [], f"Scene '{scene.name}', closed")
+    rows: list[Row] = [
+        ("time", f"{scene.time():.3f} s, in steps of {scene.timestep():g} s"),
+        ("robots", listed(robot.name for robot in scene.robots)),
+        ("objects", listed(scene.object_names)),
+        ("cameras", listed(scene.camera_names())),
+        ("joints", scene.model.njnt),
+        ("bodies", scene.model.nbody - 1),
+    ]
+    shown = picture_of(lambda: drawn(scene), f"scene {scene.name}")
+    return page(shown, rows, f"Scene '{scene.name}'")
+
+
+def robot_html(robot: _core.Robot) -> str:
+    """A picture of the robot where it is, its mode, TCP, opening and joints."""
+    scene = robot.scene
+    if scene.closed:
+        return page([], [], f"Robot '{robot.name}', of a closed scene")
+    tcp = robot.base_in_world.inverse() * robot.tcp_in_world
+    rows: list[Row] = [
+        ("groups", listed(robot.group_names)),
+        ("mode", robot.ctrl_mode.name.lower()),
+        ("reach", f"{robot.reach:.3f} m"),
+        ("TCP in base, x y z", f"{numbers(tcp.translation)} m"),
+        ("TCP in base, quaternion xyzw", numbers(tcp.quaternion)),
+    ]
+    if robot.has_gripper:
+        distance = robot.gripper.inter_finger_dist
+        rows.append(("gripper", f"opening {robot.gripper.opening:.2f}, {distance:.3f} m"))
+    positions = list(robot.arm.joint_pos)
+    for name, position in list(zip(robot.joint_names, positions, strict=False))[:MOST_ROWS]:
+        rows.append((name, f"{position:.3f}"))
+    shown = picture_of(lambda: drawn(scene), f"robot {robot.name}")
+    return page(shown, rows, f"Robot '{robot.name}'")
+
+
+def instruction_of(episode: _core.Episode) -> str:
+    """The sentence that a policy got; empty if there was none."""
+    metadata: Any = episode.metadata
+    return str(metadata.get("instruction", ""))
+
+
+def episode_html(episode: _core.Episode) -> str:
+    """The middle image of each colour stream, the result, and the columns."""
+    rows: list[Row] = [
+        ("result", "success" if episode.success else f"failure: {episode.end_reason}"),
+        ("instruction", instruction_of(episode)),
+        ("rows", episode.rows()),
+        ("streams", listed(episode.streams)),
+        ("columns", len(episode.columns)),
+        ("files", listed(episode.files)),
+    ]
+    shown: list[str] = []
+    for stream in episode.cameras:
+        shown += picture_of(partial(episode.frame, stream, episode.rows() // 2), stream)
+    return page(shown, [row for row in rows if row[1] != ""], f"Episode {episode.id}")
+
+
+def dataset_html(dataset: _core.Dataset) -> str:
+    """One line for each of the first episodes."""
+    rows: list[Row] = [("episodes", len(dataset))]
+    for episode in dataset[:MOST_ROWS]:
+        result = "success" if episode.success else f"failure: {episode.end_reason}"
+        line = f"{episode.rows()} rows, {result}, {instruction_of(episode)}"
+        rows.append((episode.id, line.rstrip(", ")))
+    if len(dataset) > MOST_ROWS:
+        rows.append(("…", f"{len(dataset) - MOST_ROWS} more"))
+    return page([], rows, f"Dataset {dataset.folder}")
+
+
+def attach() -> None:
+    """Gives the extension's classes their `_repr_html_`."""
+    representations: dict[type, Callable[[Any], str]] = {
+        _core.Scene: scene_html,
+        _core.Robot: robot_html,
+        _core.Episode: episode_html,
+        _core.Dataset: dataset_html,
+    }
+    for kind, representation in representations.items():
+        setattr(kind, METHOD, representation)
+
+
+attach()
