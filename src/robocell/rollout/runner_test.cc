@@ -129,8 +129,7 @@ RunnerParts FailingParts(int& left, bool throws) {
 
 TEST(Runner, WhatAHookDoesWronglyEndsTheAttempt) {
   TempDir folder;
-  RunConfig run = Blind("demo.yaml", folder / "out");
-  run.max_attempts = 6;
+  const RunConfig run = Blind("demo.yaml", folder / "out");
   for (const bool throws : {true, false}) {
     const std::string text =
         throws ? "in act: out of ideas" : "action: no robot 'nobody'. Its robots: rc7.";
