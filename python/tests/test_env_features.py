@@ -236,5 +236,5 @@ def test_signals_of_a_task_are_features(tmp_path: Path):
     env.close()
     (episode,) = rc.Dataset(tmp_path / "out")
     assert np.array_equal(episode["task/grid"][0], [[1, 2], [3, 3]])
-    with pytest.raises(rc.ArgumentError, match="names"):
-        rc.features.Feature("odd", shape=[2], names=["x"])
+    with pytest.raises(rc.ArgumentError, match="lower"):
+        rc.features.Feature("odd", shape=[2], lower=[0])
