@@ -10,6 +10,7 @@
 #include "python_owner.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/base/hook_error.h"
 #include "robocell/base/plugin.h"
 #include "robocell/base/version.h"
 
@@ -41,6 +42,18 @@ void Raise(PyObject* type, const char* what) {
   if (text.is_valid()) PyErr_SetObject(type, text.ptr());
 }
 
+PyObject* ClassOf(HookError::Kind kind) {
+  switch (kind) {
+    case HookError::Kind::kType:
+      return PyExc_TypeError;
+    case HookError::Kind::kValue:
+      return classes.argument;
+    case HookError::Kind::kFailed:
+      break;
+  }
+  return classes.error;
+}
+
 void Translate(const std::exception_ptr& p, void*) {
   try {
     std::rethrow_exception(p);
@@ -48,6 +61,8 @@ void Translate(const std::exception_ptr& p, void*) {
     Raise(classes.spec, e.what());
   } catch (const NotFoundError& e) {
     Raise(classes.not_found, e.what());
+  } catch (const HookError& e) {
+    Raise(ClassOf(e.kind()), e.what());
   } catch (const ArgumentError& e) {
     Raise(classes.argument, e.what());
   } catch (const ClosedError& e) {

@@ -126,6 +126,12 @@ class Sliced {
   nb::object operator()(const VectorPart& part) const {
     return nb::object(all_[nb::slice(part.begin, part.begin + part.size, 1)]);
   }
+  nb::object operator()(const VectorPart& part, const std::vector<int64_t>& shape) const {
+    if (shape.size() == 1) return (*this)(part);
+    nb::list sizes;
+    for (const int64_t size : shape) sizes.append(size);
+    return (*this)(part).attr("reshape")(nb::tuple(sizes));
+  }
 
  private:
   nb::object all_;
@@ -156,13 +162,13 @@ void AddTaskParts(const EnvLayout& layout, const Sliced& part, nb::dict& out) {
   if (!layout.features.empty()) {
     nb::dict features;
     for (const FeatureLayout& feature : layout.features)
-      features[feature.key.c_str()] = part(feature.part);
+      features[feature.key.c_str()] = part(feature.part, feature.shape);
     out["features"] = features;
   }
   if (!layout.signals.empty()) {
     nb::dict signals;
     for (const SignalLayout& signal : layout.signals)
-      signals[signal.name.c_str()] = part(signal.part);
+      signals[signal.name.c_str()] = part(signal.part, signal.shape);
     out["task"] = signals;
   }
   if (layout.objects.empty()) return;

@@ -27,13 +27,6 @@ nb::dict FeatureFunctions() {
   return nb::cast<nb::dict>(nb::module_::import_("robocell._core").attr(kFeatures));
 }
 
-// Numbers of any shape, a single one too, in a row. What are no numbers stays what it is.
-nb::object Ravel(nb::handle value) {
-  const bool is_number = PyFloat_Check(value.ptr()) || PyLong_Check(value.ptr());
-  if (!is_number && !nb::hasattr(value, "__array__")) return nb::borrow(value);
-  return nb::module_::import_("numpy").attr("ravel")(value);
-}
-
 // The numbers of features, one after another, as arrays by their names.
 nb::dict ToArrays(const FeatureSchema& schema, std::span<const double> numbers) {
   nb::dict arrays;
@@ -49,6 +42,20 @@ nb::dict ToArrays(const FeatureSchema& schema, std::span<const double> numbers) 
 }
 
 }  // namespace
+
+nb::object Ravel(nb::handle value) {
+  const auto is_row = [](nb::handle item) {
+    return nb::isinstance<nb::list>(item) || nb::isinstance<nb::tuple>(item);
+  };
+  const bool is_number = PyFloat_Check(value.ptr()) || PyLong_Check(value.ptr());
+  const bool is_nested = is_row(value) && nb::len(value) > 0 && is_row(value[0]);
+  if (!is_number && !is_nested && !nb::hasattr(value, "__array__")) return nb::borrow(value);
+  try {
+    return nb::module_::import_("numpy").attr("ravel")(value);
+  } catch (const nb::python_error&) {
+    return nb::borrow(value);  // rows of several lengths, say
+  }
+}
 
 std::map<std::string, std::vector<double>> ToNumbersByName(const nb::dict& values) {
   std::map<std::string, std::vector<double>> numbers;
@@ -78,20 +85,33 @@ void RegisterPythonFeature(const std::string& name, nb::object function, Feature
   nb::dict functions = FeatureFunctions();
   // Python's own may be replaced, as when a notebook's cell is run again.
   const bool replace = functions.contains(name.c_str());
-  RegisterFeature(
-      name, std::move(feature),
-      [name](const Scene& scene, std::span<double> out) {
-        const nb::gil_scoped_acquire acquire;
-        const nb::object made = Ravel(FeatureFunctions()[name.c_str()](nb::cast(scene)));
-        const std::string text = "feature '" + name + "'";
-        const Numbers numbers(made, FieldPath(text), out.size());
-        std::copy(numbers.span().begin(), numbers.span().end(), out.begin());
-      },
-      replace,
-      [name] {
-        const nb::gil_scoped_acquire acquire;
-        return nb::cast<std::vector<std::string>>(FeatureFunctions()[(name + "/code").c_str()]());
-      });
+  RegisterFeature(name, std::move(feature),
+                  [name](const Scene& scene, std::span<double> out) {
+                    const nb::gil_scoped_acquire acquire;
+                    const nb::object read = FeatureFunctions()[name.c_str()];
+                    const nb::object made = Ravel(read(nb::cast(scene)));
+                    try {
+                      const std::string text = "feature '" + name + "'";
+                      const Numbers numbers(made, FieldPath(text), out.size());
+                      std::copy(numbers.span().begin(), numbers.span().end(), out.begin());
+                    } catch (nb::python_error&) {
+                      throw;
+                    } catch (...) {
+                      RethrowAsHookError(PlaceOfCode(read));
+                    }
+                  },
+                  replace,
+                  {.files =
+                       [name] {
+                         const nb::gil_scoped_acquire acquire;
+                         return nb::cast<std::vector<std::string>>(
+                             FeatureFunctions()[(name + "/code").c_str()]());
+                       },
+                   .place =
+                       [name] {
+                         const nb::gil_scoped_acquire acquire;
+                         return PlaceOfCode(FeatureFunctions()[name.c_str()]);
+                       }});
   functions[name.c_str()] = function;
   functions[(name + "/code").c_str()] = code;
 }
@@ -122,6 +142,29 @@ nb::list FeatureList(const FeatureSchema& schema) {
 void BindFeatures(nb::module_& m) {
   m.attr(kFeatures) = nb::dict();
   nb::class_<Feature>(m, "Feature", "One named quantity of a cell, with unit, frame and source.")
+      .def(
+          "__init__",
+          [](Feature* self, const std::string& name, std::vector<int64_t> shape,
+             const std::string& unit, const std::string& frame, std::vector<std::string> names,
+             bool privileged, std::vector<double> lower, std::vector<double> upper,
+             const std::string& description) {
+            new (self)
+                Feature{.column = {.name = name,
+                                   .shape = std::move(shape),
+                                   .units = unit,
+                                   .frame = frame,
+                                   .names = std::move(names),
+                                   .description = description},
+                        .role = privileged ? FeatureRole::kPrivileged : FeatureRole::kObservation,
+                        .lower = std::move(lower),
+                        .upper = std::move(upper)};
+            FeatureSchema().Add(*self);  // its checks
+          },
+          "name"_a, nb::kw_only(), "shape"_a = std::vector<int64_t>(), "unit"_a = "",
+          "frame"_a = "", "names"_a = std::vector<std::string>(), "privileged"_a = false,
+          "lower"_a = std::vector<double>(), "upper"_a = std::vector<double>(),
+          "description"_a = "",
+          "For the signals() of a task; the arguments are those of register_feature.")
       .def_prop_ro("name", [](const Feature& f) { return f.column.name; })
       .def_prop_ro(
           "role", [](const Feature& f) { return std::string(NameOf(f.role)); },

@@ -9,7 +9,7 @@
 #include "python_owner.h"
 #include "rng.h"
 #include "task_trampolines.h"
-#include "robocell/base/error.h"
+#include "robocell/base/hook_error.h"
 #include "robocell/expert/pick_and_place_planner.h"
 #include "robocell/expert/pick_planner.h"
 #include "robocell/task/pick_sampler.h"
@@ -69,14 +69,16 @@ class PyPickTaskSampler : public PySamplerOf<PickTaskSampler> {
     const nb::handle self = nb_trampoline.base();
     const bool placed =
         Returned<bool>(self, "place_objects", self.attr(call.key)(support, list, loan.rng()));
-    std::vector<SceneObject> moved = FromList(list);
+    std::vector<SceneObject> moved =
+        ConvertReturned(self, "place_objects", [&] { return FromList(list); });
     const auto same_name = [](const SceneObject& a, const SceneObject& b) {
       return a.name == b.name;
     };
     if (!std::equal(moved.begin(), moved.end(), objects.begin(), objects.end(), same_name)) {
-      throw ArgumentError(
+      throw HookError(
           "PickTaskSampler: place_objects() must not change which objects there are nor their "
-          "order, only their poses");
+          "order, only their poses",
+          PlaceOfMethod(self, "place_objects"));
     }
     objects = std::move(moved);
     return placed;
@@ -119,7 +121,7 @@ class PyPickTaskSampler : public PySamplerOf<PickTaskSampler> {
     nb::object made = nb_trampoline.base().attr(call.key)(target, kind, objects);
     if (!nb::isinstance<Task>(made))
       ThrowReturned(nb_trampoline.base(), "make_task", "a Task", made);
-    return Shared<Task>(std::move(made));
+    return ConvertReturned(made, "__init__", [&] { return Shared<Task>(made); });
   }
 
  private:

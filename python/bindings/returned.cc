@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "robocell/base/hook_error.h"
 #include "robocell/task/task.h"
 
 namespace robocell::python {
@@ -68,20 +69,58 @@ std::string ShortRepr(nb::handle value) {
   return text.substr(0, end) + " ...";
 }
 
-void ThrowReturned(const std::string& what, const std::string& expected, nb::handle got) {
-  throw nb::type_error(
-      fmt::format("{} must return {}, got {}", what, expected, ShortRepr(got)).c_str());
+std::string PlaceOfCode(nb::handle function) {
+  try {
+    const nb::object written = nb::module_::import_("inspect").attr("unwrap")(function);
+    const nb::object own = nb::getattr(written, "__func__", written);
+    const nb::object code = nb::getattr(own, "__code__", nb::none());
+    if (code.is_none()) return "";
+    return fmt::format("{}:{}, in {}", nb::cast<std::string>(code.attr("co_filename")),
+                       nb::cast<int>(code.attr("co_firstlineno")),
+                       nb::cast<std::string>(code.attr("co_name")));
+  } catch (const std::exception&) {
+    return "";  // a message without a place says more than an error about it
+  }
+}
+
+std::string PlaceOfMethod(nb::handle self, const char* method) {
+  const nb::gil_scoped_acquire gil;
+  const nb::object own = nb::borrow(self);
+  const nb::object written =
+      nb::getattr(own, "_code_of", own);  // of those that call another's code
+  const nb::object function = nb::getattr(written, method, nb::none());
+  return PlaceOfCode(function);
+}
+
+void RethrowAsHookError(const std::string& place) {
+  try {
+    throw;
+  } catch (const HookError&) {
+    throw;
+  } catch (const nb::builtin_exception& error) {
+    const bool is_type = error.type() == nb::exception_type::type_error;
+    throw HookError(error.what(), place,
+                    is_type ? HookError::Kind::kType : HookError::Kind::kValue);
+  } catch (const Error& error) {
+    throw HookError(error.what(), place);
+  }
+}
+
+void ThrowReturned(const std::string& what, const std::string& expected, nb::handle got,
+                   const std::string& place) {
+  throw HookError(fmt::format("{} must return {}, got {}", what, expected, ShortRepr(got)), place,
+                  HookError::Kind::kType);
 }
 
 void ThrowReturned(nb::handle self, const char* method, const std::string& expected,
                    nb::handle got) {
-  ThrowReturned(ClassName(self) + "." + method + "()", expected, got);
+  ThrowReturned(ClassName(self) + "." + method + "()", expected, got, PlaceOfMethod(self, method));
 }
 
 void ThrowMissing(nb::handle self, const char* method) {
   const nb::gil_scoped_acquire gil;
-  throw nb::type_error(
-      fmt::format("{} must define {}(){}", ClassName(self), method, WhatItHas(self)).c_str());
+  throw HookError(fmt::format("{} must define {}(){}", ClassName(self), method, WhatItHas(self)),
+                  "", HookError::Kind::kType);
 }
 
 void RequireInitialised(nb::handle object) {
@@ -107,9 +146,9 @@ void RequireCallable(nb::handle value, const char* argument, const char* expecte
 Action ReturnedAction(nb::handle self, const char* method, nb::handle value) {
   Action action;
   if (nb::try_cast(value, action)) return action;
-  throw nb::type_error(fmt::format("{}.{}() must return {{robot: {{group: GroupCommand}}}}: {}",
-                                   ClassName(self), method, WrongInAction(value))
-                           .c_str());
+  throw HookError(fmt::format("{}.{}() must return {{robot: {{group: GroupCommand}}}}: {}",
+                              ClassName(self), method, WrongInAction(value)),
+                  PlaceOfMethod(self, method), HookError::Kind::kType);
 }
 
 }  // namespace robocell::python

@@ -1,5 +1,6 @@
-// Converts the results of methods and functions written in Python, or raises a TypeError with class
-// and method, what is expected and what was returned. With the GIL.
+// Converts the results of methods and functions written in Python, or throws a HookError (a
+// TypeError in Python) with class and method, what is expected, what was returned, and where the
+// method is written. With the GIL.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -19,13 +20,35 @@ std::string ClassName(nb::handle self);
 // repr(), cut when it is long.
 std::string ShortRepr(nb::handle value);
 
-// TypeError "MyExpert.act() must return <expected>, got None".
+// Where a function, a method or a class is written: "/folder/tasks.py:12, in judge"; "" for what is
+// not written in Python.
+std::string PlaceOfCode(nb::handle function);
+// Of a method of `self`. Takes the GIL.
+std::string PlaceOfMethod(nb::handle self, const char* method);
+
+// Throws the exception that is being handled, one of a conversion, as a HookError.
+[[noreturn]] void RethrowAsHookError(const std::string& place);
+
+// What `convert` makes of that which `method` of `self` returned; errors are those of the method.
+template <class Convert>
+std::invoke_result_t<Convert> ConvertReturned(nb::handle self, const char* method,
+                                              Convert&& convert) {
+  try {
+    return convert();
+  } catch (nb::python_error&) {
+    throw;
+  } catch (...) {
+    RethrowAsHookError(PlaceOfMethod(self, method));
+  }
+}
+
+// "MyExpert.act() must return <expected>, got None". `place`: of the function.
 [[noreturn]] void ThrowReturned(const std::string& what, const std::string& expected,
-                                nb::handle got);
+                                nb::handle got, const std::string& place);
 // The same for a method of `self`.
 [[noreturn]] void ThrowReturned(nb::handle self, const char* method, const std::string& expected,
                                 nb::handle got);
-// TypeError "MyExpert must define begin()". Takes the GIL.
+// "MyExpert must define begin()". Takes the GIL.
 [[noreturn]] void ThrowMissing(nb::handle self, const char* method);
 // TypeError that names the class unless its __init__ called super().__init__().
 void RequireInitialised(nb::handle object);

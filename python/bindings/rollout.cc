@@ -123,14 +123,13 @@ std::function<std::shared_ptr<Expert>(const RunConfig&, const EpisodeStart&)> Ma
   return [factory](const RunConfig& run, const EpisodeStart& start) {
     const nb::gil_scoped_acquire gil;
     nb::object made = ObjectOf(*factory)(nb::cast(run), nb::cast(start));
-    if (!nb::isinstance<Expert>(made)) ThrowReturned("Runner: expert()", "an Expert", made);
-    return Shared<Expert>(std::move(made));
+    if (!nb::isinstance<Expert>(made)) {
+      ThrowReturned("Runner: expert()", "an Expert", made, PlaceOfCode(ObjectOf(*factory)));
+    }
+    return ConvertReturned(made, "__init__", [&] { return Shared<Expert>(made); });
   };
 }
 
-// A runner that the collector can look into. What is defined in a script, functions and classes,
-// refers to the script's variables, the runner often among them: without this the circle lives
-// until the process ends, and nanobind reports it as leaked.
 // Of the exception that is being handled: class, text, file and line of one that Python code raised.
 // What ends a process is none.
 std::string TellPythonError() {
@@ -148,6 +147,9 @@ std::string TellPythonError() {
 
 std::string PlaceOfRunner(const Runner& runner) { return "runner of '" + runner.run().run + "'"; }
 
+// A runner that the collector can look into. What is defined in a script, functions and classes,
+// refers to the script's variables, the runner often among them: without this the circle lives
+// until the process ends, and nanobind reports it as leaked.
 class PythonRunner : public Runner {
  public:
   PythonRunner(const RunConfig& run, SharedKeeper expert, SharedKeeper sampler,

@@ -108,7 +108,7 @@ void BindRefusal(nb::module_& m) {
 }  // namespace
 
 SampleResult ToSampleResult(nb::handle self, nb::handle made) {
-  RequireInitialised(made);
+  ConvertReturned(self, "sample", [&] { RequireInitialised(made); });
   if (nb::isinstance<EpisodeStart>(made))
     return {.start = nb::cast<EpisodeStart>(made), .refusal = {}};
   if (nb::isinstance<Refusal>(made)) return {.start = {}, .refusal = nb::cast<Refusal>(made)};
@@ -139,7 +139,7 @@ SamplerFactory MakeSamplerFactory(const SharedKeeper& make_sampler, const Shared
     const nb::gil_scoped_acquire gil;
     nb::object object = ObjectOf(*factory)(nb::cast(run));
     if (!nb::isinstance<TaskSampler>(object))
-      ThrowReturned("Runner: sampler()", "a TaskSampler", object);
+      ThrowReturned("Runner: sampler()", "a TaskSampler", object, PlaceOfCode(ObjectOf(*factory)));
     const std::shared_ptr<TaskSampler> sampler = Shared<TaskSampler>(object);
     *made = KeepAlive(std::move(object));
     return std::shared_ptr<TaskSampler>(made, sampler.get());

@@ -47,10 +47,11 @@ std::string KindOfDict(const KindRegistry& registry, const nb::dict& values, con
   if (!values.contains(key)) return implied;
   const std::string kind = ToText(values[key], FieldPath(path, key));
   if (registry.Has(kind)) return kind;
-  throw NotFoundError(fmt::format(
-      "{} A {} of your own is registered before, with register_{}",
-      NoSuchName(fmt::format("{}.{}", path.text(), key), registry.noun(), kind, registry.kinds()),
-      registry.noun(), registry.key() == std::string("kind") ? "task" : "scene_source"));
+  throw NotFoundError(fmt::format("{} A {} of your own is registered before, with register_{}",
+                                  fmt::format("{}.{}: ", path.text(), key) +
+                                      NoSuchName("", registry.noun(), kind, registry.kinds()),
+                                  registry.noun(),
+                                  registry.key() == std::string("kind") ? "task" : "scene_source"));
 }
 
 void SetKindFields(KindSpec& spec, const nb::dict& values, const FieldPath& path,

@@ -8,6 +8,7 @@
 
 #include "bindings.h"
 #include "body_poses.h"
+#include "features.h"
 #include "rng.h"
 #include "spec_fields.h"
 #include "task_trampolines.h"
@@ -40,52 +41,83 @@ TaskVerdict ToVerdict(nb::handle self, nb::handle made) {
   ThrowReturned(self, "judge", "a TaskVerdict", made);
 }
 
-std::vector<TaskSignal> ToSignals(nb::handle self, nb::handle made) {
-  const std::string text = MethodText(self, "signals");
-  const FieldPath path(text);
-  nb::dict ranges;
-  if (!nb::try_cast(made, ranges)) ThrowType(path, "a dict of names to (lower, upper)", made);
-  std::vector<TaskSignal> signals;
-  for (const auto& [key, value] : ranges) {
-    const std::string name = ToText(key, path);
-    const FieldPath of_signal(path, name);
-    const std::vector<nb::object> pair = ToItems(value, of_signal, "a pair (lower, upper)");
-    if (pair.size() != 2) ThrowType(of_signal, "a pair (lower, upper)", value);
-    const Numbers lower(pair[0], of_signal), upper(pair[1], of_signal);
-    signals.push_back({name,
-                       {lower.span().begin(), lower.span().end()},
-                       {upper.span().begin(), upper.span().end()}});
+namespace {
+
+// {name: (lower, upper)}, privileged; a Feature in the place of a pair has all that it says.
+Feature ToSignal(const std::string& name, nb::handle value, const FieldPath& path) {
+  if (nb::isinstance<Feature>(value)) {
+    Feature feature = nb::cast<Feature>(value);
+    feature.column.name = name;
+    return feature;
   }
-  return signals;
+  constexpr const char* kExpected = "a pair (lower, upper) or a Feature";
+  const std::vector<nb::object> pair = ToItems(value, path, kExpected);
+  if (pair.size() != 2) ThrowType(path, kExpected, value);
+  const Numbers lower(pair[0], path), upper(pair[1], path);
+  if (lower.size() != upper.size() || lower.size() == 0) {
+    ThrowValue(path, "needs a range: as many lower as upper bounds, and none above the other");
+  }
+  return {.column = {.name = name, .shape = {static_cast<int64_t>(lower.size())}},
+          .role = FeatureRole::kPrivileged,
+          .lower = {lower.span().begin(), lower.span().end()},
+          .upper = {upper.span().begin(), upper.span().end()}};
 }
 
-void PutSignals(nb::handle self, nb::handle made, const std::vector<TaskSignal>& signals,
+}  // namespace
+
+std::vector<Feature> ToSignals(nb::handle self, nb::handle made) {
+  return ConvertReturned(self, "signals", [&] {
+    const std::string text = MethodText(self, "signals");
+    const FieldPath path(text);
+    std::vector<Feature> signals;
+    if (nb::isinstance<nb::dict>(made)) {
+      for (const auto& [key, value] : nb::borrow<nb::dict>(made)) {
+        const std::string name = ToText(key, path);
+        signals.push_back(ToSignal(name, value, FieldPath(path, name)));
+      }
+      return signals;
+    }
+    constexpr const char* kExpected = "a dict of names to (lower, upper), or a list of Feature";
+    for (const nb::object& item : ToItems(made, path, kExpected)) {
+      if (!nb::isinstance<Feature>(item)) ThrowType(path, kExpected, made);
+      signals.push_back(nb::cast<Feature>(item));
+    }
+    return signals;
+  });
+}
+
+void PutSignals(nb::handle self, nb::handle made, const std::vector<Feature>& signals,
                 std::span<double> out) {
-  const std::string text = MethodText(self, "observe");
-  const FieldPath path(text);
-  nb::dict values;
-  if (!nb::try_cast(made, values)) ThrowType(path, "a dict of signals", made);
-  for (const TaskSignal& signal : signals) {
-    const std::string& name = signal.name;
-    const size_t size = signal.lower.size();
-    if (!values.contains(name.c_str()))
-      ThrowValue(path, fmt::format("has no '{}', which signals() names", name));
-    const nb::object value = values[name.c_str()];
-    const Numbers numbers(value, FieldPath(path, name), size);
-    std::copy(numbers.span().begin(), numbers.span().end(), out.begin());
-    out = out.subspan(size);
-  }
+  ConvertReturned(self, "observe", [&] {
+    const std::string text = MethodText(self, "observe");
+    const FieldPath path(text);
+    nb::dict values;
+    if (!nb::try_cast(made, values)) ThrowType(path, "a dict of signals", made);
+    for (const Feature& signal : signals) {
+      const std::string& name = signal.column.name;
+      if (!values.contains(name.c_str()))
+        ThrowValue(path, fmt::format("has no '{}', which signals() names", name));
+      const nb::object value = Ravel(values[name.c_str()]);
+      const Numbers numbers(value, FieldPath(path, name), static_cast<size_t>(signal.size()));
+      std::copy(numbers.span().begin(), numbers.span().end(), out.begin());
+      out = out.subspan(numbers.size());
+    }
+  });
 }
 
 std::vector<double> ToMemory(nb::handle self, nb::handle made) {
-  const std::string text = MethodText(self, "memory");
-  const Numbers numbers(made, FieldPath(text));
-  return {numbers.span().begin(), numbers.span().end()};
+  return ConvertReturned(self, "memory", [&] {
+    const std::string text = MethodText(self, "memory");
+    const Numbers numbers(made, FieldPath(text));
+    return std::vector<double>(numbers.span().begin(), numbers.span().end());
+  });
 }
 
 BodyPoses ToStarts(nb::handle self, nb::handle made) {
-  const std::string text = MethodText(self, "starts");
-  return ToBodyPoses(made, FieldPath(text));
+  return ConvertReturned(self, "starts", [&] {
+    const std::string text = MethodText(self, "starts");
+    return ToBodyPoses(made, FieldPath(text));
+  });
 }
 
 nb::object MemoryArray(std::span<const double> memory) { return NumberCopy(memory); }
@@ -203,6 +235,10 @@ void BindTaskClass(nb::module_& m) {
           nb::sig("def subtasks(self) -> collections.abc.Sequence[str]"),
           "Returns the names that TaskVerdict.subtask indexes.")
       .def(
+          "why_not_done", [](const Task& t) { return t.Task::why_not_done(); },
+          "Returns, in a few words for counting, why an episode of a run that its expert finished "
+          "is no success.")
+      .def(
           "base_range", [](const Task&) { return BaseRange(); },
           "Returns, for runs, where the robot's base may stand around the first of objects().")
       .def(
@@ -214,9 +250,11 @@ void BindTaskClass(nb::module_& m) {
           "on the support.")
       .def(
           "signals", [](const Task&) { return nb::dict(); },
-          nb::sig("def signals(self) -> dict[str, tuple[numpy.typing.ArrayLike, "
-                  "numpy.typing.ArrayLike]]"),
-          "Returns what the task adds to the observation: {name: (lower, upper)}.")
+          nb::sig("def signals(self) -> collections.abc.Mapping[str, "
+                  "tuple[numpy.typing.ArrayLike, numpy.typing.ArrayLike] | Feature] | "
+                  "collections.abc.Sequence[Feature]"),
+          "Returns what the task adds to the observation: a list of Feature, with shape, unit, "
+          "frame, names and range, or {name: (lower, upper)} for privileged numbers in a row.")
       .def(
           "observe", [](const Task&, const Scene&) { return nb::dict(); }, "scene"_a,
           nb::sig("def observe(self, scene: Scene) -> dict[str, numpy.typing.ArrayLike]"),

@@ -73,8 +73,8 @@ class PythonTaskKind final : public TaskKind {
     const nb::object maker = Makers(kTasks)[kind_.c_str()];
     const nb::object made = maker(ValuesOf(spec));
     if (!nb::isinstance<Task>(made))
-      ThrowReturned("the function of task '" + kind_ + "'", "a Task", made);
-    return Shared<Task>(made);
+      ThrowReturned("the function of task '" + kind_ + "'", "a Task", made, PlaceOfCode(maker));
+    return ConvertReturned(made, "__init__", [&] { return Shared<Task>(made); });
   }
   std::vector<std::string> CodeFiles() const override { return FilesOf(kTaskCode, kind_); }
   // Its own, when one of the same name was registered.
@@ -100,8 +100,9 @@ class PythonExpertKind final : public ExpertKind {
     const nb::object maker = Makers(kExperts)[kind_.c_str()];
     nb::object made = maker(nb::cast(run), nb::cast(start));
     if (!nb::isinstance<Expert>(made))
-      ThrowReturned("the function of expert '" + kind_ + "'", "an Expert", made);
-    return Shared<Expert>(std::move(made));
+      ThrowReturned("the function of expert '" + kind_ + "'", "an Expert", made,
+                    PlaceOfCode(maker));
+    return ConvertReturned(made, "__init__", [&] { return Shared<Expert>(made); });
   }
   std::vector<std::string> CodeFiles() const override { return FilesOf(kExpertCode, kind_); }
 
@@ -116,10 +117,12 @@ class PythonSceneSourceKind final : public SceneSourceKind {
   std::shared_ptr<SceneSource> Make(const SceneSourceSpec& spec,
                                     const std::string& directory) const override {
     const nb::gil_scoped_acquire acquire;
-    const nb::object made = Makers(kSources)[kind_.c_str()](ValuesOf(spec), directory);
+    const nb::object maker = Makers(kSources)[kind_.c_str()];
+    const nb::object made = maker(ValuesOf(spec), directory);
     if (!nb::isinstance<SceneSource>(made))
-      ThrowReturned("the function of scene source '" + kind_ + "'", "a SceneSource", made);
-    return Shared<SceneSource>(made);
+      ThrowReturned("the function of scene source '" + kind_ + "'", "a SceneSource", made,
+                    PlaceOfCode(maker));
+    return ConvertReturned(made, "__init__", [&] { return Shared<SceneSource>(made); });
   }
   std::vector<std::string> CodeFiles() const override { return FilesOf(kSourceCode, kind_); }
 
@@ -133,10 +136,12 @@ class PythonSamplerKind final : public SamplerKind {
 
   std::shared_ptr<TaskSampler> Make(const RunConfig& run) const override {
     const nb::gil_scoped_acquire acquire;
-    const nb::object made = Makers(kSamplers)[kind_.c_str()](nb::cast(run));
+    const nb::object maker = Makers(kSamplers)[kind_.c_str()];
+    const nb::object made = maker(nb::cast(run));
     if (!nb::isinstance<TaskSampler>(made))
-      ThrowReturned("the function of sampler '" + kind_ + "'", "a TaskSampler", made);
-    return Shared<TaskSampler>(made);
+      ThrowReturned("the function of sampler '" + kind_ + "'", "a TaskSampler", made,
+                    PlaceOfCode(maker));
+    return ConvertReturned(made, "__init__", [&] { return Shared<TaskSampler>(made); });
   }
   std::vector<std::string> CodeFiles() const override { return FilesOf(kSamplerCode, kind_); }
 

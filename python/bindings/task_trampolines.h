@@ -65,8 +65,8 @@ inline std::string MethodText(nb::handle self, const char* method) {
 
 // What the methods of a task return, converted; errors name class and method.
 TaskVerdict ToVerdict(nb::handle self, nb::handle made);
-std::vector<TaskSignal> ToSignals(nb::handle self, nb::handle made);
-void PutSignals(nb::handle self, nb::handle made, const std::vector<TaskSignal>& signals,
+std::vector<Feature> ToSignals(nb::handle self, nb::handle made);
+void PutSignals(nb::handle self, nb::handle made, const std::vector<Feature>& signals,
                 std::span<double> out);
 std::vector<double> ToMemory(nb::handle self, nb::handle made);
 BodyPoses ToStarts(nb::handle self, nb::handle made);
@@ -76,6 +76,11 @@ template <class Base>
 class PyTaskOf : public Base {
  public:
   NB_TRAMPOLINE(Base);
+  std::string PlaceOfHook(const char* method) const override {
+    const bool judges = Defines(nb_trampoline, "judge");
+    return PlaceOfMethod(self(),
+                         std::string_view(method) == "judge" && !judges ? "reward" : method);
+  }
   void Prepare(SceneSpec& spec, Rng& rng) override {
     if (!Defines(nb_trampoline, "prepare")) return Base::Prepare(spec, rng);
     const nb::gil_scoped_acquire acquire;
@@ -147,6 +152,11 @@ class PyTaskOf : public Base {
     const nb::gil_scoped_acquire acquire;
     return Names("subtasks");
   }
+  std::string why_not_done() const override {
+    if (!Defines(nb_trampoline, "why_not_done")) return Base::why_not_done();
+    const nb::gil_scoped_acquire acquire;
+    return Returned<std::string>(self(), "why_not_done", self().attr("why_not_done")());
+  }
   BaseRange base_range() const override {
     if (!Defines(nb_trampoline, "base_range")) return Base::base_range();
     const nb::gil_scoped_acquire acquire;
@@ -157,9 +167,9 @@ class PyTaskOf : public Base {
   Map<ObjectPlace> places() const override {
     if (!Defines(nb_trampoline, "places")) return Base::places();
     const nb::gil_scoped_acquire acquire;
-    return ToPlaces(self().attr("places")());
+    return ConvertReturned(self(), "places", [&] { return ToPlaces(self().attr("places")()); });
   }
-  std::vector<TaskSignal> signals() const override {
+  std::vector<Feature> signals() const override {
     if (!Defines(nb_trampoline, "signals")) return Base::signals();
     const nb::gil_scoped_acquire acquire;
     return signals_ = ToSignals(self(), self().attr("signals")());
@@ -189,7 +199,7 @@ class PyTaskOf : public Base {
     return Returned<std::vector<std::string>>(self(), name, self().attr(name)());
   }
 
-  mutable std::vector<TaskSignal> signals_;
+  mutable std::vector<Feature> signals_;
 };
 
 // What is recorded of a state: {name: array}, images by the names of their streams; copies.
@@ -199,6 +209,9 @@ template <class Base>
 class PyExpertOf : public Base {
  public:
   NB_TRAMPOLINE(Base);
+  std::string PlaceOfHook(const char* method) const override {
+    return PlaceOfMethod(nb_trampoline.base(), method);
+  }
   void Begin(const Scene& scene, Rng& rng) override {
     CallWithRng<void>(
         nb_trampoline, "begin", static_cast<Base*>(this),
@@ -270,6 +283,9 @@ template <class Base>
 class PySamplerOf : public Base {
  public:
   NB_TRAMPOLINE(Base);
+  std::string PlaceOfHook(const char* method) const override {
+    return PlaceOfMethod(nb_trampoline.base(), method);
+  }
   SampleResult Sample(const SampleRequest& request, Rng& rng) override {
     const nb::detail::ticket call(nb_trampoline, "sample", nb::detail::str_hash("sample"), false);
     if (!call.key.is_valid()) {

@@ -114,7 +114,7 @@ def _joined(tree: Any, paths: list[tuple[str, ...]]) -> NDArray[np.float64]:
         part = tree
         for key in path:
             part = part[key]
-        parts.append(part)
+        parts.append(np.ravel(part))
     return np.concatenate(parts)
 
 

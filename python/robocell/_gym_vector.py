@@ -72,6 +72,7 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
         self._has_task = config.task is not None
         self._action_parts = self.core.action_parts
         self._observation_parts = self.core.observation_parts
+        self._observation_shapes = [feature.shape for feature in self.core.observed]
         self._action_keys = list(_keys_of(self._action_parts))
         self.single_action_space = space_of(self.core.commanded, self._action_parts)
         self.single_observation_space = space_of(
@@ -224,7 +225,7 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
 
     def _observation(self, flat: NDArray[np.float64]) -> Any:
         """The numbers of all copies, and their last frames."""
-        out = _split(self._observation_parts, flat)
+        out = _split(self._observation_parts, self._observation_shapes, flat)
         if frames := self.core.frames:
             out["frames"] = frames
         return out
@@ -321,12 +322,14 @@ def _keys_of(parts: Sequence[Part]) -> Iterator[tuple[tuple[str, ...], list[str]
     return ((path, list(keys[path])) for path in sorted(keys, key=len))
 
 
-def _split(parts: Sequence[Part], flat: NDArray[np.float64]) -> Observation:
+def _split(
+    parts: Sequence[Part], shapes: Sequence[tuple[int, ...]], flat: NDArray[np.float64]
+) -> Observation:
     """Numbers, or rows of them, as dictionaries of arrays of their own."""
     out: Observation = {}
-    for path, begin, size in parts:
+    for (path, begin, size), shape in zip(parts, shapes, strict=True):
         at = out
         for key in path[:-1]:
             at = at.setdefault(key, {})
-        at[path[-1]] = flat[..., begin : begin + size].copy()
+        at[path[-1]] = flat[..., begin : begin + size].copy().reshape(flat.shape[:-1] + shape)
     return out

@@ -25,7 +25,10 @@ def space_of(
         at = tree
         for key in path[:-1]:
             at = at.setdefault(key, {})
-        low, high = (np.array(ends, dtype=np.float64) for ends in (feature.lower, feature.upper))
+        low, high = (
+            np.array(ends, dtype=np.float64).reshape(feature.shape)
+            for ends in (feature.lower, feature.upper)
+        )
         at[path[-1]] = spaces.Box(low, high, dtype=np.float64)
     if frames is not None:
         tree["frames"] = frames

@@ -106,6 +106,7 @@ class PolicyExpert(Expert):
         super().__init__()
         self.policy = policy
         self._run, self._task = run, start.task
+        self._code_of = policy  # messages about act() say where the policy's is written
         self._chunk: deque[dict[str, NDArray[np.float64]]] = deque()
         self._row: Observation = {}
 

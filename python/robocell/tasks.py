@@ -217,9 +217,12 @@ def _require_maker(call: str, maker: object, base: str) -> None:
 
 def _maker(maker: Callable[..., Any], fields: type[Any] | None) -> Callable[[dict[str, Any]], Any]:
     """What C++ calls with the values of the fields."""
-    if fields is None:
-        return lambda _values: maker()
-    return lambda values: maker(fields(**values))
+
+    @functools.wraps(maker, assigned=(), updated=())  # messages say where the maker is written
+    def make(values: dict[str, Any]) -> Any:
+        return maker() if fields is None else maker(fields(**values))
+
+    return make
 
 
 def _source_maker(

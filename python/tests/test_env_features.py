@@ -13,6 +13,7 @@ from robocell.data import EnvRecorder, replay_actions
 from robocell.envs import from_dataset
 from robocell.gym import FlatGymEnv, GymEnv, VectorGymEnv, pick_cube_config
 from robocell.lerobot import LeRobotEnv
+from test_dataset_env import make
 
 STAY = {"robot": {"tquat": [0, 0.01, -0.02, 0, 0, 0, 1], "gripper": 1}}
 
@@ -20,6 +21,18 @@ STAY = {"robot": {"tquat": [0, 0.01, -0.02, 0, 0, 0, 1], "gripper": 1}}
 @rc.register_feature("env_test_tool", shape=(2,), unit="m", frame="world", names=["x", "z"])
 def tool(scene: rc.Scene) -> np.ndarray:
     return scene.robot("robot").tcp_in_world.translation[[0, 2]]
+
+
+@rc.register_feature(
+    "env_test_matrix", shape=(2, 3), names=["a", "b", "c"], lower=[0] * 6, upper=[4] * 6
+)
+def matrix(scene: rc.Scene) -> np.ndarray:
+    return np.arange(6).reshape(2, 3)
+
+
+@rc.register_feature("env_test_number", unit="m")
+def number(scene: rc.Scene) -> float:
+    return 0.5
 
 
 @pytest.fixture
@@ -148,3 +161,80 @@ def test_they_are_recorded_and_the_dataset_gives_its_environment_back(env: rc.En
         [*episode["robots/robot/arm/qpos"][0], *episode["observation/features/env_test_tool"][0]],
     )
     vector.step(np.concatenate([episode[n][0] for n in vector.actions]))
+
+
+def test_they_keep_their_shapes_and_ranges_everywhere(config: rc.EnvConfig, tmp_path: Path):
+    config.features = ["env_test_matrix", "env_test_number"]
+    single, vector = GymEnv(config), VectorGymEnv(config, 2)
+    whole = {"env_test_matrix": [[0, 1, 2], [3, 4, 4]], "env_test_number": 0.5}
+    for name, space in single.observation_space["features"].spaces.items():
+        assert space.shape == np.shape(whole[name])
+    one, _ = single.reset(seed=1)
+    both, _ = vector.reset(seed=1)
+    assert one in single.observation_space
+    assert both in vector.observation_space
+    for name, expected in whole.items():
+        assert np.array_equal(one["features"][name], expected)
+        assert one["features"][name].shape == np.shape(expected)
+        assert np.array_equal(both["features"][name], [expected] * 2)
+    single.close()
+    vector.close()
+    env = rc.Env(config)
+    with EnvRecorder(env, tmp_path / "env"):
+        env.reset(seed=1)
+        env.step(STAY)
+    env.close()
+    (of_env,) = rc.Dataset(tmp_path / "env")
+    of_run = make(tmp_path / "run", 1, features=list(whole))[0]
+    for name, expected in whole.items():
+        for column in (
+            of_env.column(f"features/{name}"),
+            of_env.column(f"observation/features/{name}"),
+            of_run.column(f"features/{name}"),
+        ):
+            assert column.row_shape == np.shape(expected)
+            assert np.array_equal(column[0], expected)
+        row, _ = from_dataset(rc.Dataset(tmp_path / "run"), cameras=False).reset(seed=0)
+        assert np.array_equal(row[f"features/{name}"], expected)
+
+
+def test_signals_of_a_task_are_features(tmp_path: Path):
+    class Points(rc.tasks.Task):
+        def judge(self, scene: rc.Scene) -> rc.tasks.TaskVerdict:
+            return rc.tasks.TaskVerdict()
+
+        def instruction(self) -> str:
+            return "look"
+
+        def signals(self) -> list[rc.features.Feature]:
+            grid = rc.features.Feature(
+                "grid",
+                shape=[2, 2],
+                unit="m",
+                frame="world",
+                names=["x", "y"],
+                lower=[0] * 4,
+                upper=[3] * 4,
+            )
+            return [grid, rc.features.Feature("count", privileged=True)]
+
+        def observe(self, scene: rc.Scene) -> dict[str, object]:
+            return {"grid": [[1, 2], [3, 4]], "count": 7}
+
+    rc.register_task("points_of_test")(Points)
+    config = pick_cube_config(task={"kind": "points_of_test"}, relative_to="last_step")
+    env = rc.Env(config)
+    with EnvRecorder(env, tmp_path / "out"):
+        observation, _ = env.reset(seed=1)
+        env.step(STAY)
+    assert np.array_equal(observation["task"]["grid"], [[1, 2], [3, 3]])
+    assert observation["task"]["count"].shape == ()
+    schema = {feature.name: feature for feature in env.observed}
+    grid = schema["observation/task/grid"]
+    assert (grid.unit, grid.frame, grid.names, grid.shape) == ("m", "world", ["x", "y"], (2, 2))
+    assert (grid.role, schema["observation/task/count"].role) == ("observation", "privileged")
+    env.close()
+    (episode,) = rc.Dataset(tmp_path / "out")
+    assert np.array_equal(episode["task/grid"][0], [[1, 2], [3, 3]])
+    with pytest.raises(rc.ArgumentError, match="lower"):
+        rc.features.Feature("odd", shape=[2], lower=[0])

@@ -280,7 +280,7 @@ class Silent(rc.tasks.Task):
                 "Odd", (Silent,), {"success": lambda self, scene: False, "signals": lambda self: 3}
             )(),
             TypeError,
-            r"Odd.signals\(\) must be a dict of names to \(lower, upper\), got int",
+            r"Odd.signals\(\) must be a dict of names to \(lower, upper\), or a list of Feat",
         ),
         (
             lambda: type(
@@ -312,7 +312,7 @@ def test_what_is_wrong_with_a_task_is_told(factory, error, message):
 
 def test_a_name_that_is_not_known():
     with pytest.raises(
-        rc.NotFoundError, match=r"task.kind: no task 'pik'. Its tasks: .* mean 'pick'"
+        rc.NotFoundError, match=r"task.kind: no task 'pik'. Known tasks: .* mean 'pick'"
     ):
         rc.Env(pick_cube_config(task={"kind": "pik"}))
 
@@ -340,7 +340,7 @@ def test_what_is_no_number_is_not_handed_on(number):
             observe=lambda self, scene: {"a": [0, number]},
         )
     )
-    text = rf"'pick_cube': task 'odd_signal' observed task.a\[1\], which is {number}"
+    text = rf"feature 'task/a' is {number} at t = 0.000 s; features must be finite"
     with pytest.raises(rc.ArgumentError, match=text):
         env.reset()
     env.close()

@@ -202,3 +202,49 @@ def test_what_is_no_sampler_or_no_start_is_told(tmp_path: Path):
         TypeError, match=r"sample\(\) must return an EpisodeStart or a Refusal, got 'here'"
     ):
         rc.generate.Runner(run, sampler=lambda run: Wrong()).run(rc.generate.make_plan(run)[0])
+
+
+class Bound(Wait):
+    """Cannot judge before it is bound."""
+
+    def bind(self, scene: rc.Scene, setting: rc.tasks.TaskSetting) -> None:
+        self.robot = scene.robot(setting.robots[0])
+
+    def success(self, scene: rc.Scene) -> bool:
+        return self.robot.name == "rc7"
+
+
+def test_the_task_of_a_start_is_bound_by_who_runs_it(tmp_path: Path):
+    class Sampler(Waiting):
+        def sample(
+            self, request: rc.tasks.SampleRequest, rng: rc.tasks.Rng
+        ) -> rc.tasks.EpisodeStart | rc.tasks.Refusal:
+            start = super().sample(request, rng)
+            assert isinstance(start, rc.tasks.EpisodeStart)
+            return rc.tasks.EpisodeStart(start.scene, Bound(), "cube", ["box"])
+
+    run = load(tmp_path, max_attempts=1)
+    runner = rc.generate.Runner(run, expert=lambda *_: Patient(3), sampler=Sampler)
+    assert runner.run(rc.generate.make_plan(run)[0]).success
+
+
+def test_a_task_says_why_it_is_not_done(tmp_path: Path):
+    class Never(Wait):
+        def success(self, scene: rc.Scene) -> bool:
+            return False
+
+        def why_not_done(self) -> str:
+            return super().why_not_done() + ": too short a wait"
+
+    class Sampler(Waiting):
+        def sample(
+            self, request: rc.tasks.SampleRequest, rng: rc.tasks.Rng
+        ) -> rc.tasks.EpisodeStart | rc.tasks.Refusal:
+            start = super().sample(request, rng)
+            assert isinstance(start, rc.tasks.EpisodeStart)
+            return rc.tasks.EpisodeStart(start.scene, Never(), "cube", ["box"])
+
+    run = load(tmp_path, max_attempts=1)
+    runner = rc.generate.Runner(run, expert=lambda *_: Patient(3), sampler=Sampler)
+    failures = runner.run(rc.generate.make_plan(run)[0]).failures
+    assert failures == {"the task was not done: too short a wait": 1}

@@ -152,6 +152,20 @@ def test_an_exception_of_a_task_names_its_line(run_file: Path, tmp_path: Path):
     assert f"stack_cubes.py:{line}, in judge" in said
 
 
+def test_a_result_that_is_none_names_its_function(run_file: Path, tmp_path: Path):
+    module = run_file.with_name("stack_cubes.py")
+    text = module.read_text().replace(
+        "return rc.tasks.TaskVerdict(", "return None and rc.tasks.TaskVerdict("
+    )
+    module.write_text(text)
+    line = 1 + text[: text.index("def judge")].count("\n")
+    result = robocell_command("generate", run_file, "--output", tmp_path / "out", "--episodes", "1")
+    assert result.returncode == 1
+    said = " ".join((result.stdout + result.stderr).split())
+    assert "Stack.judge() must return a TaskVerdict, got None" in said
+    assert f"stack_cubes.py:{line}, in judge" in said
+
+
 def test_a_run_source_imports_only_what_it_is_told(tmp_path: Path):
     with pytest.raises(rc.SpecError, match="there is no such file"):
         RunSource(str(tmp_path / "run.yaml"), ("gone.py",)).load()

@@ -67,6 +67,11 @@ CameraSystemConfig StreamsOf(const EnvConfig& config) {
   return cameras;
 }
 
+// Without a share in it: the environment's own is the only one (Env::task).
+std::shared_ptr<const DeclaresFeatures> Lent(const std::shared_ptr<Task>& task) {
+  return {std::shared_ptr<void>(), task.get()};
+}
+
 EnvConfig Checked(EnvConfig config) {
   RequireValid(config, "environment '" + config.name + "'");
   return config;
@@ -119,8 +124,9 @@ Env::Env(EnvConfig config, Scene scene, std::optional<int> copy,
       scene_(std::move(scene)),
       variations_(config_, scene_),
       task_(MakeTask(config_, scene_)),
+      signals_(scene_, Lent(task_), "task"),
       chosen_(scene_, RobotsOf(scene_), config_.features.names),
-      layout_(MakeEnvLayout(config_, ArmsOf(config_, scene_), task_.get(), chosen_)),
+      layout_(MakeEnvLayout(config_, ArmsOf(config_, scene_), task_.get(), signals_, chosen_)),
       objects_(ObservedObjects(layout_, scene_)),
       arms_(DriversOf(config_, scene_, layout_)),
       stepper_(scene_, RobotsOfDrivers(arms_), {.control_ticks = 1, .sim_steps = 1}),
@@ -130,10 +136,6 @@ Env::Env(EnvConfig config, Scene scene, std::optional<int> copy,
       observation_(layout_.observation.size()),
       motions_(arms_.size()),
       draws_(!drawing) {
-  if (task_) {
-    const std::vector<std::string> resting = task_->resting_objects();
-    if (!resting.empty()) start_inspector_.emplace(scene_, resting);
-  }
   const bool is_first = copy.value_or(0) == 0;  // what is to be said is said of the first
   if (is_first) {
     for (const ArmDriver& arm : arms_) {
@@ -358,33 +360,13 @@ void Env::Observe() {
     ObserveTquat(world_to_shared * objects_[i].pose_in_world(), out);
     for (double& x : out.first(3)) x = std::clamp(x, -kFarthestObject, kFarthestObject);
   }
-  ObserveTask();
-  ObserveFeatures();
+  if (task_) ReadInto(signals_, layout_.all_signals);
+  ReadInto(chosen_, layout_.all_features);
   if (draws_) cameras_.Draw(TimeSinceReset());
 }
 
-void Env::ObserveTask() {
-  const auto [begin, size] = layout_.all_signals;
-  if (size == 0 || !task_) return;
-  task_->Observe(scene_, std::span(observation_).subspan(begin, size));
-  for (int i = begin; i < begin + size; ++i) {
-    if (!std::isfinite(observation_[i])) {
-      throw ArgumentError(fmt::format("{}: task '{}' observed {}, which is {}", place(),
-                                      config_.task->kind(), NameOfObservation(layout_, i),
-                                      observation_[i]));
-    }
-    observation_[i] =
-        std::clamp(observation_[i], layout_.observation.lower[i], layout_.observation.upper[i]);
-  }
-}
-
-void Env::ObserveFeatures() {
-  const auto [begin, size] = layout_.all_features;
-  if (size == 0) return;
-  chosen_.Read(std::span(observation_).subspan(begin, size));
-  for (int i = begin; i < begin + size; ++i)
-    observation_[i] =
-        std::clamp(observation_[i], layout_.observation.lower[i], layout_.observation.upper[i]);
+void Env::ReadInto(FeatureSource& source, const VectorPart& part) {
+  if (part.size > 0) source.Read(std::span(observation_).subspan(part.begin, part.size));
 }
 
 void Env::SetOriginToCurrent(const std::string& robot) {

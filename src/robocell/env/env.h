@@ -16,8 +16,8 @@
 //
 // Errors: SpecError for what is wrong with the configuration, objects of the task included that do
 // not come to rest where they start; ArgumentError for actions of a wrong
-// size or with numbers that are not finite, before anything moves, and for rewards and signals of a
-// task that are not finite; numbers beyond their range are cut to it. Divergence is a value: after
+// size or with numbers that are not finite, before anything moves, and for rewards of a
+// task, signals and features that are not finite; numbers beyond their range are cut to it. Divergence is a value: after
 // it, as after an error on the way, only Reset and Restore go on. With on_collision guard a step is
 // simulated, and when a robot runs into something, taken back: the arms are held where they were
 // sent before, for as long as the step takes, and the reason is collision. Copies of one
@@ -44,6 +44,7 @@
 #include "robocell/env/object_variations.h"
 #include "robocell/env/pacer.h"
 #include "robocell/env/stepper.h"
+#include "robocell/features/declared_features.h"
 #include "robocell/scene/body_handle.h"
 #include "robocell/scenes/start_inspector.h"
 #include "robocell/spec/env_config.h"
@@ -74,6 +75,10 @@ struct EnvResetOptions {
   // What robots start at in place of their homes (scene.h).
   std::optional<KeyframeChoice> keyframe = {};
 };
+
+namespace internal {
+class PreparedObjects;
+}
 
 class Env {
  public:
@@ -152,9 +157,13 @@ class Env {
   };
 
   void TryStart(bool is_first);
+  void FindPreparedObjects();
+  void PutPrepared(Rng& rng);
+  void MakeInspector();
   std::string MakeStart(uint64_t seed, const std::optional<KeyframeChoice>& keyframe,
                         const std::vector<std::vector<double>>& kept_joints);
   std::string NoStart(const std::string& why) const;
+  std::string NoPlace() const;
   void RequireRest(const std::string& doubt);
   void WarnOfStart();
   void RequireReady() const;
@@ -175,8 +184,7 @@ class Env {
   EndReason ReasonOf(const StepResult& step, const EnvStep& out);
   bool EndsAtCollision() const;
   void Observe();
-  void ObserveTask();
-  void ObserveFeatures();
+  void ReadInto(FeatureSource& source, const VectorPart& part);
   std::string place() const { return "environment '" + config_.name + "'"; }
   // Warns of arms and grippers that no action reaches.
   void RequireDistances(const ArmDriver& arm) const;
@@ -186,11 +194,14 @@ class Env {
   Scene scene_;
   ObjectVariations variations_;
   std::shared_ptr<Task> task_;
+  DeclaredFeatures signals_;  // of the task
   ChosenFeatures chosen_;
   EnvLayout layout_;
   std::vector<BodyHandle> objects_;  // of layout_.objects
   std::vector<ArmDriver> arms_;
-  std::optional<StartInspector> start_inspector_;  // with a task whose objects have to rest
+  std::shared_ptr<internal::PreparedObjects> prepared_;  // null when its task added none
+  std::vector<std::string> resting_;                     // objects that have to rest at the start
+  std::optional<StartInspector> start_inspector_;        // with such objects
   Stepper stepper_;
   CollisionMonitor collisions_;
   EnvCameras cameras_;

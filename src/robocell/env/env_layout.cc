@@ -85,14 +85,11 @@ class Builder {
     out_.objects.push_back({name, part});
   }
 
-  void AddSignals(const std::vector<TaskSignal>& signals) {
-    out_.all_signals = {static_cast<int>(out_.observed.size()), 0};
-    for (const TaskSignal& signal : signals) {
-      RequireSignal(signal);
-      const VectorPart part = Observe({"task", signal.name}, {}, {signal.lower, signal.upper},
-                                      FeatureRole::kPrivileged, "task");
-      out_.signals.push_back({signal.name, part});
-      out_.all_signals.size += part.size;
+  void AddSignals(const FeatureSource& signals) {
+    out_.all_signals = {static_cast<int>(out_.observed.size()), static_cast<int>(signals.size())};
+    for (const Feature& signal : signals.features()) {
+      const std::string name = signal.column.name.substr(signal.column.name.find('/') + 1);
+      out_.signals.push_back({name, ObserveAsIs({"task", name}, signal), signal.column.shape});
     }
   }
 
@@ -100,13 +97,8 @@ class Builder {
     out_.all_features = {static_cast<int>(out_.observed.size()), static_cast<int>(chosen.size())};
     for (size_t i = 0; i < chosen.keys().size(); ++i) {
       const Feature& feature = chosen.features()[i];
-      Bounds bounds{feature.lower, feature.upper};
-      constexpr double kAny = std::numeric_limits<double>::infinity();
-      if (bounds.lower.empty()) bounds.Add(-kAny, kAny, static_cast<int>(feature.size()));
       const std::string& key = chosen.keys()[i];
-      const VectorPart part = Observe({"features", key}, feature.column, std::move(bounds),
-                                      feature.role, feature.source);
-      out_.features.push_back({key, part});
+      out_.features.push_back({key, ObserveAsIs({"features", key}, feature), feature.column.shape});
     }
   }
 
@@ -117,17 +109,6 @@ class Builder {
   }
 
  private:
-  void RequireSignal(const TaskSignal& signal) const {
-    bool is_range = signal.lower.size() == signal.upper.size() && !signal.lower.empty();
-    for (size_t i = 0; is_range && i < signal.lower.size(); ++i)
-      is_range = signal.lower[i] <= signal.upper[i];
-    if (is_range) return;
-    throw ArgumentError(
-        fmt::format("environment '{}': signal '{}' of task '{}' needs a range: as many lower as "
-                    "upper bounds, and none above the other",
-                    config_.name, signal.name, config_.task->kind()));
-  }
-
   static std::string CommandName(ControlMode mode) {
     return mode == ControlMode::kJoints          ? "joints"
            : mode == ControlMode::kCartesianTrpy ? "xyzrpy"
@@ -139,7 +120,6 @@ class Builder {
                            const char* kind, std::vector<std::string> path, ColumnSpec column,
                            Bounds bounds, FeatureRole role, const std::string& source) {
     column.name = fmt::format("{}/{}", kind, fmt::join(path, "/"));
-    column.shape = {static_cast<int64_t>(bounds.lower.size())};
     const VectorPart part{static_cast<int>(schema.size()), static_cast<int>(bounds.lower.size())};
     schema.Add({.column = std::move(column),
                 .role = role,
@@ -153,8 +133,18 @@ class Builder {
   VectorPart Observe(std::vector<std::string> path, ColumnSpec column, Bounds bounds,
                      FeatureRole role = FeatureRole::kObservation, const std::string& source = "") {
     const std::string from = source.empty() ? "robot " + path.front() : source;
+    column.shape = {static_cast<int64_t>(bounds.lower.size())};
     return Append(out_.observed, out_.observed_paths, "observation", std::move(path),
                   std::move(column), std::move(bounds), role, from);
+  }
+
+  // A feature with the shape that it has.
+  VectorPart ObserveAsIs(std::vector<std::string> path, const Feature& feature) {
+    Bounds bounds{feature.lower, feature.upper};
+    constexpr double kAny = std::numeric_limits<double>::infinity();
+    if (bounds.lower.empty()) bounds.Add(-kAny, kAny, static_cast<int>(feature.size()));
+    return Append(out_.observed, out_.observed_paths, "observation", std::move(path),
+                  feature.column, std::move(bounds), feature.role, feature.source);
   }
 
   static ColumnSpec TquatColumn(const std::string& description) {
@@ -198,6 +188,7 @@ class Builder {
 
   void AddActions(const Robot& robot, RobotLayout& layout) {
     const auto command = [&](const std::string& key, ColumnSpec column, Bounds bounds) {
+      column.shape = {static_cast<int64_t>(bounds.lower.size())};
       return Append(out_.commanded, out_.commanded_paths, "action", {layout.robot, key},
                     std::move(column), std::move(bounds), FeatureRole::kAction,
                     "robot " + layout.robot);
@@ -270,14 +261,14 @@ std::vector<Interval> CommandLimits(const Robot& robot) {
 }
 
 EnvLayout MakeEnvLayout(const EnvConfig& config, const std::vector<Robot>& robots, const Task* task,
-                        const ChosenFeatures& chosen) {
+                        const FeatureSource& signals, const ChosenFeatures& chosen) {
   Builder builder(config);
   const std::vector<std::string> names = config.robots.keys();
   for (size_t i = 0; i < robots.size(); ++i) builder.Add(names[i], robots[i]);
   if (task) {
     for (const std::string& object : task->objects()) builder.AddObject(object);
-    builder.AddSignals(task->signals());
   }
+  builder.AddSignals(signals);
   builder.AddFeatures(chosen);
   return builder.Take();
 }

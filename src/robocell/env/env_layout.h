@@ -1,6 +1,7 @@
 // How an environment's action and observation are laid out in flat vectors: pure data made from the
 // configuration and its robots, the same for every copy of the environment. The schemas say what
-// each number is; parts and ranges are views of them.
+// each number is; parts and ranges are views of them. Features and signals keep their shape in the
+// schema; vectors have their numbers in row-major order.
 //
 // An action has for each robot its command and, with a gripper, one number more. An observation has
 // for each robot the TCP in the shared base frame (tquat: x y z, quaternion xyzw; xyzrpy: x y z,
@@ -8,6 +9,7 @@
 // signals. Metres, radians, 0 closed ... 1 open.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -45,12 +47,14 @@ struct ObjectLayout {
 struct SignalLayout {
   std::string name;
   VectorPart part;
+  std::vector<int64_t> shape;  // of its numbers, in row-major order
 };
 
 // A feature that was chosen to be observed too (EnvConfig::features).
 struct FeatureLayout {
   std::string key;  // "tcp_height", "sensors/touch"
   VectorPart part;
+  std::vector<int64_t> shape;
 };
 
 // What every number of a vector lies between.
@@ -78,9 +82,10 @@ struct EnvLayout {
 inline constexpr double kJointSlack = 0.5;
 
 // `robots` are those of the configuration, in its order, in a scene at its start; `task` null
-// without one; `chosen` are the features of the configuration. ArgumentError for signals whose ranges are none.
+// without one, and `signals` what it declares, as "task/<name>"; `chosen` are the features of the
+// configuration.
 EnvLayout MakeEnvLayout(const EnvConfig& config, const std::vector<Robot>& robots, const Task* task,
-                        const ChosenFeatures& chosen);
+                        const FeatureSource& signals, const ChosenFeatures& chosen);
 
 // "left.joints[2]", "objects.cube.tquat[0]", "task.goal[1]": number i of the observation.
 std::string NameOfObservation(const EnvLayout& layout, int i);

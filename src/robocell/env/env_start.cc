@@ -13,6 +13,7 @@
 #include "robocell/base/log.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/env/env.h"
+#include "robocell/env/prepared_objects.h"
 #include "robocell/scenes/settle.h"
 
 namespace robocell {
@@ -26,6 +27,10 @@ constexpr double kMostDrop = 0.2;  // metres straight down, for an object may be
 
 // How what the task itself refused begins.
 const std::string kRefused = "its arrange() refused: ";
+
+bool Contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::ranges::find(names, name) != names.end();
+}
 
 std::string RefusalText(const Refusal& refusal) {
   return refusal.detail.empty() ? refusal.reason : refusal.reason + " (" + refusal.detail + ")";
@@ -65,11 +70,12 @@ std::string ChangeOf(const Pose& before, const Pose& after) {
 // stream has next.
 std::string Env::MakeStart(uint64_t seed, const std::optional<KeyframeChoice>& keyframe,
                            const std::vector<std::vector<double>>& kept_joints) {
-  Rng of_task = Rng::Stream(seed, "env task");
+  Rng of_task = Rng::Stream(seed, "env task"), of_places = Rng::Stream(seed, "env places");
   std::map<std::string, int> reasons;
   for (int i = 0; i < kMostStarts; ++i) {
     // Asked before the reset, which puts bodies there and is one evaluation of the scene.
     BodyPoses starts = task_ ? task_->Starts(of_task) : BodyPoses();
+    if (prepared_) prepared_->AddPlaces(starts, of_places);
     if (start_inspector_) starts = start_inspector_->Lowered(std::move(starts));
     const uint64_t noise = i == 0 ? seed : Rng::Stream(seed, "env start", i).NextBits();
     scene_.Reset({.keyframe = keyframe, .seed = noise, .body_poses = starts});
@@ -81,6 +87,11 @@ std::string Env::MakeStart(uint64_t seed, const std::optional<KeyframeChoice>& k
         ++reasons[kRefused + RefusalText(*refusal)];
         continue;
       }
+    }
+    if (prepared_ && !prepared_->Unplaced().empty()) {
+      if (!prepared_->has_support()) throw SpecError(NoPlace());
+      ++reasons[Refusal::kNoFreePlace];
+      continue;
     }
     const std::string why = start_inspector_ ? start_inspector_->WhyNot() : "";
     if (why.empty()) return "";
@@ -102,11 +113,55 @@ std::string Env::NoStart(const std::string& why) const {
   return found + ". Move its objects to a free place (root_frame_objects), or change task.spread";
 }
 
+std::string Env::NoPlace() const {
+  return fmt::format("{}: task '{}': {}", place(), config_.task->kind(), prepared_->Advice());
+}
+
+// Which objects the task leaves where they are put: they have to rest there, as those that it names.
+void Env::FindPreparedObjects() {
+  if (!task_) return;
+  resting_ = task_->resting_objects();
+  prepared_ = std::make_shared<internal::PreparedObjects>(scene_, config_, *task_);
+  if (prepared_->empty()) return prepared_.reset();
+  Rng of_task = Rng::Stream(kTriedSeed, "env task"), of_places = Rng::Stream(kTriedSeed, "places");
+  BodyPoses starts = task_->Starts(of_task);
+  const auto own = static_cast<std::ptrdiff_t>(starts.size());
+  prepared_->AddPlaces(starts, of_places);
+  scene_.Reset({.body_poses = starts});
+  if (task_->Arrange(scene_, of_task)) scene_.Reset({.body_poses = starts});
+  starts.erase(starts.begin(), starts.begin() + own);
+  std::vector<std::string> placed = prepared_->PlacedHere(starts);
+  std::erase_if(placed, [&](const std::string& object) { return Contains(resting_, object); });
+  resting_.insert(resting_.end(), placed.begin(), placed.end());
+  PutPrepared(of_places);
+}
+
+// What the inspector accepts and warnings speak of is a start in which they lie free.
+void Env::PutPrepared(Rng& rng) {
+  for (int i = 0; i < kMostStarts; ++i) {
+    BodyPoses places;
+    prepared_->AddPlaces(places, rng);
+    scene_.Reset({.body_poses = places});
+    if (places.empty()) return;
+    StartInspector inspector(scene_, prepared_->names());
+    inspector.Accept();
+    if (inspector.WhyNot().empty()) return;
+  }
+}
+
+// Looks at the scene as it is now, with objects in their places.
+void Env::MakeInspector() {
+  if (!resting_.empty()) start_inspector_.emplace(scene_, resting_);
+}
+
 // The scene is left as a reset leaves it.
 void Env::TryStart(bool is_first) {
   const SceneUse::Claim claim(scene_.use(), "Env::Env");
   scene_.Reset();
-  if (is_first) WarnOfStart();
+  FindPreparedObjects();
+  MakeInspector();
+  const bool is_placed = !prepared_ || prepared_->has_support();  // else the task has to do it
+  if (is_first && is_placed) WarnOfStart();
   if (!start_inspector_) {
     if (!task_) return;
     if (const std::string why = MakeStart(kTriedSeed, {}, {}); !why.empty())
@@ -128,7 +183,7 @@ void Env::TryStart(bool is_first) {
 
 void Env::RequireRest(const std::string& doubt) {
   std::vector<Robot> robots = RobotsOf(scene_);
-  const std::vector<std::string> resting = task_->resting_objects();
+  const std::vector<std::string>& resting = resting_;
   const std::string body = scene_.compiled()->object(resting.front()).root_body;
   std::vector<Pose> before;
   for (const std::string& object : resting) before.push_back(RootPose(scene_, object));
@@ -174,7 +229,7 @@ void Env::WarnOfStart() {
   }
   std::vector<std::string> falling = ObjectsOverNothing(scene_);
   if (start_inspector_) {
-    for (const std::string& object : task_->resting_objects()) std::erase(falling, object);
+    for (const std::string& object : resting_) std::erase(falling, object);
   }
   if (falling.empty()) return;
   LogWarn(

@@ -295,8 +295,14 @@ class BeHigh final : public Task {
   }
   std::string instruction() const override { return "go up"; }
   std::vector<std::string> objects() const override { return {"ground"}; }
-  std::vector<TaskSignal> signals() const override {
-    return {{"height", {0}, {2}}, {"big", {-1, -1}, {1, 1}}};
+  std::vector<Feature> signals() const override {
+    return {{.column = {.name = "height", .units = "m", .frame = "world"},
+             .role = FeatureRole::kPrivileged,
+             .lower = {0},
+             .upper = {2}},
+            {.column = {.name = "big", .shape = {2}, .names = {"much", "little"}},
+             .lower = {-1, -1},
+             .upper = {1, 1}}};
   }
   void Observe(const Scene& scene, std::span<double> out) const override {
     out[0] = Height(scene);

@@ -94,8 +94,28 @@ TEST(CellFeatures, NumbersOfAUsersOwnMustBeFinite) {
                   [](const Scene&, std::span<double> out) { out[0] = std::nan(""); });
   const Cell cell;
   CellFeatures features(cell.scene, {*cell.robot}, {.own = {"bad_of_test"}});
-  ExpectThrow<ArgumentError>([&] { features.ReadState(); },
-                             "feature 'features/bad_of_test' is nan at t = 0.000 s");
+  ExpectThrow<HookError>([&] { features.ReadState(); },
+                         "feature 'features/bad_of_test' is nan at t = 0.000 s");
+}
+
+TEST(CellFeatures, NumbersBeyondTheirRangeAreCutToIt) {
+  RegisterFeature("far_of_test", {.column = {.shape = {2}}, .lower = {0, 0}, .upper = {1, 1}},
+                  [](const Scene&, std::span<double> out) {
+                    out[0] = 5;
+                    out[1] = -5;
+                  });
+  const Cell cell;
+  CellFeatures features(cell.scene, {*cell.robot}, {.own = {"far_of_test"}});
+  features.ReadState();
+  EXPECT_THAT(cell.Numbers(features, "features/far_of_test"), ElementsAre(1, 0));
+}
+
+TEST(CellFeatures, AFunctionThatFailsIsNamed) {
+  RegisterFeature("failing_of_test", {},
+                  [](const Scene&, std::span<double>) { throw std::runtime_error("no light"); });
+  const Cell cell;
+  CellFeatures features(cell.scene, {*cell.robot}, {.own = {"failing_of_test"}});
+  ExpectThrow<HookError>([&] { features.ReadState(); }, "in features/failing_of_test: no light");
 }
 
 TEST(CellFeatures, ActionsGoByTheirNames) {

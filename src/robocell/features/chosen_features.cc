@@ -34,7 +34,8 @@ std::vector<std::string> OwnAmong(const std::vector<std::string>& names) {
 }
 
 ChosenFeatures::ChosenFeatures(const Scene& scene, const std::vector<Robot>& robots,
-                               const std::vector<std::string>& names) {
+                               const std::vector<std::string>& names)
+    : FeatureSource(scene) {
   if (names.empty()) return;
   std::vector<std::unique_ptr<FeatureSource>> all;
   std::vector<std::string> objects;
@@ -78,7 +79,7 @@ void ChosenFeatures::AddPart(size_t source, size_t begin, const Feature& feature
   Add(feature);
 }
 
-void ChosenFeatures::Read(std::span<double> out) {
+void ChosenFeatures::ReadNumbers(std::span<double> out) {
   for (size_t i = 0; i < sources_.size(); ++i) {
     if (sources_[i]) sources_[i]->Read(numbers_[i]);
   }

@@ -26,13 +26,13 @@ class ChosenFeatures final : public FeatureSource {
                  const std::vector<std::string>& names);
   // How each was chosen: a registered feature without "features/", all others by their names.
   const std::vector<std::string>& keys() const { return keys_; }
-  void Read(std::span<double> out) override;
 
  private:
   // Numbers of a source.
   struct Part {
     size_t source, begin, size;
   };
+  void ReadNumbers(std::span<double> out) override;
   void Choose(const std::string& name, const std::vector<std::unique_ptr<FeatureSource>>& all);
   void AddPart(size_t source, size_t begin, const Feature& feature);
 

@@ -1,6 +1,11 @@
 #include "robocell/features/feature_source.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
+
+#include "robocell/base/hook_error.h"
 
 namespace robocell {
 
@@ -8,6 +13,26 @@ int64_t FeatureSource::size() const {
   int64_t size = 0;
   for (const Feature& feature : features_) size += feature.size();
   return size;
+}
+
+void FeatureSource::RequireFinite(size_t feature, std::span<const double> numbers) const {
+  const auto bad = std::ranges::find_if_not(numbers, [](double x) { return std::isfinite(x); });
+  if (bad == numbers.end()) return;
+  throw HookError(fmt::format("feature '{}' is {} at t = {:.3f} s; features must be finite",
+                              features_[feature].column.name, *bad, scene_.time()),
+                  PlaceOf(feature));
+}
+
+void FeatureSource::Read(std::span<double> out) {
+  ReadNumbers(out);
+  for (size_t i = 0; i < features_.size(); ++i) {
+    const Feature& feature = features_[i];
+    const std::span<double> numbers = out.first(static_cast<size_t>(feature.size()));
+    RequireFinite(i, numbers);
+    for (size_t k = 0; k < feature.lower.size(); ++k)
+      numbers[k] = std::clamp(numbers[k], feature.lower[k], feature.upper[k]);
+    out = out.subspan(numbers.size());
+  }
 }
 
 void PutPose(const Pose& pose, std::span<double> out) {

@@ -5,10 +5,12 @@
 
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "robocell/data/feature_schema.h"
 #include "robocell/math/pose.h"
+#include "robocell/scene/scene.h"
 
 namespace robocell {
 
@@ -18,13 +20,22 @@ class FeatureSource {
   const std::vector<Feature>& features() const { return features_; }
   int64_t size() const;
   // The numbers of all features in the scene's present state, one after another. `out` has size()
-  // of them.
-  virtual void Read(std::span<double> out) = 0;
+  // of them. Numbers beyond the range of their feature are cut to it, so that they lie in the spaces
+  // that are made from it; HookError names a feature whose numbers are not finite.
+  void Read(std::span<double> out);
 
  protected:
+  explicit FeatureSource(Scene scene) : scene_(std::move(scene)) {}
+  const Scene& scene() const { return scene_; }
   void Add(Feature feature) { features_.push_back(std::move(feature)); }
 
  private:
+  virtual void ReadNumbers(std::span<double> out) = 0;
+  // Where a feature is read by code of a user's own (base/hook_error.h), for messages.
+  virtual std::string PlaceOf(size_t /*feature*/) const { return ""; }
+  void RequireFinite(size_t feature, std::span<const double> numbers) const;
+
+  Scene scene_;
   std::vector<Feature> features_;
 };
 

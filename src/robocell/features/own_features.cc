@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <map>
 #include <mutex>
 #include <utility>
 
+#include "robocell/base/call_hook.h"
 #include "robocell/base/error.h"
 #include "robocell/base/paths.h"
 #include "robocell/base/plugin.h"
@@ -44,8 +44,8 @@ OwnFeature FindOwnFeature(const std::string& name) {
 
 void RegisterFeature(const std::string& name, Feature feature, FeatureFunction function,
                      bool replace, FeatureCode code) {
-  if (const std::string& plugin = PluginBeingLoaded(); !code && !plugin.empty())
-    code = [plugin] { return std::vector<std::string>{plugin}; };
+  if (const std::string& plugin = PluginBeingLoaded(); !code.files && !plugin.empty())
+    code.files = [plugin] { return std::vector<std::string>{plugin}; };
   internal::RequireFileName("feature", name);
   if (!function) throw ArgumentError("feature '" + name + "' needs a function that reads it");
   if (feature.column.type != ColumnType::kFloat64)
@@ -79,33 +79,40 @@ std::vector<std::string> CodeOfFeatures(const std::vector<std::string>& names) {
   std::vector<std::string> files;
   for (const std::string& name : names) {
     const OwnFeature own = FindOwnFeature(name);
-    if (!own.code) continue;
-    for (std::string& file : own.code()) files.push_back(std::move(file));
+    if (!own.code.files) continue;
+    for (std::string& file : own.code.files()) files.push_back(std::move(file));
   }
   return files;
 }
 
+std::string OwnFeatureSource::Function::PlaceOfHook(const char* /*method*/) const {
+  return code.place ? code.place() : "";
+}
+
 OwnFeatureSource::OwnFeatureSource(Scene scene, const std::vector<std::string>& names)
-    : scene_(std::move(scene)) {
+    : FeatureSource(std::move(scene)) {
   for (const std::string& name : names) {
     OwnFeature own = FindOwnFeature(name);
     Add(std::move(own.feature));
-    functions_.push_back(std::move(own.function));
+    Function function;
+    function.read = std::move(own.function);
+    function.code = std::move(own.code);
+    functions_.push_back(std::move(function));
   }
 }
 
-void OwnFeatureSource::Read(std::span<double> out) {
+void OwnFeatureSource::ReadNumbers(std::span<double> out) {
   for (size_t i = 0; i < functions_.size(); ++i) {
-    const Feature& feature = features()[i];
-    const std::span<double> part = out.first(static_cast<size_t>(feature.size()));
-    functions_[i](scene_, part);
-    for (const double value : part) {
-      if (std::isfinite(value)) continue;
-      throw ArgumentError(fmt::format("feature '{}' is {} at t = {:.3f} s; features must be finite",
-                                      feature.column.name, value, scene_.time()));
-    }
+    const Function& function = functions_[i];
+    const std::span<double> part = out.first(static_cast<size_t>(features()[i].size()));
+    internal::CallHook(function, features()[i].column.name.c_str(),
+                       [&] { function.read(scene(), part); });
     out = out.subspan(part.size());
   }
+}
+
+std::string OwnFeatureSource::PlaceOf(size_t feature) const {
+  return functions_[feature].PlaceOfHook("");
 }
 
 }  // namespace robocell

@@ -5,7 +5,8 @@
 //                   [](const Scene& scene, std::span<double> out) { out[0] = ...; });
 //
 // Errors: ArgumentError for a name that is taken or no path, or a type other than float64;
-// NotFoundError lists the names.
+// NotFoundError lists the names; HookError for a function that fails, or writes numbers that are not
+// finite.
 #pragma once
 
 #include <functional>
@@ -14,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "robocell/base/hook_error.h"
 #include "robocell/features/feature_source.h"
 #include "robocell/scene/scene.h"
 
@@ -22,9 +24,13 @@ namespace robocell {
 // Writes the numbers of the feature, as the scene is now.
 using FeatureFunction = std::function<void(const Scene& scene, std::span<double> out)>;
 
+// How a feature's function is written, asked for when it is needed.
+struct FeatureCode {
+  std::function<std::vector<std::string>()> files = {};  // that define it, which datasets remember
+  std::function<std::string()> place = {};               // for messages (base/hook_error.h)
+};
+
 // Makes a feature known on all threads, from now on. Its full name is "features/" + `name`.
-// `code`: source files that define it, which datasets remember.
-using FeatureCode = std::function<std::vector<std::string>()>;
 void RegisterFeature(const std::string& name, Feature feature, FeatureFunction function,
                      bool replace = false, FeatureCode code = {});
 // Those files of registered features.
@@ -36,12 +42,17 @@ bool IsOwnFeature(const std::string& name);
 class OwnFeatureSource final : public FeatureSource {
  public:
   OwnFeatureSource(Scene scene, const std::vector<std::string>& names);
-  // ArgumentError for numbers that are not finite.
-  void Read(std::span<double> out) override;
 
  private:
-  Scene scene_;
-  std::vector<FeatureFunction> functions_;
+  struct Function : Hooks {
+    FeatureFunction read;
+    FeatureCode code;
+    std::string PlaceOfHook(const char* method) const override;
+  };
+  void ReadNumbers(std::span<double> out) override;
+  std::string PlaceOf(size_t feature) const override;
+
+  std::vector<Function> functions_;
 };
 
 }  // namespace robocell

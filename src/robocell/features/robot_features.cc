@@ -88,7 +88,7 @@ std::string UnitsOfJoints(const mjModel* m, const std::vector<std::string>& join
   return fmt::format("{}", fmt::join(units, ", "));
 }
 
-RobotFeatures::RobotFeatures(Robot robot) : robot_(std::move(robot)) {
+RobotFeatures::RobotFeatures(Robot robot) : FeatureSource(robot.scene()), robot_(std::move(robot)) {
   const std::string path = PathOf(robot_), source = SourceOf(robot_);
   for (const std::string& name : robot_.group_names()) AddGroup(name);
   const auto add_pose = [&](const std::string& name, const std::string& frame,
@@ -152,7 +152,7 @@ void RobotFeatures::RequireSameGroups() const {
     refuse(robot_.group_names().back(), "added");
 }
 
-void RobotFeatures::Read(std::span<double> out) {
+void RobotFeatures::ReadNumbers(std::span<double> out) {
   RequireSameGroups();
   const auto next = [&](int size) {
     const std::span<double> part = out.first(static_cast<size_t>(size));

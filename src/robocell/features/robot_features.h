@@ -26,10 +26,10 @@ std::string UnitsOfJoints(const mjModel* m, const std::vector<std::string>& join
 class RobotFeatures final : public FeatureSource {
  public:
   explicit RobotFeatures(Robot robot);
-  // Error when the robot's groups are no longer those that the features were made for.
-  void Read(std::span<double> out) override;
 
  private:
+  // Error when the robot's groups are no longer those that the features were made for.
+  void ReadNumbers(std::span<double> out) override;
   struct Group {
     std::string name;
     std::shared_ptr<MoveGroup> group;  // the one that the features were made for

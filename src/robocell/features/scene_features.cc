@@ -4,12 +4,12 @@
 
 namespace robocell::internal {
 
-SceneFeatures::SceneFeatures(Scene scene, std::vector<Robot> robots,
+SceneFeatures::SceneFeatures(Scene given, std::vector<Robot> robots,
                              const std::vector<std::string>& objects)
-    : scene_(std::move(scene)), robots_(std::move(robots)) {
+    : FeatureSource(std::move(given)), robots_(std::move(robots)) {
   Add({.column = {.name = "time", .units = "s"}, .source = "scene"});
   for (const std::string& object : objects) {
-    objects_.emplace_back(scene_, scene_.compiled()->object(object).root_body);
+    objects_.emplace_back(scene(), scene().compiled()->object(object).root_body);
     const std::string source = "object " + object;
     Add(PoseFeature("objects/" + object + "/pose", "world", FeatureRole::kPrivileged, source,
                     "Pose of the object's root body."));
@@ -24,8 +24,8 @@ SceneFeatures::SceneFeatures(Scene scene, std::vector<Robot> robots,
   }
 }
 
-void SceneFeatures::Read(std::span<double> out) {
-  out[0] = scene_.time();
+void SceneFeatures::ReadNumbers(std::span<double> out) {
+  out[0] = scene().time();
   out = out.subspan(1);
   const auto put = [&](const Pose& pose) {
     PutPose(pose, out);

@@ -16,11 +16,11 @@ namespace robocell::internal {
 class SceneFeatures final : public FeatureSource {
  public:
   // `objects`: their names. NotFoundError for one that is not there.
-  SceneFeatures(Scene scene, std::vector<Robot> robots, const std::vector<std::string>& objects);
-  void Read(std::span<double> out) override;
+  SceneFeatures(Scene given, std::vector<Robot> robots, const std::vector<std::string>& objects);
 
  private:
-  Scene scene_;
+  void ReadNumbers(std::span<double> out) override;
+
   std::vector<Robot> robots_;
   std::vector<BodyHandle> objects_;
 };

@@ -136,8 +136,8 @@ std::string NameOfSensor(const mjModel* m, int sensor) {
 
 }  // namespace
 
-SensorFeatures::SensorFeatures(Scene scene) : scene_(std::move(scene)) {
-  const mjModel* m = scene_.model();
+SensorFeatures::SensorFeatures(Scene given) : FeatureSource(std::move(given)) {
+  const mjModel* m = scene().model();
   for (int s = 0; s < m->nsensor; ++s) {
     const int type = m->sensor_type[s], dim = m->sensor_dim[s];
     const bool quaternion = type == mjSENS_FRAMEQUAT || type == mjSENS_BALLQUAT;
@@ -150,7 +150,7 @@ SensorFeatures::SensorFeatures(Scene scene) : scene_(std::move(scene)) {
     Add({.column = std::move(spec), .source = "sensor"});
     columns_.push_back({m->sensor_adr[s], dim, quaternion});
   }
-  for (const RobotRecord& robot : scene_.compiled()->robots()) AddFtSensors(robot);
+  for (const RobotRecord& robot : scene().compiled()->robots()) AddFtSensors(robot);
   if (columns_.empty()) return;  // no force-torque sensors either
   data_ = MakeData(m);
   state_.resize(static_cast<size_t>(mj_stateSize(m, mjSTATE_INTEGRATION)));
@@ -158,7 +158,7 @@ SensorFeatures::SensorFeatures(Scene scene) : scene_(std::move(scene)) {
 
 void SensorFeatures::AddFtSensors(const RobotRecord& robot) {
   for (const ForceTorqueSensorSpec& spec : robot.config.ft_sensors) {
-    FtSensor sensor(scene_.model(), robot, spec);
+    FtSensor sensor(scene().model(), robot, spec);
     Add({.column = {.name = "robots/" + robot.name + "/sensors/" + sensor.name(),
                     .shape = {6},
                     .units = "N, N m",
@@ -171,10 +171,10 @@ void SensorFeatures::AddFtSensors(const RobotRecord& robot) {
   }
 }
 
-void SensorFeatures::Read(std::span<double> out) {
+void SensorFeatures::ReadNumbers(std::span<double> out) {
   if (columns_.empty()) return;
-  const mjModel* m = scene_.model();
-  mj_getState(m, scene_.data(), state_.data(), mjSTATE_INTEGRATION);
+  const mjModel* m = scene().model();
+  mj_getState(m, scene().data(), state_.data(), mjSTATE_INTEGRATION);
   mj_setState(m, data_.get(), state_.data(), mjSTATE_INTEGRATION);
   Guarded("sensors", data_.get(), [&] { mj_forward(m, data_.get()); });
   for (const Column& column : columns_) {

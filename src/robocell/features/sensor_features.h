@@ -18,19 +18,18 @@ namespace robocell::internal {
 class SensorFeatures final : public FeatureSource {
  public:
   // A sensor without a name is `sensors/sensor_<id>`.
-  explicit SensorFeatures(Scene scene);
-  // Computed in a simulation of its own: the scene's is only read, so that recording changes no
-  // trajectory.
-  void Read(std::span<double> out) override;
+  explicit SensorFeatures(Scene given);
 
  private:
+  // Computed in a simulation of its own: the scene's is only read, so that recording changes no
+  // trajectory.
+  void ReadNumbers(std::span<double> out) override;
   struct Column {
     int address, dim;
     bool quaternion;
   };
   void AddFtSensors(const RobotRecord& robot);
 
-  Scene scene_;
   DataPtr data_;
   std::vector<Column> columns_;
   std::vector<FtSensor> ft_sensors_;

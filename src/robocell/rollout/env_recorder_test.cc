@@ -8,6 +8,7 @@
 
 #include <csignal>
 #include <filesystem>
+#include <numeric>
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
@@ -403,10 +404,9 @@ TEST(EnvRecorders, EpisodesAreRepeatedWithTheirOwnCodeOnly) {
   const TempDir folder;
   const std::string code = (folder / "mine.cc").string();
   AtomicWrite(code, "return 1;");
-  RegisterFeature(
-      "recorded_feature", {.column = {.units = "m"}},
-      [](const Scene&, std::span<double> out) { out[0] = 1; }, true,
-      [code] { return std::vector<std::string>{code}; });
+  RegisterFeature("recorded_feature", {.column = {.units = "m"}},
+                  [](const Scene&, std::span<double> out) { out[0] = 1; }, true,
+                  {.files = [code] { return std::vector<std::string>{code}; }});
   EnvConfig config = Rc7WithCube();
   config.features.names = {"recorded_feature"};
   Env env(config);
@@ -421,6 +421,32 @@ TEST(EnvRecorders, EpisodesAreRepeatedWithTheirOwnCodeOnly) {
   ExpectThrow<SpecError>([&] { ReplayActions(env, episode); }, "mine.cc");
   ExpectThrow<ArgumentError>([&] { EnvRecorder(env, folder / "out"); },
                              "mine.cc: not the recorded one; choose another folder");
+}
+
+TEST(EnvRecorders, FeaturesKeepTheirShape) {
+  const TempDir folder;
+  RegisterFeature(
+      "recorded_matrix", {.column = {.shape = {2, 3}, .names = {"a", "b", "c"}}},
+      [](const Scene&, std::span<double> out) { std::iota(out.begin(), out.end(), 1); }, true);
+  RegisterFeature(
+      "recorded_number", {}, [](const Scene&, std::span<double> out) { out[0] = 7; }, true);
+  EnvConfig config = Rc7WithCube();
+  config.features.names = {"recorded_matrix", "recorded_number"};
+  Env env(config);
+  EnvRecorder recorder(env, folder / "out");
+  env.Reset();
+  env.Step(GoingTo({0.45, 0, 0.3}));
+  recorder.Close();
+  const Episode episode = Dataset(folder / "out").At(0);
+  const FeatureSchema& schema = episode.features();
+  for (const std::string path : {"features/", "observation/features/"}) {
+    const Feature& matrix = schema.Find(path + "recorded_matrix");
+    EXPECT_EQ(matrix.column.shape, (std::vector<int64_t>{2, 3})) << path;
+    EXPECT_EQ(matrix.column.names, (std::vector<std::string>{"a", "b", "c"})) << path;
+    EXPECT_EQ(schema.Find(path + "recorded_number").column.shape, std::vector<int64_t>{}) << path;
+    const std::vector<double> row = episode.Read<double>(path + "recorded_matrix", {0, 1});
+    EXPECT_EQ(row, (std::vector<double>{1, 2, 3, 4, 5, 6})) << path;
+  }
 }
 
 TEST(EnvRecorders, TellWhichFoldersTheyDoNotTake) {

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "robocell/base/call_hook.h"
 #include "robocell/base/log.h"
 #include "robocell/env/stepper.h"
 #include "robocell/mujoco/warnings.h"
@@ -30,7 +31,10 @@ class Recording {
         features_(FeaturesOfCell(start.scene, robots, start.task, run.features.names)),
         observed_(schema_, features_.observed()),
         commanded_(schema_, features_.commanded()),
-        outcome_(schema_, start.scene, expert.phase_names(), start.task->subtasks()),
+        outcome_(
+            schema_, start.scene,
+            internal::CallHook(expert, "phase_names", [&] { return expert.phase_names(); }),
+            internal::CallHook(*start.task, "subtasks", [&] { return start.task->subtasks(); })),
         cameras_(schema_, start.scene, run.cameras, options.renderer, run.rates.policy_rate()) {
     const std::vector<double> state = start.scene.state();
     schema_.AddConstant(
@@ -46,7 +50,7 @@ class Recording {
     for (const auto& [name, files] : portable.models) writer_->AddModel(name, files);
   }
 
-  void PutState(int phase) {
+  void PutState(const Expert& expert) {
     if (simulation_.generation() != generation_) {
       throw Error("scene '" + simulation_.name() +
                   "': objects were added or removed while an episode is recorded, whose rows have "
@@ -55,7 +59,7 @@ class Recording {
     {
       const StageClock::Stage stage(clock_, times_.writing);
       observed_.Put(*writer_, features_.ReadState());
-      outcome_.PutPhase(*writer_, phase);
+      internal::CallHook(expert, "phase", [&] { outcome_.PutPhase(*writer_, expert.phase()); });
     }
     const StageClock::Stage stage(clock_, times_.rendering);
     cameras_.PutFrames(*writer_);
@@ -66,10 +70,11 @@ class Recording {
     const StageClock::Stage stage(clock_, times_.writing);
     outcome_.PutControl(*writer_, data->time, {data->ctrl, static_cast<size_t>(model->nu)});
   }
-  void PutOutcome(const RowOutcome& outcome) {
+  // Which `task` judged.
+  void PutOutcome(const RowOutcome& outcome, const Task& task) {
     const StageClock::Stage stage(clock_, times_.writing);
     commanded_.Put(*writer_, features_.ReadActions());
-    outcome_.PutOutcome(*writer_, outcome);
+    internal::CallHook(task, "judge", [&] { outcome_.PutOutcome(*writer_, outcome); });
     writer_->EndRow();
   }
   void Commit(const EpisodeSummary& summary) {
@@ -102,7 +107,8 @@ class Recording {
 std::string Metadata(const RunConfig& run, const EpisodeStart& start, const PortableScene& portable,
                      const RolloutOptions& options) {
   nlohmann::json meta = nlohmann::json::parse(options.metadata_json);
-  meta["instruction"] = start.task->instruction();
+  meta["instruction"] =
+      internal::CallHook(*start.task, "instruction", [&] { return start.task->instruction(); });
   meta["target_object"] = start.target_object;
   meta["object_kinds"] = start.object_kinds;
   meta["scene_spec"] = ToYaml(portable.spec);
@@ -126,7 +132,7 @@ std::string WhyFailed(const RolloutResult& result, const Task& task, const Exper
   if (!expert.failure().empty() && !truncated) return expert.failure();
   if (!result.ik_failures.empty()) return "no IK solution for " + result.ik_failures.begin()->first;
   if (truncated) return "timeout";
-  return task.why_not_done();
+  return internal::CallHook(task, "why_not_done", [&] { return task.why_not_done(); });
 }
 
 // Also for the log: a failure that is not kept leaves no record.
@@ -155,8 +161,9 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
   options.metadata_json = Metadata(run, start, portable, given);
   Stepper stepper(start.scene, RobotsOf(start.scene),
                   {run.rates.control_ticks(), run.rates.sim_steps()});
-  start.task->Begin(start.scene);
-  expert.Begin(start.scene, rng);
+  Task& task = *start.task;
+  internal::CallHook(task, "begin", [&] { task.Begin(start.scene); });
+  internal::CallHook(expert, "begin", [&] { expert.Begin(start.scene, rng); });
   RolloutResult result;
   Recording recording(run, start, stepper.robots(), expert, portable, options, result.times);
   stepper.set_on_control_tick(
@@ -164,15 +171,21 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
   bool terminated = false, truncated = false;
   while (!terminated && !truncated) {
     if (ShouldStop(options.stop)) return result.stopped = true, result;
-    recording.PutState(expert.phase());
+    recording.PutState(expert);
     const StageClock::Stage stage(recording.clock(), result.times.acting);
-    expert.See(recording.row());
-    const StepOutcome outcome = stepper.Advance(expert.Act(start.scene, rng));
+    internal::CallHook(expert, "see", [&] { expert.See(recording.row()); });
+    const StepOutcome outcome = internal::CallHook(
+        expert, "act", [&] { return stepper.Advance(expert.Act(start.scene, rng)); });
     ++result.rows;
-    const TaskVerdict verdict = outcome.ok() ? start.task->Judge(start.scene) : TaskVerdict();
-    terminated = expert.done() || !outcome.ok() || (verdict.success && expert.ends_at_success());
+    const TaskVerdict verdict =
+        outcome.ok() ? internal::CallHook(task, "judge", [&] { return task.Judge(start.scene); })
+                     : TaskVerdict();
+    terminated = internal::CallHook(expert, "done", [&] { return expert.done(); }) ||
+                 !outcome.ok() || (verdict.success && expert.ends_at_success());
     // What an expert calls a failure is no demonstration, whatever the task sees in it.
-    const bool gave_up = terminated && !expert.failure().empty();
+    const bool gave_up = terminated && !internal::CallHook(expert, "failure", [&] {
+                                          return expert.failure();
+                                        }).empty();
     result.success = verdict.success && !gave_up;
     truncated = !terminated && result.rows >= run.rates.max_steps;
     if (!outcome.ok()) NoteDivergence(outcome.step, options.episode_id, result);
@@ -185,10 +198,11 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
                           .terminated = terminated,
                           .truncated = truncated,
                           .ik_failed = ik_failed,
-                          .warnings = recording.warnings().total()});
+                          .warnings = recording.warnings().total()},
+                         task);
   }
   if (!result.success && result.failure.empty())
-    result.failure = WhyFailed(result, *start.task, expert, truncated);
+    result.failure = WhyFailed(result, task, expert, truncated);
   if (!result.success && !options.keep_failures) return result;
   if (options.before_commit) options.before_commit();
   recording.Commit({.success = result.success,

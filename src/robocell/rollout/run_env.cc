@@ -85,6 +85,7 @@ void RunEnv::Reset(int index, const StopRequest& stop) {
       ++reasons[sample.refusal.counted_as()];
       continue;
     }
+    BindStart(*sample.start, run);
     sample.start->task->Begin(sample.start->scene);
     state_->running.reset();
     state_->running.emplace(run, std::move(*sample.start), state_->renderer.get());

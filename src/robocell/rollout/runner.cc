@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "robocell/base/call_hook.h"
 #include "robocell/base/error.h"
 #include "robocell/base/log.h"
 #include "robocell/data/dataset.h"
@@ -56,6 +57,9 @@ struct Runner::State {
   // The same; an exception of a user's own code is a failure, unless it is the last of a row.
   void TryAttempt(const PlanItem& item, int attempt, const StopRequest& stop,
                   EarlierAttempts& earlier, ItemResult& result);
+  // Of the exception that is being handled; "" for one of others.
+  std::string WhatUsersCodeRaised() const;
+  bool has_samplers_hooks() const { return own_sampler || !run.sampler.empty(); }
   int raised = 0;  // in a row
 };
 
@@ -196,7 +200,11 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopRequest
                             EarlierAttempts& earlier, ItemResult& result) {
   const auto began = std::chrono::steady_clock::now();
   Rng start_rng = AttemptStream(run, item, attempt, "start");
-  SampleResult sample = sampler->Sample({item.scene, item.episode, attempt, stop}, start_rng);
+  const auto draw = [&] {
+    return sampler->Sample({item.scene, item.episode, attempt, stop}, start_rng);
+  };
+  SampleResult sample =
+      has_samplers_hooks() ? internal::CallHook(*sampler, "sample", draw) : draw();
   result.seconds_sampling += Seconds(began);
   if (ShouldStop(stop)) return Drop(result);
   RequireUnchangedModels();
@@ -219,7 +227,9 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopRequest
     if (count >= MostFrequent(result.refusals)) result.advice = sample.refusal.detail;
     return;
   }
-  const std::shared_ptr<Expert> expert = parts.expert(run, *sample.start);
+  BindStart(*sample.start, run);
+  const std::shared_ptr<Expert> expert = internal::CallHook(
+      Hooks(), "the expert's constructor", [&] { return parts.expert(run, *sample.start); });
   Rng expert_rng = AttemptStream(run, item, attempt, "expert");
   const internal::RolloutResult rollout = internal::RunRollout(
       run, *sample.start, *expert, expert_rng, Options(item, attempt, earlier, stop));
@@ -231,6 +241,16 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopRequest
   count_kind();
 }
 
+std::string Runner::State::WhatUsersCodeRaised() const {
+  try {
+    throw;
+  } catch (const HookError& error) {
+    return error.what();
+  } catch (...) {
+    return parts.told_of_users ? parts.told_of_users() : "";
+  }
+}
+
 void Runner::State::TryAttempt(const PlanItem& item, int attempt, const StopRequest& stop,
                                EarlierAttempts& earlier, ItemResult& result) {
   constexpr int kMostRaised = 3;
@@ -238,7 +258,7 @@ void Runner::State::TryAttempt(const PlanItem& item, int attempt, const StopRequ
     Attempt(item, attempt, stop, earlier, result);
     raised = 0;
   } catch (...) {
-    const std::string told = parts.told_of_users ? parts.told_of_users() : "";
+    const std::string told = WhatUsersCodeRaised();
     if (told.empty() || ++raised >= kMostRaised) throw;
     LogWarn(fmt::format("episode '{}', attempt {}: {}", item.id, attempt, told));
     ++result.attempts;

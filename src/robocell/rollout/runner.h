@@ -59,9 +59,9 @@ struct ItemResult {
 struct RunnerParts {
   std::function<std::shared_ptr<TaskSampler>(const RunConfig&)> sampler = {};
   std::function<std::shared_ptr<Expert>(const RunConfig&, const EpisodeStart&)> expert = {};
-  // Called while an exception is handled: what to say of one that a user's own code raised, "" for
-  // all others. It ends the attempt like a failure of that name; the third one in a row goes on to
-  // the caller of Run.
+  // Called while an exception is handled: what to say of one that a user's own code raised in
+  // another language, "" for all others. It ends the attempt like a failure of that name, as
+  // HookError does; the third one in a row goes on to the caller of Run.
   std::function<std::string()> told_of_users = {};
 };
 

@@ -9,6 +9,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/base/hook_error.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/dataset_lock.h"
 #include "robocell/expert/pick_planner.h"
@@ -103,6 +104,43 @@ TEST(Runner, AnEpisodeDoesNotDependOnWhatWasMadeBefore) {
   }
   EXPECT_NE(ReadFile(folder / "one" / plan[0].id / "steps.h5"),
             ReadFile(folder / "one" / plan[1].id / "steps.h5"));
+}
+
+// Fails in its first rollouts.
+class Failing : public Idle {
+ public:
+  explicit Failing(int& left, bool throws) : left_(left), throws_(throws) {}
+  Action Act(const Scene&, Rng&) override {
+    if (left_-- <= 0) return {};
+    if (throws_) throw std::runtime_error("out of ideas");
+    return {{"nobody", {}}};
+  }
+
+ private:
+  int& left_;
+  bool throws_;
+};
+
+RunnerParts FailingParts(int& left, bool throws) {
+  return {.sampler = {}, .expert = [&left, throws](const RunConfig&, const EpisodeStart&) {
+            return std::make_unique<Failing>(left, throws);
+          }};
+}
+
+TEST(Runner, WhatAHookDoesWronglyEndsTheAttempt) {
+  TempDir folder;
+  const RunConfig run = Blind("demo.yaml", folder / "out");
+  for (const bool throws : {true, false}) {
+    const std::string text =
+        throws ? "in act: out of ideas" : "action: no robot 'nobody'. Its robots: rc7.";
+    int left = 1;
+    const ItemResult result = Runner(run, FailingParts(left, throws)).Run(MakePlan(run)[0]);
+    EXPECT_THAT(result.failures, ::testing::Contains(Pair(::testing::HasSubstr(text), 1)));
+    EXPECT_GE(result.failures.at("idle"), 1);
+    left = 100;
+    ExpectThrow<HookError>([&] { Runner(run, FailingParts(left, throws)).Run(MakePlan(run)[0]); },
+                           text);
+  }
 }
 
 TEST(Runner, NeverMakesAMixture) {

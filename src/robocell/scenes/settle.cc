@@ -33,7 +33,8 @@ std::string MovingObject(const Scene& scene, const std::vector<std::string>& obj
 
 std::optional<std::string> Settle(Scene& scene, std::span<Robot> robots,
                                   const std::string& target_body, const SettleOptions& options) {
-  const Pose before = scene.body_pose(target_body);
+  const auto target = [&] { return target_body.empty() ? Pose() : scene.body_pose(target_body); };
+  const Pose before = target();
   const double tick = scene.timestep() * options.sim_steps;
   const ControlTicks between{.ticks = std::max(1, static_cast<int>(std::lround(kSeconds / tick))),
                              .sim_steps = options.sim_steps};
@@ -44,7 +45,7 @@ std::optional<std::string> Settle(Scene& scene, std::span<Robot> robots,
     moving = MovingObject(scene, options.resting.value_or(scene.object_names()));
   }
   if (!moving.empty()) return moving + " still moves";
-  const Pose after = scene.body_pose(target_body);
+  const Pose after = target();
   if ((after.translation() - before.translation()).norm() > options.most_drift) {
     return "the target rolled away or fell off its support";
   }

@@ -140,6 +140,10 @@ class LevelFaces {
   explicit LevelFaces(const Scene& scene) : scene_(scene), m_(scene.model()) {
     for (const std::string& object : scene.parked_objects())
       parked_.push_back(FindId(m_, mjOBJ_BODY, scene.compiled()->object(object).root_body));
+    for (const RobotRecord& robot : scene.compiled()->robots()) {
+      if (const int base = FindId(m_, mjOBJ_BODY, robot.base_body); base > 0)
+        robots_.push_back(base);
+    }
   }
 
   // From the one that objects are put on first.
@@ -185,9 +189,7 @@ class LevelFaces {
     if (m_->geom_type[g] != mjGEOM_BOX || !internal::IsCollisionGeom(m_, g)) return std::nullopt;
     const int body = m_->geom_bodyid[g];
     if (m_->body_dofnum[m_->body_weldid[body]] > 0 || IsMocap(body)) return std::nullopt;
-    for (const int root : parked_) {
-      if (internal::IsInSubtree(m_, body, root)) return std::nullopt;
-    }
+    if (IsUnder(body, parked_) || IsUnder(body, robots_)) return std::nullopt;
     const mjData* d = scene_.data();
     const Pose box = Pose::FromTranslationAndMatrix(d->geom_xpos + 3 * g, d->geom_xmat + 9 * g);
     const Face face(m_, Pose(box.translation()), box, g);
@@ -199,17 +201,28 @@ class LevelFaces {
     return Support{top, face.half_x(), face.half_y(), face.thickness(), ""};
   }
   bool IsMocap(int body) const { return m_->body_mocapid[m_->body_rootid[body]] >= 0; }
+  bool IsUnder(int body, const std::vector<int>& roots) const {
+    return std::ranges::any_of(roots,
+                               [&](int root) { return internal::IsInSubtree(m_, body, root); });
+  }
+  // A robot that stands there moves out of the way.
   bool HasRoom(const Eigen::Vector3d& top) const {
-    const Eigen::Vector3d from = top + 1e-4 * Eigen::Vector3d::UnitZ();
+    constexpr double kOn = 1e-4;  // metres past a surface
     const mjtNum up[3] = {0, 0, 1};
-    int geom = -1;
-    const double above = mj_ray(m_, scene_.data(), from.data(), up, nullptr, 1, -1, &geom, nullptr);
-    return above < 0 || above > kRoom;
+    for (double above = kOn; above <= kRoom;) {
+      const Eigen::Vector3d from = top + above * Eigen::Vector3d::UnitZ();
+      int geom = -1;
+      const double way = mj_ray(m_, scene_.data(), from.data(), up, nullptr, 1, -1, &geom, nullptr);
+      if (way < 0 || above + way > kRoom) return true;
+      if (!IsUnder(m_->geom_bodyid[geom], robots_)) return false;
+      above += way + kOn;
+    }
+    return true;
   }
 
   const Scene& scene_;
   const mjModel* m_;
-  std::vector<int> parked_;  // bodies
+  std::vector<int> parked_, robots_;  // bodies
 };
 
 // The box face that a site marks.

@@ -218,9 +218,16 @@ std::string PickAndPlaceTask::instruction() const {
                      has_goal_object() ? "on the " + goal_word_ : "down at the goal");
 }
 
-std::vector<TaskSignal> PickAndPlaceTask::signals() const {
-  return {
-      {"goal", std::vector<double>(3, -kFarthestObject), std::vector<double>(3, kFarthestObject)}};
+std::vector<Feature> PickAndPlaceTask::signals() const {
+  return {{.column = {.name = "goal",
+                      .shape = {3},
+                      .units = "m",
+                      .frame = "shared base frame",
+                      .names = {"x", "y", "z"},
+                      .description = "Where the object is to be put."},
+           .role = FeatureRole::kPrivileged,
+           .lower = std::vector<double>(3, -kFarthestObject),
+           .upper = std::vector<double>(3, kFarthestObject)}};
 }
 
 void PickAndPlaceTask::Observe(const Scene& scene, std::span<double> out) const {

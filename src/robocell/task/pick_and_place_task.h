@@ -42,7 +42,7 @@ class PickAndPlaceTask final : public ObjectTask {
   std::string instruction() const override;
   std::vector<std::string> objects() const override { return all_objects_; }
   std::string why_not_done() const override { return "not put down at the goal"; }
-  std::vector<TaskSignal> signals() const override;
+  std::vector<Feature> signals() const override;
   void Observe(const Scene& scene, std::span<double> out) const override;
   std::vector<double> memory() const override;
   void Recall(std::span<const double> memory) override;

@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <mutex>
 #include <utility>
 
+#include "robocell/base/call_hook.h"
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/task/task_kind.h"
@@ -63,6 +65,18 @@ std::shared_ptr<const SamplerKind> FindSamplerKind(const std::string& kind) {
 std::shared_ptr<TaskSampler> MakeSampler(const RunConfig& run) {
   if (run.sampler.empty()) return FindTaskKind(run.task.kind())->MakeSampler(run);
   return FindSamplerKind(run.sampler)->Make(run);
+}
+
+void BindStart(EpisodeStart& start, const RunConfig& run) {
+  if (start.is_bound) return;
+  TaskSetting setting{.place = "run '" + run.run + "'", .robots = {}};
+  for (const Robot& robot : RobotsOf(start.scene)) {
+    if (robot.has_arm()) setting.robots.push_back(robot.name());
+  }
+  const std::string& own = run.robot.config.name;
+  if (std::ranges::find(setting.robots, own) != setting.robots.end()) setting.robots = {own};
+  internal::CallHook(*start.task, "bind", [&] { start.task->Bind(start.scene, setting); });
+  start.is_bound = true;
 }
 
 }  // namespace robocell

@@ -44,4 +44,8 @@ std::shared_ptr<const SamplerKind> FindSamplerKind(const std::string& kind);
 // The sampler of a run's starts: the one that it names, else its task's.
 std::shared_ptr<TaskSampler> MakeSampler(const RunConfig& run);
 
+// Binds the task of a start to its scene unless the sampler did. It acts with the run's robot, or
+// with all arms of the scene where that is none of them.
+void BindStart(EpisodeStart& start, const RunConfig& run);
+
 }  // namespace robocell

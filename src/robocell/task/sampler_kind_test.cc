@@ -33,6 +33,40 @@ TEST(SamplerKind, ARunNamesTheOneThatItUses) {
   EXPECT_THAT(SamplerKinds(), ::testing::Contains("never_of_test"));
 }
 
+// Counts how often it is bound.
+class BoundOfTest final : public Task {
+ public:
+  void Bind(const Scene& /*scene*/, const TaskSetting& setting) override {
+    ++times;
+    robots = setting.robots;
+  }
+  TaskVerdict Judge(const Scene& /*scene*/) override { return {}; }
+  std::string instruction() const override { return "be bound"; }
+
+  int times = 0;
+  std::vector<std::string> robots;
+};
+
+TEST(BindStart, BindsATaskOnceUnlessTheSamplerDid) {
+  const RunConfig run = ExampleRun("demo.yaml");
+  SceneSpec spec{.name = "cell", .timestep = 0.002, .add_floor = false, .add_skybox = false};
+  spec.robots.push_back({.name = "other", .config = run.robot.config, .prefix = "a/"});
+  spec.robots.push_back({.name = run.robot.config.name,
+                         .config = run.robot.config,
+                         .prefix = "b/",
+                         .pos = {2, 0, 0}});
+  const auto task = std::make_shared<BoundOfTest>();
+  EpisodeStart start{.scene = Scene::Build(spec), .task = task};
+  BindStart(start, run);
+  BindStart(start, run);
+  EXPECT_EQ(task->times, 1);
+  EXPECT_EQ(task->robots, std::vector<std::string>{run.robot.config.name});
+  const auto bound = std::make_shared<BoundOfTest>();
+  EpisodeStart of_sampler{.scene = start.scene, .task = bound, .is_bound = true};
+  BindStart(of_sampler, run);
+  EXPECT_EQ(bound->times, 0);
+}
+
 TEST(SamplerKind, NamesThatAreTakenAndUnknownOnesAreTold) {
   RegisterSampler("never_of_test", std::make_shared<SamplerKindOf<NeverOfTest>>(), true);
   ExpectThrow<ArgumentError>(

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "robocell/base/call_hook.h"
 #include "robocell/base/error.h"
 #include "robocell/motion/gripper_shape.h"
 #include "robocell/scene/scene_cache.h"
@@ -41,8 +42,8 @@ void RequireValid(const std::vector<SceneObject>& objects, const std::string& wh
     Problems problems;
     ValidateFields(object, problems);
     if (problems.empty()) continue;
-    throw SpecError(fmt::format("{}object '{}', which is not valid: {}", who, object.name,
-                                fmt::join(LinesOf(problems), "; ")));
+    throw ArgumentError(fmt::format("{}object '{}', which is not valid: {}", who, object.name,
+                                    fmt::join(LinesOf(problems), "; ")));
   }
 }
 
@@ -147,13 +148,18 @@ std::optional<Refusal> StartSampler::ValidateCameras(Scene& scene, const std::st
 }
 
 struct StartSampler::Setup {
+  std::shared_ptr<Task> task;
   std::vector<SceneObject> objects;
   std::optional<internal::RelatedPlaces> related;
   Scene scene;
   Robot robot;
-  std::string target_body;
+  std::string target_body;  // "" for a task without objects
+  Pose middle;              // of the support
   StopRequest stop;
   RefusalCounts redrawn = {};
+
+  // What the robot stands beside.
+  Pose target() const { return target_body.empty() ? middle : scene.body_pose(target_body); }
 };
 
 std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& support,
@@ -164,7 +170,7 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& su
   for (int t = 0; t < kPlaceTries && !base; ++t) {
     if (auto refusal = PutObjects(support, setup.related, setup.objects, rng)) return refusal;
     moved = TaskStarts(rng);
-    target = setup.objects.front().pose();
+    target = setup.objects.empty() ? setup.middle : setup.objects.front().pose();
     for (const auto& [body, pose] : moved) {
       if (body == setup.target_body) target = pose;
     }
@@ -181,7 +187,9 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& su
     if (!internal::IsFixed(object))
       setup.scene.SetBodyPose(setup.scene.compiled()->object(object.name).root_body, object.pose());
   }
-  for (const auto& [body, pose] : moved) setup.scene.SetBodyPose(body, pose);
+  internal::CallHook(*setup.task, "starts", [&] {
+    for (const auto& [body, pose] : moved) setup.scene.SetBodyPose(body, pose);
+  });
   setup.robot.base().SetPose(*base);
   setup.scene.Forward();
   if (auto refusal = ArrangeTask(setup.scene, rng))
@@ -194,13 +202,18 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& su
 // A task that moves its target once more may take it out of the range that it asked for.
 std::optional<Refusal> StartSampler::ValidateDistance(const Setup& setup,
                                                       const Pose& proposed_for) const {
-  const Pose target = setup.scene.body_pose(setup.target_body);
+  const Pose target = setup.target();
   if ((target.translation() - proposed_for.translation()).norm() < kSamePlace) return std::nullopt;
   return ValidateBaseDistance(setup.robot, target, base_range());
 }
 
 // What holds before and after settling.
 std::optional<Refusal> StartSampler::ValidatePlaced(Setup& setup) {
+  if (setup.target_body.empty()) {
+    if (auto refusal = ValidateBaseClearance(setup.scene, setup.robot, run_.start.base_clearance))
+      return std::move(*refusal).MadeBy(Refusal::kBaseStage);
+    return std::nullopt;
+  }
   if (auto refusal = ValidateBasePose(setup.scene, setup.robot, setup.target_body))
     return std::move(*refusal).MadeBy(Refusal::kBaseStage);
   if (auto refusal = ValidateCameras(setup.scene, setup.target_body))
@@ -246,19 +259,15 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
   const size_t before = spec.objects.size();
   const SceneSpec base = spec;
   StartContents contents = AddContents(request, spec, rng);
-  std::vector<std::string>& kinds = contents.kinds;
-  if (contents.objects.empty()) {
-    throw Error("task '" + run_.task.kind() +
-                "': an episode is about an object, and its prepare added none to the scene");
-  }
-  RequireValid(contents.objects, "task '" + run_.task.kind() + "': prepare added ");
+  const std::vector<std::string>& kinds = contents.kinds;
+  const std::string kind = kinds.empty() ? "" : kinds.front();
   const BasePlacement placement = ChooseBasePlacement(request, rng);
   RequireFinite(placement);
   std::vector<std::string> names;
   for (const SceneObject& object : contents.objects) names.push_back(object.name);
   const std::optional<internal::RelatedPlaces> related = RelationsOf(base, request.scene, contents);
   if (auto refusal = PutObjects(support, related, contents.objects, rng)) {
-    refusal->object_kind = kinds[0];
+    refusal->object_kind = kind;
     return {.start = {}, .refusal = *std::move(refusal)};
   }
   for (size_t i = 0; i < contents.objects.size(); ++i) {
@@ -275,18 +284,22 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
 
   Scene scene = Scene::Build(spec);
   scene.Reset({.seed = rng.Fork("home").NextBits()});
-  const std::string& target = names.front();
-  const std::shared_ptr<Task> task = MakeTask(target, kinds[0], names);
-  task->Bind(scene, {.place = "run '" + run_.run + "'", .robots = {run_.robot.config.name}});
-  Setup setup{contents.objects,
+  const std::string target = names.empty() ? "" : names.front();
+  const std::shared_ptr<Task> task = MakeTask(target, kind, names);
+  internal::CallHook(*task, "bind", [&] {
+    task->Bind(scene, {.place = "run '" + run_.run + "'", .robots = {run_.robot.config.name}});
+  });
+  Setup setup{task,
+              contents.objects,
               related,
               scene,
               Robot::Of(scene, run_.robot.config.name),
-              scene.compiled()->object(target).root_body,
+              target.empty() ? "" : scene.compiled()->object(target).root_body,
+              support.frame_to_world,
               request.stop};
   if (auto refusal = PrepareStart(setup, support, placement, rng)) {
     refusal->redrawn = setup.redrawn;
-    refusal->object_kind = kinds[0];
+    refusal->object_kind = kind;
     return {.start = {}, .refusal = *refusal};
   }
   return {.start = EpisodeStart{.scene = scene,
@@ -294,7 +307,8 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
                                 .target_object = target,
                                 .object_kinds = kinds,
                                 .base_in_world = setup.robot.base().pose(),
-                                .redrawn = setup.redrawn},
+                                .redrawn = setup.redrawn,
+                                .is_bound = true},
           .refusal = {}};
 }
 
@@ -304,13 +318,17 @@ TaskStartSampler::TaskStartSampler(const RunConfig& run)
 StartContents TaskStartSampler::AddContents(const SampleRequest& /*request*/, SceneSpec& spec,
                                             Rng& rng) {
   const size_t before = spec.objects.size();
-  task_ = kind_->Make(run().task);  // earlier starts keep theirs
-  task_->Prepare(spec, rng);
+  task_ = internal::CallHook(Hooks(), "the task's constructor",  // earlier starts keep theirs
+                             [&] { return kind_->Make(run().task); });
+  internal::CallHook(*task_, "prepare", [&] { task_->Prepare(spec, rng); });
   StartContents contents;
   for (size_t i = before; i < spec.objects.size(); ++i) {
     contents.objects.push_back(spec.objects[i]);
     contents.kinds.push_back(spec.objects[i].name);
   }
+  internal::CallHook(*task_, "prepare", [&] {
+    RequireValid(contents.objects, "task '" + run().task.kind() + "': prepare added ");
+  });
   return contents;
 }
 
@@ -320,14 +338,20 @@ std::shared_ptr<Task> TaskStartSampler::MakeTask(const std::string& /*target*/,
   return task_;
 }
 
-BaseRange TaskStartSampler::own_base_range() const { return task_->base_range(); }
+BaseRange TaskStartSampler::own_base_range() const {
+  return internal::CallHook(*task_, "base_range", [&] { return task_->base_range(); });
+}
 
-Map<ObjectPlace> TaskStartSampler::own_places() const { return task_->places(); }
+Map<ObjectPlace> TaskStartSampler::own_places() const {
+  return internal::CallHook(*task_, "places", [&] { return task_->places(); });
+}
 
-BodyPoses TaskStartSampler::TaskStarts(Rng& rng) { return task_->Starts(rng); }
+BodyPoses TaskStartSampler::TaskStarts(Rng& rng) {
+  return internal::CallHook(*task_, "starts", [&] { return task_->Starts(rng); });
+}
 
 std::optional<Refusal> TaskStartSampler::ArrangeTask(Scene& scene, Rng& rng) {
-  return task_->Arrange(scene, rng);
+  return internal::CallHook(*task_, "arrange", [&] { return task_->Arrange(scene, rng); });
 }
 
 }  // namespace robocell

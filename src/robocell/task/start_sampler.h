@@ -1,7 +1,8 @@
 // StartSampler: where the episodes of a run start, stage by stage: a base scene from the run's
 // source, objects that come to rest on its support or where `start.places` puts them, what the task
-// does itself, a robot placed
-// beside the first object (base_placement.h), cameras that see it, and settling. Distances and
+// does itself, a robot placed beside the first object (base_placement.h), cameras that see it, and
+// settling. Without objects the robot stands beside the middle of the support, and cameras are not
+// looked through. Distances and
 // heights are spread evenly over the episodes of a run (a low-discrepancy sequence), so that a
 // short run covers the ranges too.
 //

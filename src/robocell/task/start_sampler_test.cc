@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "robocell/base/error.h"
+#include "robocell/base/hook_error.h"
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/scenes/scene_source.h"
 #include "robocell/task/task_kind.h"
@@ -66,7 +66,9 @@ class Blocks final : public Task {
   }
   TaskVerdict Judge(const Scene& /*scene*/) override { return {}; }
   std::string instruction() const override { return "look at the blocks"; }
-  std::vector<std::string> objects() const override { return {"block_0"}; }
+  std::vector<std::string> objects() const override {
+    return fields_.blocks == 0 ? std::vector<std::string>() : std::vector<std::string>{"block_0"};
+  }
   BaseRange base_range() const override { return {.distance = {0.35, 0.4}, .height_offset = -0.2}; }
 
   std::string place;
@@ -211,16 +213,27 @@ TEST(TaskStartSampler, WhatATaskPreparesIsCheckedBeforeItIsMeasured) {
   const RunConfig run = BlocksRun({.unfinished = true});
   const std::shared_ptr<TaskSampler> sampler = FindTaskKind(run.task.kind())->MakeSampler(run);
   Rng rng = Rng::Stream(5, "unfinished");
-  ExpectThrow<SpecError>([&] { sampler->Sample({}, rng); },
+  ExpectThrow<HookError>([&] { sampler->Sample({}, rng); },
                          "task 'blocks_of_test': prepare added object 'block_0', which is not "
                          "valid: size");
 }
 
-TEST(TaskStartSampler, AnEpisodeIsAboutAnObject) {
-  TaskStartSampler sampler(BlocksRun({.blocks = 0}));
-  Rng rng = Rng::Stream(5, "none");
-  ExpectThrow<Error>([&] { sampler.Sample({}, rng); },
-                     "task 'blocks_of_test': an episode is about an object");
+TEST(TaskStartSampler, WithoutObjectsTheRobotStandsBesideTheMiddleOfTheSupport) {
+  RunConfig run = BlocksRun({.blocks = 0});
+  run.start.visible_from = {"nobody_looks"};
+  TaskStartSampler sampler(run);
+  const Support support = FindSupport(MakeBaseScene(run, 0));
+  for (int episode = 0; episode < 3; ++episode) {
+    const SampleResult result = FirstAccepted(sampler, episode);
+    ASSERT_TRUE(result.start.has_value()) << result.refusal.detail;
+    EXPECT_EQ(result.start->target_object, "");
+    EXPECT_EQ(result.object_kind(), "");
+    const Eigen::Vector3d way =
+        result.start->base_in_world.translation() - support.frame_to_world.translation();
+    EXPECT_GE(way.head<2>().norm(), 0.35 - 1e-6);
+    EXPECT_LE(way.head<2>().norm(), 0.40 + 1e-6);
+    EXPECT_NEAR(way.z(), -0.2, 1e-6);
+  }
 }
 
 }  // namespace

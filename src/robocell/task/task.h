@@ -14,10 +14,12 @@
 #include <string>
 #include <vector>
 
+#include "robocell/base/hook_error.h"
 #include "robocell/base/rng.h"
 #include "robocell/base/stop.h"
 #include "robocell/data/feature_schema.h"
 #include "robocell/features/cell_images.h"
+#include "robocell/features/declared_features.h"
 #include "robocell/robot/action.h"
 #include "robocell/robot/robot.h"
 #include "robocell/scene/scene.h"
@@ -28,12 +30,6 @@ namespace robocell {
 
 // Objects farther away are observed at this distance along each axis, m: they may fall for ever.
 inline constexpr double kFarthestObject = 100;
-
-// A part of the observation that the task adds; numbers outside of its range are cut to it.
-struct TaskSignal {
-  std::string name;
-  std::vector<double> lower, upper;
-};
 
 // What a state is worth.
 struct TaskVerdict {
@@ -58,10 +54,11 @@ struct TaskSetting {
 // bodies there, Arrange, both again while resting_objects() do not lie still, and Begin. After each
 // step come Judge and Observe. Copies of an environment have a task each; their threads call them
 // at the same time, one call at a time for each.
-class Task {
+//
+// What it adds to the observation it declares as signals(), read by Observe
+// (features/declared_features.h).
+class Task : public DeclaresFeatures {
  public:
-  virtual ~Task() = default;
-
   // Adds objects, sites or cameras to the scene. It may be called on another Task of the same
   // fields than the one that is bound: the names of what it adds follow from fields and `rng`.
   virtual void Prepare(SceneSpec& /*spec*/, Rng& /*rng*/) {}
@@ -93,13 +90,9 @@ class Task {
   // In runs: objects that start on, inside or next to something, by their names, as far as
   // `start.places` of the run does not say. The others lie on the support.
   virtual Map<ObjectPlace> places() const { return {}; }
-  // Why an episode that ran out of time is no success, in few words for counting.
+  // Why an episode whose expert has finished is no success, in few words for counting. One that ran
+  // out of steps counts as "timeout".
   virtual std::string why_not_done() const { return "the task was not done"; }
-
-  // What it adds to the observation, asked for once after Bind.
-  virtual std::vector<TaskSignal> signals() const { return {}; }
-  // All signals one after another into `out`.
-  virtual void Observe(const Scene& /*scene*/, std::span<double> /*out*/) const {}
 
   // What it remembers of the episode, for going back to saved states: in the root frame, as far as
   // there are places among it, so that it holds for a rig elsewhere too.
@@ -124,6 +117,8 @@ struct EpisodeStart {
   Pose base_in_world;                     // of the robot's base group
   // Places that were tried and refused on the way to this start, in the same call of Sample.
   RefusalCounts redrawn = {};
+  // Whether the sampler has bound the task; else who runs the episode does (BindStart).
+  bool is_bound = false;
 };
 
 struct SampleResult {
@@ -145,16 +140,14 @@ struct SampleRequest {
   StopRequest stop = {};  // when it says true, the sampler may refuse with any reason
 };
 
-class TaskSampler {
+class TaskSampler : public Hooks {
  public:
-  virtual ~TaskSampler() = default;
   // Same request and rng state, same start.
   virtual SampleResult Sample(const SampleRequest& request, Rng& rng) = 0;
 };
 
-class Expert {
+class Expert : public Hooks {
  public:
-  virtual ~Expert() = default;
   virtual void Begin(const Scene& scene, Rng& rng) = 0;
   // Called before each Act with what is recorded of the state: for those who act from that alone.
   virtual void See(const CellRow& /*row*/) {}

@@ -2,39 +2,21 @@
 
 #include <utility>
 
+#include "robocell/base/call_hook.h"
+#include "robocell/features/declared_features.h"
+
 namespace robocell {
-namespace {
-
-class TaskFeatureSource final : public FeatureSource {
- public:
-  TaskFeatureSource(Scene scene, std::shared_ptr<const Task> task,
-                    const std::vector<TaskSignal>& signals)
-      : scene_(std::move(scene)), task_(std::move(task)) {
-    for (const TaskSignal& signal : signals) {
-      Add({.column = {.name = "task/" + signal.name,
-                      .shape = {static_cast<int64_t>(signal.lower.size())}},
-           .role = FeatureRole::kPrivileged,
-           .lower = signal.lower,
-           .upper = signal.upper,
-           .source = "task"});
-    }
-  }
-  void Read(std::span<double> out) override { task_->Observe(scene_, out); }
-
- private:
-  Scene scene_;
-  std::shared_ptr<const Task> task_;
-};
-
-}  // namespace
 
 CellFeatures FeaturesOfCell(const Scene& scene, const std::vector<Robot>& robots,
                             std::shared_ptr<const Task> task, const std::vector<std::string>& own) {
   CellFeatureOptions options{.own = own};
   if (task) {
-    options.objects = task->objects();
-    if (const std::vector<TaskSignal> signals = task->signals(); !signals.empty())
-      options.more = std::make_unique<TaskFeatureSource>(scene, std::move(task), signals);
+    options.objects = internal::CallHook(*task, "objects", [&] {
+      std::vector<std::string> names = task->objects();
+      for (const std::string& name : names) scene.compiled()->object(name);  // NotFoundError
+      return names;
+    });
+    options.more = std::make_unique<DeclaredFeatures>(scene, std::move(task), "task");
   }
   return {scene, robots, std::move(options)};
 }

@@ -1,0 +1,204 @@
+"""What a user's code returns wrongly ends the attempt with the place of the code."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+
+import robocell as rc
+from robocell.control import GroupCommand
+from test_task import Idle, load
+
+
+class Cube(rc.tasks.Task):
+    """A cube on the table; subclasses return something wrong."""
+
+    def prepare(self, spec: rc.SceneSpec, rng: rc.tasks.Rng) -> None:
+        cube = rc.SceneObject(name="cube", shape=rc.Shape.BOX, size=[0.02] * 3, mass=0.1)
+        cube.rgba, cube.friction = [1, 0.5, 0, 1], [1, 0.02, 0.001]
+        spec.objects.append(cube)
+
+    def instruction(self) -> str:
+        return "touch the cube"
+
+    def objects(self) -> list[str]:
+        return ["cube"]
+
+    def base_range(self) -> rc.tasks.BaseRange:
+        return rc.tasks.BaseRange(distance=[0.35, 0.4], height_offset=-0.25)
+
+
+class Touch(Cube):
+    def judge(self, scene: rc.Scene) -> Any:
+        return rc.tasks.TaskVerdict()
+
+
+class Judges(Touch):
+    def judge(self, scene: rc.Scene) -> Any:
+        return None
+
+
+class JudgesNan(Touch):
+    def judge(self, scene: rc.Scene) -> Any:
+        return rc.tasks.TaskVerdict(reward=float("nan"))
+
+
+class Rewards(Cube):
+    def success(self, scene: rc.Scene) -> bool:
+        return False
+
+    def reward(self, scene: rc.Scene) -> Any:
+        return "much"
+
+
+class Counts(Touch):
+    def subtasks(self) -> list[str]:
+        return ["one"]
+
+    def judge(self, scene: rc.Scene) -> Any:
+        return rc.tasks.TaskVerdict(subtask=3)
+
+
+class Arranges(Touch):
+    def arrange(self, scene: rc.Scene, rng: rc.tasks.Rng) -> Any:
+        return "no"
+
+
+class Observes(Touch):
+    def signals(self) -> Any:
+        return {"a": ([0, 0], [1, 1])}
+
+    def observe(self, scene: rc.Scene) -> Any:
+        return {"a": [0.5]}
+
+
+class Starts(Touch):
+    def starts(self, rng: rc.tasks.Rng) -> Any:
+        return {"cubee": rc.Pose()}
+
+
+class Names(Touch):
+    def objects(self) -> list[str]:
+        return ["cubee"]
+
+
+class Prepares(Touch):
+    def prepare(self, spec: rc.SceneSpec, rng: rc.tasks.Rng) -> None:
+        spec.objects.append(rc.SceneObject(name="cube", shape=rc.Shape.BOX, size=[-1, 1, 1]))
+
+
+def run_of(folder: Path, task: type[rc.tasks.Task], **fields: Any) -> rc.RunConfig:
+    folder.mkdir()
+    run = load(folder)
+    name = f"{task.__name__.lower()}_of_hooks"
+    rc.register_task(name)(task)
+    run.task, run.max_attempts, run.output = {"kind": name}, 4, str(folder / "hooks")
+    for field, value in fields.items():
+        setattr(run, field, value)
+    rc.generate.prepare_dataset(run, validate=False)
+    return run
+
+
+def failure_of(
+    folder: Path, task: type[rc.tasks.Task], expert: Callable[..., rc.tasks.Expert], **fields: Any
+) -> str:
+    """Why one attempt failed; the error that ends the item after three of them says the same."""
+    run = run_of(folder / "three", task, **fields)
+    with pytest.raises((TypeError, rc.Error)) as caught:
+        rc.generate.Runner(run, expert=expert).run(rc.generate.make_plan(run)[0])
+    run = run_of(folder / "two", task, max_attempts=2, **fields)
+    result = rc.generate.Runner(run, expert=expert).run(rc.generate.make_plan(run)[0])
+    assert sum(result.failures.values()) == 2
+    texts = {re.sub(r"t = [\d.]+ s", "t", text) for text in result.failures}
+    assert texts == {re.sub(r"t = [\d.]+ s", "t", str(caught.value))}
+    assert not list(rc.Dataset(run.output))
+    return texts.pop()
+
+
+def place(function: Callable[..., Any]) -> str:
+    code = inspect.unwrap(function).__code__
+    return f"({__file__}:{code.co_firstlineno}, in {code.co_name})"
+
+
+@pytest.mark.parametrize(
+    ("task", "method", "text"),
+    [
+        (Judges, "judge", "Judges.judge() must return a TaskVerdict, got None"),
+        (JudgesNan, "judge", "the task's reward() is nan at t; rewards must be finite numbers"),
+        (Rewards, "reward", "Rewards.reward() must return a number, got 'much'"),
+        (Counts, "judge", "the task's subtask is 3; it must be 0 to 0"),
+        (Arranges, "arrange", "Arranges.arrange() must return a Refusal or None, got 'no'"),
+        (Observes, "observe", "Observes.observe().a must be 2 numbers, got 1"),
+        (Starts, "starts", "no body 'cubee'"),
+        (Names, "objects", "no object 'cubee'"),
+        (Prepares, "prepare", "prepare added object 'cube', which is not valid"),
+    ],
+)
+def test_what_a_task_returns_wrongly_ends_the_attempt(
+    tmp_path: Path, task: type[Cube], method: str, text: str
+):
+    said = failure_of(tmp_path, task, lambda *_: Idle())
+    assert text in said
+    assert said.endswith(place(getattr(task, method)))
+
+
+@pytest.mark.parametrize(
+    ("action", "text"),
+    [
+        (None, "Acts.act() must return {robot: {group: GroupCommand}}: got None"),
+        ({"rc8": {}}, "no robot 'rc8'"),
+        ({"rc7": {"arms": GroupCommand.opening(1)}}, "no group 'arms'"),
+        ({"rc7": {"arm": GroupCommand.joints([0.0])}}, "7"),
+        ({"rc7": {"arm": GroupCommand.joints(np.full(7, np.nan))}}, "nan"),
+    ],
+)
+def test_an_action_that_is_none_ends_the_attempt(tmp_path: Path, action: Any, text: str):
+    class Acts(Idle):
+        def act(self, scene: rc.Scene, rng: rc.tasks.Rng) -> Any:
+            return action
+
+    said = failure_of(tmp_path, Touch, lambda *_: Acts())
+    assert text in said
+    assert said.endswith(place(Acts.act))
+
+
+@pytest.mark.parametrize("numbers", [[1.0, 2.0, 3.0], [float("nan"), 0.0], None])
+def test_what_a_feature_returns_wrongly_ends_the_attempt(tmp_path: Path, numbers: Any):
+    @rc.register_feature("pair_of_hooks", shape=[2])
+    def pair(scene: rc.Scene) -> Any:
+        return numbers
+
+    said = failure_of(tmp_path, Touch, lambda *_: Idle(), features=["pair_of_hooks"])
+    assert "pair_of_hooks'" in said
+    assert said.endswith(place(pair))
+
+
+def test_a_wrong_result_once_costs_one_attempt(tmp_path: Path):
+    class Once(Idle):
+        wrong: ClassVar = [True]
+
+        def failure(self) -> Any:
+            return None if self.wrong and self.wrong.pop() else "idle"
+
+    run = run_of(tmp_path / "run", Touch, max_attempts=2)
+    result = rc.generate.Runner(run, expert=lambda *_: Once()).run(rc.generate.make_plan(run)[0])
+    text = "Once.failure() must return a str, got None " + place(Once.failure)
+    assert result.failures == {text: 1, "idle": 1}
+
+
+def test_the_function_that_makes_a_task_is_named(tmp_path: Path):
+    @rc.register_task("nothing_of_hooks")
+    def nothing() -> Any:
+        return 7
+
+    run = run_of(tmp_path / "run", Touch)
+    run.task, run.output = {"kind": "nothing_of_hooks"}, str(tmp_path / "nothing")
+    with pytest.raises(TypeError, match="must return a Task, got 7") as caught:
+        rc.generate.Runner(run, expert=lambda *_: Idle())
+    assert str(caught.value).endswith(place(nothing))

@@ -1,0 +1,31 @@
+#include "robocell/base/call_hook.h"
+
+#include <stdexcept>
+#include <string>
+
+namespace robocell::internal {
+
+void RethrowOfHook(const Hooks& hooks, const char* method) {
+  try {
+    throw;
+  } catch (const HookError& error) {
+    if (error.has_place()) throw;
+    throw HookError(error.what(), hooks.PlaceOfHook(method), error.kind());
+  } catch (const IoError&) {
+    throw;
+  } catch (const SpecError&) {
+    throw;
+  } catch (const ArgumentError& error) {
+    throw HookError(error.what(), hooks.PlaceOfHook(method));
+  } catch (const NotFoundError& error) {
+    throw HookError(error.what(), hooks.PlaceOfHook(method));
+  } catch (const std::runtime_error& error) {
+    throw HookError("in " + std::string(method) + ": " + error.what(), hooks.PlaceOfHook(method),
+                    HookError::Kind::kFailed);
+  } catch (const std::logic_error& error) {
+    throw HookError("in " + std::string(method) + ": " + error.what(), hooks.PlaceOfHook(method),
+                    HookError::Kind::kFailed);
+  }
+}
+
+}  // namespace robocell::internal

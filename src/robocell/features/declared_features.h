@@ -1,0 +1,39 @@
+// DeclaresFeatures: who adds features of its own to a cell, as tasks do. DeclaredFeatures: the
+// source that reads them, the same in environments and runs.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "robocell/base/hook_error.h"
+#include "robocell/features/feature_source.h"
+#include "robocell/scene/scene.h"
+
+namespace robocell {
+
+class DeclaresFeatures : public Hooks {
+ public:
+  // What it adds to the observation: name, shape, unit, frame, names and range of each, float64;
+  // privileged or not. Asked for once.
+  virtual std::vector<Feature> signals() const { return {}; }
+  // The numbers of all signals one after another into `out`.
+  virtual void Observe(const Scene& /*scene*/, std::span<double> /*out*/) const {}
+};
+
+class DeclaredFeatures final : public FeatureSource {
+ public:
+  // Full names are `path` + "/" + the declared ones. `of` may be null: then there are none.
+  // HookError for features that are not valid.
+  DeclaredFeatures(Scene scene, std::shared_ptr<const DeclaresFeatures> of,
+                   const std::string& path);
+
+ private:
+  void ReadNumbers(std::span<double> out) override;
+  std::string PlaceOf(size_t feature) const override;
+
+  std::shared_ptr<const DeclaresFeatures> of_;
+};
+
+}  // namespace robocell
