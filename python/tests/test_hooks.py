@@ -192,6 +192,19 @@ def test_a_wrong_result_once_costs_one_attempt(tmp_path: Path):
     assert result.failures == {text: 1, "idle": 1}
 
 
+def test_none_for_an_action_once_costs_one_attempt(tmp_path: Path):
+    class Once(Idle):
+        wrong: ClassVar = [True]
+
+        def act(self, scene: rc.Scene, rng: rc.tasks.Rng) -> Any:
+            return None if self.wrong and self.wrong.pop() else {}
+
+    run = run_of(tmp_path / "run", Touch, max_attempts=2)
+    result = rc.generate.Runner(run, expert=lambda *_: Once()).run(rc.generate.make_plan(run)[0])
+    text = "Once.act() must return {robot: {group: GroupCommand}}: got None " + place(Once.act)
+    assert result.failures == {text: 1, "idle": 1}
+
+
 def test_the_function_that_makes_a_task_is_named(tmp_path: Path):
     @rc.register_task("nothing_of_hooks")
     def nothing() -> Any:

@@ -15,6 +15,12 @@ void RethrowOfHook(const Hooks& hooks, const char* method) {
     throw;
   } catch (const SpecError&) {
     throw;
+  } catch (const EngineError&) {
+    throw;
+  } catch (const ClosedError&) {
+    throw;
+  } catch (const DivergedError&) {
+    throw;
   } catch (const ArgumentError& error) {
     throw HookError(error.what(), hooks.PlaceOfHook(method));
   } catch (const NotFoundError& error) {

@@ -9,9 +9,9 @@
 
 namespace robocell::internal {
 
-// Throws the exception that is being handled as a HookError, as far as it says that a hook failed:
-// not for a disk that is full or a spec that is wrong, which would fail again, nor for exceptions of
-// other languages, which tell more as they are.
+// Throws the exception that is being handled as a HookError, as far as it says that a hook failed.
+// It stays as it is for a full disk and a wrong spec, which would fail again, for errors of the
+// engine, for closed scenes and divergence, and for exceptions of other languages, which say more.
 [[noreturn]] void RethrowOfHook(const Hooks& hooks, const char* method);
 
 // Calls a hook, or what checks its result. Exceptions of the standard library and of robocell

@@ -51,6 +51,9 @@ TEST(HookErrors, AreNotMadeOfWhatWouldFailAgain) {
   EXPECT_THROW(MessageOf(IoError("disk full"), WithPlace()), IoError);
   EXPECT_THROW(MessageOf(SpecError("wrong file"), WithPlace()), SpecError);
   EXPECT_THROW(MessageOf(3, WithPlace()), int);
+  EXPECT_THROW(MessageOf(EngineError("stack overflow"), WithPlace()), EngineError);
+  EXPECT_THROW(MessageOf(ClosedError("scene 'a' was closed"), WithPlace()), ClosedError);
+  EXPECT_THROW(MessageOf(DivergedError("qacc is huge"), WithPlace()), DivergedError);
 }
 
 }  // namespace

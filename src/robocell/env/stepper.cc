@@ -31,7 +31,8 @@ Robot& Stepper::Find(const std::string& name) {
   throw NotFoundError(NoSuchName("action", "robot", name, names));
 }
 
-void Stepper::Apply(const Action& action, StepOutcome& outcome) {
+StepOutcome Stepper::Apply(const Action& action) {
+  StepOutcome outcome;
   for (const auto& [name, command] : action) Find(name);
   for (const auto& [name, command] : action) {
     const Robot::ApplyResult applied = Find(name).Apply(command);
@@ -39,21 +40,24 @@ void Stepper::Apply(const Action& action, StepOutcome& outcome) {
     outcome.failed_robot = name;
     outcome.failed_group = applied.failed_group;
   }
+  return outcome;
 }
 
-StepOutcome Stepper::Advance(const Action& action) {
-  StepOutcome outcome;
-  Apply(action, outcome);
+void Stepper::Simulate(StepOutcome& outcome) {
   outcome.step =
       RunControlTicks(scene_, robots_, {rates_.control_ticks, rates_.sim_steps}, on_control_tick_);
   ++policy_ticks_;
+}
+
+StepOutcome Stepper::Advance(const Action& action) {
+  StepOutcome outcome = Apply(action);
+  Simulate(outcome);
   return outcome;
 }
 
 StepOutcome Stepper::AdvanceUntil(const Action& action, int64_t most_ticks,
                                   const StopRequest& done) {
-  StepOutcome outcome;
-  Apply(action, outcome);
+  StepOutcome outcome = Apply(action);
   for (int64_t tick = 0; tick < most_ticks && outcome.ok(); ++tick) {
     const int before = outcome.step.steps;
     outcome.step = RunControlTicks(scene_, robots_, {1, rates_.sim_steps}, on_control_tick_);

@@ -44,7 +44,11 @@ class Stepper {
   // Applies the action and advances by one policy tick. Stops at divergence. An unknown robot is a
   // NotFoundError before anything is applied.
   StepOutcome Advance(const Action& action);
-  // The same for as many control ticks as it takes until `done()`, which is asked after each one;
+  // The two halves of Advance, for callers who ask whose an error is: of the action, or of the
+  // simulation.
+  StepOutcome Apply(const Action& action);
+  void Simulate(StepOutcome& outcome);
+  // The same as Advance for as many control ticks as it takes until `done()`, which is asked after each one;
   // `most_ticks` at most.
   StepOutcome AdvanceUntil(const Action& action, int64_t most_ticks, const StopRequest& done);
 
@@ -55,7 +59,6 @@ class Stepper {
 
  private:
   Robot& Find(const std::string& name);
-  void Apply(const Action& action, StepOutcome& outcome);
 
   Scene scene_;
   std::vector<Robot> robots_;

@@ -21,6 +21,8 @@ class ExpertKind {
   virtual std::shared_ptr<Expert> Make(const RunConfig& run, const EpisodeStart& start) const = 0;
   // Source files that define it, for kinds that users write: a dataset remembers what they held.
   virtual std::vector<std::string> CodeFiles() const { return {}; }
+  // Whether robocell brings it: what goes wrong in its experts is no failure of a user's code.
+  virtual bool is_built_in() const { return false; }
   // What it needs of the run's robot, at the paths of the run's fields: in `scene` stands the robot
   // with one of each object that the run may use (TaskKind::Contents). What works and may not be
   // meant goes to the warnings.

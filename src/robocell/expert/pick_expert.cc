@@ -136,6 +136,7 @@ class KindOfPicker final : public ExpertKind {
   std::shared_ptr<Expert> Make(const RunConfig& run, const EpisodeStart& start) const override {
     return std::make_shared<Planner>(run, start);
   }
+  bool is_built_in() const override { return true; }
   void Validate(const RunConfig& run, const Scene& scene, Robot& robot, Problems& problems,
                 std::vector<std::string>& warnings) const override {
     PickRunValidator(run, scene, robot, problems, warnings).Run();

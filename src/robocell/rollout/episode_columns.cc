@@ -24,16 +24,6 @@ std::string OneOrAll(const std::vector<std::string>& units) {
   return fmt::format("{}", fmt::join(units, ", "));
 }
 
-// Experts without names of phases are in phase 0 throughout.
-void RequirePhase(int phase, const std::vector<std::string>& names) {
-  if (phase >= 0 && phase < std::max(1, static_cast<int>(names.size()))) return;
-  const std::string allowed =
-      names.empty() ? "phase_names() is empty, so it must be 0"
-                    : fmt::format("it must be 0 to {}, an index into phase_names(): {}",
-                                  names.size() - 1, ListNames(names));
-  throw ArgumentError(fmt::format("the expert's phase() is {}; {}", phase, allowed));
-}
-
 }  // namespace
 
 FeatureColumns::FeatureColumns(EpisodeSchema& schema, const FeatureSchema& features) {
@@ -110,12 +100,22 @@ ColumnId OutcomeColumns::AddLabel(EpisodeSchema& schema, ColumnSpec column) {
   return schema.AddColumn(std::move(column));
 }
 
+// Experts without names of phases are in phase 0 throughout.
+void OutcomeColumns::RequirePhase(int phase) const {
+  if (phase >= 0 && phase < std::max(1, static_cast<int>(phases_.size()))) return;
+  const std::string allowed =
+      phases_.empty() ? "phase_names() is empty, so it must be 0"
+                      : fmt::format("it must be 0 to {}, an index into phase_names(): {}",
+                                    phases_.size() - 1, ListNames(phases_));
+  throw ArgumentError(fmt::format("the expert's phase() is {}; {}", phase, allowed));
+}
+
 void OutcomeColumns::PutPhase(EpisodeWriter& writer, int phase) {
-  RequirePhase(phase, phases_);
+  RequirePhase(phase);
   writer.Put(phase_, static_cast<int32_t>(phase));
 }
 
-void OutcomeColumns::PutOutcome(EpisodeWriter& writer, const RowOutcome& outcome) {
+void OutcomeColumns::RequireOutcome(const RowOutcome& outcome) const {
   if (!std::isfinite(outcome.reward)) {
     throw ArgumentError(
         fmt::format("the task's reward() is {} at t = {:.3f} s; rewards must be "
@@ -134,6 +134,10 @@ void OutcomeColumns::PutOutcome(EpisodeWriter& writer, const RowOutcome& outcome
                     "subtasks(): {}",
                     outcome.subtask, subtasks_.size() - 1, ListNames(subtasks_)));
   }
+}
+
+void OutcomeColumns::PutOutcome(EpisodeWriter& writer, const RowOutcome& outcome) {
+  RequireOutcome(outcome);
   writer.Put(reward_, outcome.reward);
   writer.Put(progress_, outcome.progress);
   if (!subtasks_.empty()) writer.Put(subtask_, static_cast<int32_t>(outcome.subtask));

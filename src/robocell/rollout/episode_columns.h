@@ -49,6 +49,9 @@ class OutcomeColumns {
   const FeatureSchema& labels() const { return labels_; }
   // Engine warnings since this object was made: those of the start's making are not the episode's.
   EngineWarnings warnings() const { return ReadWarnings(scene_.data()) - warnings_before_; }
+  // ArgumentError for what an expert or a task may not say. PutPhase and PutOutcome check it too.
+  void RequirePhase(int phase) const;
+  void RequireOutcome(const RowOutcome& outcome) const;
   void PutPhase(EpisodeWriter& writer, int phase);
   void PutOutcome(EpisodeWriter& writer, const RowOutcome& outcome);
   // The control table: one row per control tick, what acts on the engine from `time` on.

@@ -59,7 +59,12 @@ class Recording {
     {
       const StageClock::Stage stage(clock_, times_.writing);
       observed_.Put(*writer_, features_.ReadState());
-      internal::CallHook(expert, "phase", [&] { outcome_.PutPhase(*writer_, expert.phase()); });
+      const int phase = internal::CallHook(expert, "phase", [&] {
+        const int told = expert.phase();
+        outcome_.RequirePhase(told);
+        return told;
+      });
+      outcome_.PutPhase(*writer_, phase);
     }
     const StageClock::Stage stage(clock_, times_.rendering);
     cameras_.PutFrames(*writer_);
@@ -74,7 +79,8 @@ class Recording {
   void PutOutcome(const RowOutcome& outcome, const Task& task) {
     const StageClock::Stage stage(clock_, times_.writing);
     commanded_.Put(*writer_, features_.ReadActions());
-    internal::CallHook(task, "judge", [&] { outcome_.PutOutcome(*writer_, outcome); });
+    internal::CallHook(task, "judge", [&] { outcome_.RequireOutcome(outcome); });
+    outcome_.PutOutcome(*writer_, outcome);
     writer_->EndRow();
   }
   void Commit(const EpisodeSummary& summary) {
@@ -174,8 +180,9 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
     recording.PutState(expert);
     const StageClock::Stage stage(recording.clock(), result.times.acting);
     internal::CallHook(expert, "see", [&] { expert.See(recording.row()); });
-    const StepOutcome outcome = internal::CallHook(
-        expert, "act", [&] { return stepper.Advance(expert.Act(start.scene, rng)); });
+    StepOutcome outcome = internal::CallHook(
+        expert, "act", [&] { return stepper.Apply(expert.Act(start.scene, rng)); });
+    stepper.Simulate(outcome);
     ++result.rows;
     const TaskVerdict verdict =
         outcome.ok() ? internal::CallHook(task, "judge", [&] { return task.Judge(start.scene); })

@@ -29,12 +29,19 @@ double Seconds(std::chrono::steady_clock::time_point since) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - since).count();
 }
 
+// Whether a run calls code that does not come with robocell.
+bool HasUsersCode(const RunConfig& run, const RunnerParts& parts) {
+  return parts.sampler || parts.expert || !run.sampler.empty() || !run.features.names.empty() ||
+         !FindTaskKind(run.task.kind())->is_built_in() || !ExpertKindOf(run)->is_built_in();
+}
+
 }  // namespace
 
 struct Runner::State {
   RunConfig run;
   RunnerParts parts;
-  bool own_sampler = false;  // of the user's, who alone knows what the task is
+  bool own_sampler = false;     // of the user's, who alone knows what the task is
+  bool has_users_code = false;  // among task, sampler, expert and features
   std::shared_ptr<TaskSampler> sampler;
   std::unique_ptr<Renderer> renderer;
   std::optional<std::string> checked_manifest;
@@ -125,6 +132,7 @@ Runner::Runner(RunConfig run, RunnerParts parts) : state_(std::make_unique<State
   state_->run = std::move(run);
   state_->parts = std::move(parts);
   state_->own_sampler = static_cast<bool>(state_->parts.sampler);
+  state_->has_users_code = HasUsersCode(state_->run, state_->parts);
   if (!state_->own_sampler) {
     state_->parts.sampler = &MakeSampler;
   }
@@ -245,7 +253,7 @@ std::string Runner::State::WhatUsersCodeRaised() const {
   try {
     throw;
   } catch (const HookError& error) {
-    return error.what();
+    return error.has_place() || has_users_code ? error.what() : "";
   } catch (...) {
     return parts.told_of_users ? parts.told_of_users() : "";
   }

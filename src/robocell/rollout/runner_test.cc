@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
 
 #include <filesystem>
 #include <optional>
@@ -141,6 +142,30 @@ TEST(Runner, WhatAHookDoesWronglyEndsTheAttempt) {
     ExpectThrow<HookError>([&] { Runner(run, FailingParts(left, throws)).Run(MakePlan(run)[0]); },
                            text);
   }
+}
+
+// Acts so that the next step of the simulation is a fatal error of the engine.
+class BreaksTheEngine : public Idle {
+ public:
+  Action Act(const Scene&, Rng&) override {
+    mjcb_control = [](const mjModel*, mjData*) {
+      mjcb_control = nullptr;
+      mju_error("callback failed");
+    };
+    return {};
+  }
+};
+
+TEST(Runner, AnErrorOfTheEngineIsNoFailureOfTheExpert) {
+  TempDir folder;
+  const RunConfig run = Blind("demo.yaml", folder / "out");
+  Runner runner(run, {.sampler = {}, .expert = [](const RunConfig&, const EpisodeStart&) {
+                        return std::make_unique<BreaksTheEngine>();
+                      }});
+  const std::string said =
+      ExpectThrow<EngineError>([&] { runner.Run(MakePlan(run)[0]); }, "callback failed");
+  EXPECT_THAT(said, ::testing::Not(::testing::HasSubstr("in act")));
+  EXPECT_EQ(Dataset(run.output).size(), 0u);
 }
 
 TEST(Runner, NeverMakesAMixture) {

@@ -141,6 +141,7 @@ class KindOfPick : public TaskKindOf<Config, T> {
     return std::make_shared<Sampler>(run);
   }
   std::string expert() const override { return Config::kKind; }
+  bool is_built_in() const override { return true; }
   void ValidateRun(const RunConfig& run, Problems& problems) const override {
     ValidateKinds("task.objects", PickRunOf(run.task)->objects, ObjectKinds(), problems);
   }

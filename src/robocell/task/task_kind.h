@@ -40,6 +40,8 @@ class TaskKind {
   virtual std::vector<SceneObject> Contents(const RunConfig& run) const;
   // Source files that define it, for kinds that users write: a dataset remembers what they held.
   virtual std::vector<std::string> CodeFiles() const { return {}; }
+  // Whether robocell brings it: what goes wrong in its tasks is no failure of a user's code.
+  virtual bool is_built_in() const { return false; }
   // What to change when every start was refused because nothing is in reach; "" when unknown.
   virtual std::string ReachAdvice(const RunConfig& /*run*/) const { return ""; }
 };
