@@ -150,6 +150,10 @@ class ActionReplay {
     rewards_ = internal::ReadSteps<double>(episode, "reward");
     times_ = internal::ReadSteps<double>(episode, "time");
     ticks_ = internal::ReadSteps<int64_t>(episode, std::string(kControlTickColumn));
+    if (ticks_.empty()) {
+      throw IoError(
+          fmt::format("{} has no row: there is nothing to repeat", PlaceOfEpisode(episode)));
+    }
     AddFinalObservation();
   }
 

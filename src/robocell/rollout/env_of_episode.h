@@ -61,7 +61,8 @@ struct EnvReplayOptions {
 // Goes back to the start of an episode and gives its actions again, until a number is farther from
 // what was recorded than the tolerance; row rows() is what the last action led to. With
 // StateFrame::kRoot, for a rig that stands elsewhere, it needs one. ArgumentError for an episode of
-// another configuration and SpecError for one of other code, before anything changes.
+// another configuration, SpecError for one of other code and IoError for one without a row, before
+// anything changes.
 ReplayResult ReplayActions(Env& env, const Episode& episode, const EnvReplayOptions& options = {});
 
 }  // namespace robocell

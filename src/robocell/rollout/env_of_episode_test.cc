@@ -93,6 +93,13 @@ class EnvOfEpisodeTest : public ::testing::Test {
 
   // The same episode whose steps.h5 has a row less of one column.
   Episode WithShortColumn(const Episode& from, const std::string& column) const {
+    return WithRows(from, from.rows(), [&](const ColumnInfo& info) {
+      return info.rows - (info.spec.name == column ? 1 : 0);
+    });
+  }
+  // The same episode with `steps_rows` rows, whose columns have as many as `rows_of` says.
+  template <class F>
+  Episode WithRows(const Episode& from, int64_t steps_rows, F&& rows_of) const {
     return Edited(from, [&](nlohmann::ordered_json& json) {
       const std::filesystem::path steps =
           folder / ("edited" + std::to_string(count)) / std::string(kStepsFile);
@@ -109,11 +116,12 @@ class EnvOfEpisodeTest : public ::testing::Test {
           dataset.WriteAll(bytes);
         } else {
           dataset.SetText("table", info.table);
-          dataset.AppendChunk(info.rows - (spec.name == column ? 1 : 0), bytes);
+          if (const int64_t rows = rows_of(info)) dataset.AppendChunk(rows, bytes);
         }
         dataset.Close();
       }
       file.Close();
+      json["tables"]["steps"]["rows"] = steps_rows;
       json["files"][kStepsFile] = {{"bytes", std::filesystem::file_size(steps)},
                                    {"sha256", Sha256File(steps)}};
     });
@@ -245,6 +253,15 @@ TEST_F(EnvOfEpisodeTest, ColumnsOfAnotherLengthAreNamed) {
   ExpectThrow<IoError>(
       [&] { ReplayActions(env, WithShortColumn(episode, std::string(kControlTickColumn))); },
       "column 'control_tick' has 2 rows");
+}
+
+TEST_F(EnvOfEpisodeTest, WithoutARowCannotBeRepeated) {
+  const Episode episode = Record(Rc7WithCube());
+  Env env(Rc7WithCube());
+  const Episode empty = WithRows(
+      episode, 0, [](const ColumnInfo& info) { return info.table == "steps" ? 0 : info.rows; });
+  ExpectThrow<IoError>([&] { ReplayActions(env, empty); },
+                       "has no row: there is nothing to repeat");
 }
 
 TEST_F(EnvOfEpisodeTest, NamesTheFieldThatIsNotAsItWasWritten) {
