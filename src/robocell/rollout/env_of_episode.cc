@@ -305,10 +305,8 @@ std::unique_ptr<Env> EnvOfEpisode(const Episode& episode, bool images, const Dat
   config.sim.realtime = false;
   config.headless = true;
   if (!images) config.cameras.streams = {};
-  auto env =
-      std::make_unique<Env>(std::move(config), Scene::Build(RecordedScene(episode), factory));
-  RequireSameCode(env->config(), episode);
-  return env;
+  RequireSameCode(config, episode);  // before any of it runs
+  return std::make_unique<Env>(std::move(config), Scene::Build(RecordedScene(episode), factory));
 }
 
 ReplayResult ReplayActions(Env& env, const Episode& episode, const EnvReplayOptions& options) {

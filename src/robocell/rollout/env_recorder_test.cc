@@ -418,6 +418,10 @@ TEST(EnvRecorders, EpisodesAreRepeatedWithTheirOwnCodeOnly) {
   EXPECT_TRUE(ReplayActions(*EnvOfEpisode(episode), episode).ok());
   AtomicWrite(code, "return 5;");
   ExpectThrow<SpecError>([&] { EnvOfEpisode(episode); }, "was recorded with other code than");
+  const DataFactory never = [](CompiledScene&) -> DataHandle {
+    throw Error("the scene was built");
+  };
+  ExpectThrow<SpecError>([&] { EnvOfEpisode(episode, false, never); }, "other code than");
   ExpectThrow<SpecError>([&] { ReplayActions(env, episode); }, "mine.cc");
   ExpectThrow<ArgumentError>([&] { EnvRecorder(env, folder / "out"); },
                              "mine.cc: not the recorded one; choose another folder");
