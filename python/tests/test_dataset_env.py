@@ -98,6 +98,24 @@ def test_a_policy_sees_the_recorded_row_and_its_images(dataset: rc.Dataset, tmp_
         assert error.mean() < 4
 
 
+def test_numbers_beyond_their_range_are_recorded_and_observed_in_the_space(tmp_path: Path):
+    name = "features/beyond_of_dataset"
+
+    @rc.register_feature("beyond_of_dataset", lower=[0.0], upper=[1.0])
+    def beyond(scene: rc.Scene) -> float:
+        return 1.3
+
+    dataset = make(tmp_path / "out", 1, features=["beyond_of_dataset"])
+    assert set(np.asarray(dataset[0][name])) == {1.3}
+    env = from_dataset(dataset, cameras=False)
+    row, _ = env.reset(seed=0)
+    assert row[name] == env.observation_space[name].high == 1.1
+    assert env.observation_space.contains(row)
+    flat = from_dataset(dataset, flat=True)
+    vector, _ = flat.reset(seed=0)
+    assert flat.observation_space.contains(vector)
+
+
 def test_vectors_are_the_rows_of_the_dataset(dataset: rc.Dataset):
     seen, done = ["robots/rc7/arm/qpos", "robots/rc7/opening"], [ARM, GRIPPER]
     env = from_dataset(dataset, seen, done, flat=True)

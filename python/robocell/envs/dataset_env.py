@@ -152,6 +152,11 @@ class DatasetEnv(gymnasium.Env[Any, Any]):
         self._checked = False
         seen = {name: self._space(name) for name in observations}
         done = {name: self._space(name) for name in actions}
+        self._ranges = {
+            name: space
+            for name, space in seen.items()
+            if name in self.features and self.features[name].lower
+        }
         self.observation_space = _flattened(seen) if flat else spaces.Dict({**seen})
         self.action_space = _flattened(done) if flat else spaces.Dict({**done})
 
@@ -208,6 +213,8 @@ class DatasetEnv(gymnasium.Env[Any, Any]):
 
     def _observe(self) -> Any:
         row = self.core.row()
+        for name, space in self._ranges.items():  # rows have numbers beyond it too
+            row[name] = np.asarray(np.clip(row[name], space.low, space.high))
         if not self._flat:
             return {name: row[name] for name in self.observations}
         return np.concatenate([np.ravel(row[name]) for name in self.observations])

@@ -366,7 +366,11 @@ void Env::Observe() {
 }
 
 void Env::ReadInto(FeatureSource& source, const VectorPart& part) {
-  if (part.size > 0) source.Read(std::span(observation_).subspan(part.begin, part.size));
+  if (part.size == 0) return;
+  source.Read(std::span(observation_).subspan(part.begin, part.size));
+  const VectorRange& range = layout_.observation;
+  for (int i = part.begin; i < part.begin + part.size; ++i)
+    observation_[i] = std::clamp(observation_[i], range.lower[i], range.upper[i]);
 }
 
 void Env::SetOriginToCurrent(const std::string& robot) {

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <memory>
+
 #include "robocell/base/error.h"
 #include "robocell/features/own_features.h"
 #include "robocell/robot/testing/robots.h"
@@ -98,7 +101,7 @@ TEST(CellFeatures, NumbersOfAUsersOwnMustBeFinite) {
                          "feature 'features/bad_of_test' is nan at t = 0.000 s");
 }
 
-TEST(CellFeatures, NumbersBeyondTheirRangeAreCutToIt) {
+TEST(CellFeatures, NumbersBeyondTheirRangeAreReadAsTheyAre) {
   RegisterFeature("far_of_test", {.column = {.shape = {2}}, .lower = {0, 0}, .upper = {1, 1}},
                   [](const Scene&, std::span<double> out) {
                     out[0] = 5;
@@ -107,7 +110,26 @@ TEST(CellFeatures, NumbersBeyondTheirRangeAreCutToIt) {
   const Cell cell;
   CellFeatures features(cell.scene, {*cell.robot}, {.own = {"far_of_test"}});
   features.ReadState();
-  EXPECT_THAT(cell.Numbers(features, "features/far_of_test"), ElementsAre(1, 0));
+  EXPECT_THAT(cell.Numbers(features, "features/far_of_test"), ElementsAre(5, -5));
+}
+
+// A sensor of the engine that shows infinity.
+class BrokenSensor final : public FeatureSource {
+ public:
+  explicit BrokenSensor(const Scene& scene) : FeatureSource(scene) {
+    Add({.column = {.name = "sensors/broken"}, .lower = {0}, .upper = {1}});
+  }
+
+ private:
+  void ReadNumbers(std::span<double> out) override { out[0] = HUGE_VAL; }
+};
+
+TEST(CellFeatures, NumbersOfTheEngineAreReadAsTheyAre) {
+  const Cell cell;
+  CellFeatures features(cell.scene, {*cell.robot},
+                        {.more = std::make_unique<BrokenSensor>(cell.scene)});
+  features.ReadState();
+  EXPECT_THAT(cell.Numbers(features, "sensors/broken"), ElementsAre(HUGE_VAL));
 }
 
 TEST(CellFeatures, AFunctionThatFailsIsNamed) {

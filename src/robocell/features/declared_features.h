@@ -31,6 +31,7 @@ class DeclaredFeatures final : public FeatureSource {
 
  private:
   void ReadNumbers(std::span<double> out) override;
+  bool is_users() const override { return true; }
   std::string PlaceOf(size_t feature) const override;
 
   std::shared_ptr<const DeclaresFeatures> of_;

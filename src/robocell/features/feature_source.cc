@@ -25,12 +25,10 @@ void FeatureSource::RequireFinite(size_t feature, std::span<const double> number
 
 void FeatureSource::Read(std::span<double> out) {
   ReadNumbers(out);
+  if (!is_users()) return;
   for (size_t i = 0; i < features_.size(); ++i) {
-    const Feature& feature = features_[i];
-    const std::span<double> numbers = out.first(static_cast<size_t>(feature.size()));
+    const std::span<double> numbers = out.first(static_cast<size_t>(features_[i].size()));
     RequireFinite(i, numbers);
-    for (size_t k = 0; k < feature.lower.size(); ++k)
-      numbers[k] = std::clamp(numbers[k], feature.lower[k], feature.upper[k]);
     out = out.subspan(numbers.size());
   }
 }

@@ -20,8 +20,8 @@ class FeatureSource {
   const std::vector<Feature>& features() const { return features_; }
   int64_t size() const;
   // The numbers of all features in the scene's present state, one after another. `out` has size()
-  // of them. Numbers beyond the range of their feature are cut to it, so that they lie in the spaces
-  // that are made from it; HookError names a feature whose numbers are not finite.
+  // of them, as they are: also beyond the range of their feature, which what observes may clip to.
+  // HookError names a feature of a user's code whose numbers are not finite.
   void Read(std::span<double> out);
 
  protected:
@@ -31,6 +31,9 @@ class FeatureSource {
 
  private:
   virtual void ReadNumbers(std::span<double> out) = 0;
+  // Whether a user's code makes the numbers, which have to be finite then. Those of the engine are
+  // what they are.
+  virtual bool is_users() const { return false; }
   // Where a feature is read by code of a user's own (base/hook_error.h), for messages.
   virtual std::string PlaceOf(size_t /*feature*/) const { return ""; }
   void RequireFinite(size_t feature, std::span<const double> numbers) const;

@@ -50,6 +50,7 @@ class OwnFeatureSource final : public FeatureSource {
     std::string PlaceOfHook(const char* method) const override;
   };
   void ReadNumbers(std::span<double> out) override;
+  bool is_users() const override { return true; }
   std::string PlaceOf(size_t feature) const override;
 
   std::vector<Function> functions_;
