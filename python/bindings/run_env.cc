@@ -49,18 +49,18 @@ void BindRunEnv(nb::module_& m) {
           "run", [](const RunEnv& env) { return env.run(); }, "A copy.")
       .def(
           "reset",
-          [](RunEnv& env, int index) {
+          [](RunEnv& env, int index, int attempt) {
             const InUse use(env, &PlaceOfRunEnv, "reset");
             SignalPoll poll;
             const nb::gil_scoped_release release;
-            env.Reset(index, [&] {
+            env.Reset(index, attempt, [&] {
               poll();
               return false;
             });
           },
-          "index"_a,
-          "Resets to start `index` of the run's plan. Raises Error with the reasons if no attempt "
-          "is accepted.")
+          "index"_a, "attempt"_a = 0,
+          "Resets to start `index` of the run's plan: its first attempt from `attempt` on that is "
+          "accepted. Raises Error with the reasons if there is none.")
       .def(
           "row",
           [](RunEnv& env) {

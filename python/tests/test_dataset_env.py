@@ -13,6 +13,7 @@ import robocell as rc
 from robocell.envs import from_dataset
 from robocell.evaluate import evaluate
 from robocell.policy import Policy
+from test_task import Idle
 
 ROOT = Path(__file__).parents[2]
 
@@ -96,6 +97,29 @@ def test_a_policy_sees_the_recorded_row_and_its_images(dataset: rc.Dataset, tmp_
         # The video is lossy; the picture is the same.
         error = np.abs(episode.frame("exo", i).astype(float) - seen[i]["exo"].astype(float))
         assert error.mean() < 4
+
+
+def test_the_start_is_that_of_the_episode_after_failed_rollouts(tmp_path: Path):
+    run = rc.RunConfig.load(ROOT / "examples" / "demo.yaml")
+    run.cameras.streams.clear()
+    run.output, run.episodes = str(tmp_path / "out"), 1
+    rc.generate.prepare_dataset(run)
+    failing = [True]
+
+    def expert(run: rc.RunConfig, start: rc.tasks.EpisodeStart) -> rc.tasks.Expert:
+        return Idle(1) if failing and failing.pop() else rc.tasks.PickPlanner(run, start)
+
+    assert rc.generate.Runner(run, expert=expert).run(rc.generate.make_plan(run)[0]).success
+    (episode,) = rc.Dataset(run.output)
+    assert any("failed" in attempt for attempt in episode.metadata["earlier_attempts"])
+    env = from_dataset(run.output, privileged=True)
+    row, _ = env.reset(seed=0)
+    for name in env.observations:
+        assert np.array_equal(np.asarray(episode[name])[0], row[name]), name
+    env.core.reset(0, 0)
+    first = env.core.row()["objects/target/pose"]
+    assert not np.array_equal(first, row["objects/target/pose"])
+    env.reset(seed=1)  # beyond the plan
 
 
 def test_numbers_beyond_their_range_are_recorded_and_observed_in_the_space(tmp_path: Path):

@@ -26,9 +26,11 @@ from robocell._core import (
     Dataset,
     Feature,
     NotFoundError,
+    RunConfig,
     RunEnv,
+    make_plan,
 )
-from robocell.dataset_run import run_of_dataset
+from robocell.dataset_run import plan_numbers, run_of_dataset
 from robocell.envs.recorded_env import RecordedEnv, is_recorded
 from robocell.generate.run_source import import_named
 
@@ -90,7 +92,28 @@ def from_dataset(
 
 
 class _RunCell(RunEnv):
-    """The cell of a run."""
+    """The cell of a run, whose first starts are those of the episodes of a dataset."""
+
+    def __init__(self, run: RunConfig, dataset: Dataset) -> None:
+        super().__init__(run)
+        self._dataset = dataset
+        self._scenes = [item.scene for item in make_plan(run)]  # one of each: it names no number
+        self._ids: dict[tuple[int, int], str] = {}
+        for id in dataset.ids:
+            for numbers in plan_numbers([id]):
+                self._ids.setdefault(numbers, id)
+
+    def reset(self, index: int, attempt: int | None = None) -> None:
+        """To start `index`; by default that of the recorded episode of this item, if there is."""
+        super().reset(index, self._recorded_attempt(index) if attempt is None else attempt)
+
+    def _recorded_attempt(self, index: int) -> int:
+        episode, place = divmod(index, len(self._scenes))
+        id = self._ids.get((self._scenes[place], episode))
+        if id is None:
+            return 0
+        metadata: Any = self._dataset[id].metadata
+        return int(metadata.get("attempt", 0))
 
     @property
     def cameras(self) -> CameraSystemConfig:
@@ -103,7 +126,7 @@ def _core_of(dataset: Dataset, images: bool) -> _RunCell | RecordedEnv:
     run = run_of_dataset(dataset.folder)
     if not images:
         run.cameras.streams.clear()
-    return _RunCell(run)
+    return _RunCell(run, dataset)
 
 
 def _default_observations(
@@ -127,11 +150,10 @@ class DatasetEnv(gymnasium.Env[Any, Any]):
     """An environment made by `from_dataset`; `core` is its RunEnv.
 
     `reset(seed=i)` goes to start i of the dataset's run, and later resets continue from there.
-    Start i is the first start that the sampler accepts for item i of the run's plan. The recorded
-    episode of this item has the same start, unless an earlier rollout of it failed and was not
-    kept: `earlier_attempts` of its metadata says so. Numbers beyond the plan are new starts. In a
-    dataset of `EnvRecorder` start i is that of seed i. The spaces have the ranges of the dataset's
-    schema.
+    Start i is that of item i of the run's plan: the first starts are those of the dataset's
+    episodes again, those after failed rollouts included. Numbers beyond the plan are new starts, as
+    are items without an episode: the first one that the sampler accepts. In a dataset of
+    `EnvRecorder` start i is that of seed i. The spaces have the ranges of the dataset's schema.
     """
 
     metadata = {"render_modes": []}  # noqa: RUF012  (as in Gymnasium)

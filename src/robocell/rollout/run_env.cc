@@ -69,16 +69,20 @@ RunEnv::RunEnv(RunEnv&&) noexcept = default;
 
 const RunConfig& RunEnv::run() const { return state_->run; }
 
-void RunEnv::Reset(int index, const StopRequest& stop) {
+void RunEnv::Reset(int index, int first_attempt, const StopRequest& stop) {
   if (index < 0)
     throw ArgumentError(fmt::format("the start of an episode is a number from 0, got {}", index));
   const RunConfig& run = state_->run;
+  if (first_attempt < 0 || first_attempt >= run.max_attempts) {
+    throw ArgumentError(fmt::format("run '{}': attempts are numbers from 0 to {}, got {}", run.run,
+                                    run.max_attempts - 1, first_attempt));
+  }
   const std::vector<int> scenes = SceneIndices(run);
   const auto count = static_cast<int>(scenes.size());
   const PlanItem item{
       .index = index, .scene = scenes[index % count], .episode = index / count, .id = {}};
   RefusalCounts reasons;
-  for (int attempt = 0; attempt < run.max_attempts && !ShouldStop(stop); ++attempt) {
+  for (int attempt = first_attempt; attempt < run.max_attempts && !ShouldStop(stop); ++attempt) {
     Rng rng = AttemptStream(run, item, attempt, "start");
     SampleResult sample = state_->sampler->Sample({item.scene, item.episode, attempt, stop}, rng);
     if (!sample.start) {
@@ -92,7 +96,7 @@ void RunEnv::Reset(int index, const StopRequest& stop) {
     return;
   }
   throw Error(fmt::format("run '{}': none of {} attempts at start {} was accepted: {}", run.run,
-                          run.max_attempts, index, MostOften(reasons)));
+                          run.max_attempts - first_attempt, index, MostOften(reasons)));
 }
 
 CellRow RunEnv::Row() {

@@ -45,9 +45,10 @@ class RunEnv {
   RunEnv(RunEnv&&) noexcept;
 
   const RunConfig& run() const;
-  // To start `index`; the first of its attempts that is accepted. Error with the reasons when none
-  // of max_attempts is.
-  void Reset(int index, const StopRequest& stop = {});
+  // To start `index`: its first attempt from `first_attempt` on that is accepted. An episode names
+  // the attempt that it is of, `attempt` of its metadata. Error with the reasons when none of
+  // max_attempts is.
+  void Reset(int index, int first_attempt = 0, const StopRequest& stop = {});
   // What is recorded of the present state; images are drawn by the first call in a state.
   CellRow Row();
   RunStep Act(const std::map<std::string, std::vector<double>>& actions);

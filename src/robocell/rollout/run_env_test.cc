@@ -79,6 +79,8 @@ TEST(RunEnv, AStartThatCannotBeIsToldWithTheReasons) {
   RunEnv env(run);
   ExpectThrow<Error>([&] { env.Reset(7); },
                      "none of 3 attempts at start 7 was accepted: base: no base");
+  ExpectThrow<Error>([&] { env.Reset(7, 1); }, "none of 2 attempts at start 7 was accepted");
+  ExpectThrow<ArgumentError>([&] { env.Reset(7, 3); }, "attempts are numbers from 0 to 2, got 3");
   ExpectThrow<ArgumentError>([&] { env.Reset(-1); }, "a number from 0, got -1");
 }
 
