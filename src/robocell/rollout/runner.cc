@@ -61,13 +61,15 @@ struct Runner::State {
                                    const EarlierAttempts& earlier, const StopRequest& stop);
   void Attempt(const PlanItem& item, int attempt, const StopRequest& stop, EarlierAttempts& earlier,
                ItemResult& result);
-  // The same; an exception of a user's own code is a failure, unless it is the last of a row.
+  // The same; an exception of a user's own code is a failure, unless it is the last of a row. With
+  // Keep::kFirst, in evaluations, one of an accepted start goes on: no other start takes its place.
   void TryAttempt(const PlanItem& item, int attempt, const StopRequest& stop,
                   EarlierAttempts& earlier, ItemResult& result);
   // Of the exception that is being handled; "" for one of others.
   std::string WhatUsersCodeRaised() const;
   bool has_samplers_hooks() const { return own_sampler || !run.sampler.empty(); }
-  int raised = 0;  // in a row
+  int raised = 0;               // in a row
+  bool start_accepted = false;  // in the present attempt
 };
 
 // The right to write into the dataset, as long as it is the one that the run was checked against.
@@ -235,6 +237,7 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopRequest
     if (count >= MostFrequent(result.refusals)) result.advice = sample.refusal.detail;
     return;
   }
+  start_accepted = true;
   BindStart(*sample.start, run);
   const std::shared_ptr<Expert> expert = internal::CallHook(
       Hooks(), "the expert's constructor", [&] { return parts.expert(run, *sample.start); });
@@ -262,12 +265,14 @@ std::string Runner::State::WhatUsersCodeRaised() const {
 void Runner::State::TryAttempt(const PlanItem& item, int attempt, const StopRequest& stop,
                                EarlierAttempts& earlier, ItemResult& result) {
   constexpr int kMostRaised = 3;
+  start_accepted = false;
   try {
     Attempt(item, attempt, stop, earlier, result);
     raised = 0;
   } catch (...) {
     const std::string told = WhatUsersCodeRaised();
-    if (told.empty() || ++raised >= kMostRaised) throw;
+    const bool must_keep_start = run.keep == Keep::kFirst && start_accepted;
+    if (told.empty() || must_keep_start || ++raised >= kMostRaised) throw;
     LogWarn(fmt::format("episode '{}', attempt {}: {}", item.id, attempt, told));
     ++result.attempts;
     ++result.failures[told];

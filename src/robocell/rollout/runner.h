@@ -61,8 +61,9 @@ struct RunnerParts {
   std::function<std::shared_ptr<Expert>(const RunConfig&, const EpisodeStart&)> expert = {};
   // Called while an exception is handled: what to say of one that a user's own code raised in
   // another language, "" for all others. It ends the attempt like a failure of that name, as a
-  // HookError of a user's code does; the third one in a row goes on to the caller of Run. Errors of
-  // the engine and of what comes with robocell go on at once.
+  // HookError of a user's code does; the third one in a row goes on to the caller of Run. With
+  // Keep::kFirst one of an accepted start goes on at once, and so do errors of the engine and of
+  // what comes with robocell.
   std::function<std::string()> told_of_users = {};
 };
 

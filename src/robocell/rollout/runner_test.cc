@@ -144,6 +144,20 @@ TEST(Runner, WhatAHookDoesWronglyEndsTheAttempt) {
   }
 }
 
+// In evaluations another start may be an easier one.
+TEST(Runner, NoOtherStartTakesThePlaceOfTheFirst) {
+  TempDir folder;
+  RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
+  run.cameras.streams = {};
+  run.output = (folder / "out").string();
+  run.keep = Keep::kFirst;
+  PrepareDataset(run);
+  int left = 1;
+  ExpectThrow<HookError>([&] { Runner(run, FailingParts(left, true)).Run(MakePlan(run)[0]); },
+                         "in act: out of ideas");
+  EXPECT_EQ(Dataset(run.output).size(), 0u);
+}
+
 // Acts so that the next step of the simulation is a fatal error of the engine.
 class BreaksTheEngine : public Idle {
  public:
