@@ -1,7 +1,7 @@
 """Who acts in an evaluation: an error of a policy or an expert ends its rollout as a failure.
 
-A rollout that raised would otherwise be made from another start, which the other policies do not
-get. Here the rollout ends where the error came, and is committed with its reason and its video.
+The rollout ends where the error came, and is committed with its reason and its video. No other
+start takes its place, which the other policies would not get.
 """
 
 from __future__ import annotations
@@ -9,7 +9,8 @@ from __future__ import annotations
 import inspect
 import sys
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -17,14 +18,18 @@ import numpy as np
 from robocell import _core
 from robocell._core import (
     ArgumentError,
+    ClosedError,
+    DivergedError,
+    EngineError,
     EpisodeStart,
     Error,
     Expert,
     GroupCommand,
+    IoError,
     Rng,
     RunConfig,
     Scene,
-    set_log_sink,
+    SpecError,
 )
 
 # What the reason of a rollout begins with that an error of a policy or an expert ended.
@@ -63,44 +68,41 @@ def ending_at_errors(maker: ExpertMaker) -> ExpertMaker:
     return make
 
 
-class OneStart:
-    """Makes the experts of one item after the other, each for one start.
+class ExplainedStart:
+    """Makes the experts of one item after the other, and says what raised in a rollout.
 
-    A second expert for the same item means that something else than the expert raised, such as the
-    task. The rollout of another start would not be the one that other policies get.
+    In an evaluation the runner takes no other start in place of one whose rollout raised: it would
+    not be the one that other policies get. Experts end at their own errors, so it is something
+    else that raised, such as the task.
     """
 
     def __init__(self, maker: ExpertMaker) -> None:
         self._maker = maker
         self._made = False
-        self._refusal: Error | None = None
-        self._raised = "see the log"
-        self._sink = set_log_sink(self._hear)
-
-    def next_item(self) -> None:
-        """Allows a start again."""
-        self._made, self._refusal = False, None
-
-    def _hear(self, level: str, text: str) -> None:
-        """Remembers the warning of the attempt that raised."""
-        if level == "warn" and text.startswith("episode "):
-            self._raised = text
-        if self._sink is not None:
-            self._sink(level, text)
-        else:
-            print(f"robocell {level}: {text}", file=sys.stderr, flush=True)
 
     def __call__(self, run: RunConfig, start: EpisodeStart) -> Expert:
-        """Makes an expert. Error for the second start of an item."""
-        if self._made:
-            self._refusal = self._refusal or Error(
-                "something else than the policy raised in the rollout, and an evaluation takes no "
-                f"other start in its place: {self._raised}"
-            )
-            raise self._refusal
-        expert = self._maker(run, start)  # what is not made may be tried again
+        """Makes an expert."""
+        expert = self._maker(run, start)
         self._made = True
         return expert
+
+    @contextmanager
+    def explained(self) -> Iterator[None]:
+        """For one item: an exception that a user's code raised beside the expert names it."""
+        from robocell.generate.run_source import place_of
+
+        self._made = False
+        try:
+            yield
+        except (ClosedError, DivergedError, EngineError, IoError, SpecError):
+            raise
+        except Exception as error:
+            if not self._made:
+                raise
+            raise Error(
+                "something else than the policy raised in the rollout, and an evaluation takes no "
+                f"other start in its place: {place_of(error)}"
+            ) from error
 
 
 def expert_of_python(run: RunConfig) -> ExpertMaker | None:

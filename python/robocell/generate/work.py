@@ -41,18 +41,18 @@ def _open_maker(arguments: argparse.Namespace, stop: StopFlag) -> MakeEpisode:
 
 def _evaluating(run: RunConfig, policy: str) -> Callable[..., CoreResult]:
     """Returns what makes an item of an evaluation: one rollout, of its first accepted start."""
-    from robocell.evaluated import OneStart, ending_at_errors, expert_of_python
+    from robocell.evaluated import ExplainedStart, ending_at_errors, expert_of_python
     from robocell.policy import EXPERT
 
     maker = expert_of_python(run)
     if maker is None:
         return Runner(run).run
-    one_start = OneStart(ending_at_errors(maker) if policy == EXPERT else maker)
-    runner = Runner(run, expert=one_start)
+    start = ExplainedStart(ending_at_errors(maker) if policy == EXPERT else maker)
+    runner = Runner(run, expert=start)
 
     def run_item(item: PlanItem, stop: StopFlag | None = None) -> CoreResult:
-        one_start.next_item()
-        return runner.run(item, stop=stop)
+        with start.explained():
+            return runner.run(item, stop=stop)
 
     return run_item
 
