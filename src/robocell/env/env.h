@@ -157,7 +157,7 @@ class Env {
   };
 
   void TryStart(bool is_first);
-  void FindPreparedObjects();
+  void FindPreparedObjects(bool is_first);
   void PutPrepared(Rng& rng);
   void MakeInspector();
   std::string MakeStart(uint64_t seed, const std::optional<KeyframeChoice>& keyframe,

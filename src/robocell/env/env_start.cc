@@ -64,6 +64,14 @@ std::string ChangeOf(const Pose& before, const Pose& after) {
   return "";
 }
 
+// An object at the origin of the world cannot be told from one without a pose.
+std::string WhyPlaced(const std::vector<std::string>& objects) {
+  return fmt::format(
+      "prepare() added {} without a pose, so each reset draws a place on a support in reach. To "
+      "keep an object at the origin of the world, set its `pos` a millimetre off",
+      ListNames(objects));
+}
+
 }  // namespace
 
 // "" when a start was found, else what was wrong most often. Each is drawn from what the seed's
@@ -118,7 +126,7 @@ std::string Env::NoPlace() const {
 }
 
 // Which objects the task leaves where they are put: they have to rest there, as those that it names.
-void Env::FindPreparedObjects() {
+void Env::FindPreparedObjects(bool is_first) {
   if (!task_) return;
   resting_ = task_->resting_objects();
   prepared_ = std::make_shared<internal::PreparedObjects>(scene_, config_, *task_);
@@ -131,6 +139,7 @@ void Env::FindPreparedObjects() {
   if (task_->Arrange(scene_, of_task)) scene_.Reset({.body_poses = starts});
   starts.erase(starts.begin(), starts.begin() + own);
   std::vector<std::string> placed = prepared_->PlacedHere(starts);
+  if (is_first && !placed.empty()) LogInfo(fmt::format("{}: {}", place(), WhyPlaced(placed)));
   std::erase_if(placed, [&](const std::string& object) { return Contains(resting_, object); });
   resting_.insert(resting_.end(), placed.begin(), placed.end());
   PutPrepared(of_places);
@@ -158,7 +167,7 @@ void Env::MakeInspector() {
 void Env::TryStart(bool is_first) {
   const SceneUse::Claim claim(scene_.use(), "Env::Env");
   scene_.Reset();
-  FindPreparedObjects();
+  FindPreparedObjects(is_first);
   MakeInspector();
   const bool is_placed = !prepared_ || prepared_->has_support();  // else the task has to do it
   if (is_first && is_placed) WarnOfStart();

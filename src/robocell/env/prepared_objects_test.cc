@@ -4,12 +4,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "robocell/base/error.h"
+#include "robocell/base/log.h"
 #include "robocell/env/env.h"
 #include "robocell/env/env_batch.h"
 #include "robocell/env/testing/envs.h"
@@ -140,6 +142,23 @@ TEST(PreparedObjects, AreWhereTheTaskPutsThem) {
   Env arranging(Cubes({.arranges = true}));
   arranging.Reset({.seed = 1});
   EXPECT_TRUE(At(arranging, "second").isApprox(TwoCubes::kSecond, 1e-9));
+}
+
+TEST(PreparedObjects, ThatArePlacedAreLoggedOnce) {
+  std::vector<std::string> lines;
+  const auto keep = [&](LogLevel, std::string_view text) { lines.emplace_back(text); };
+  const ScopedLogSink capture(keep);
+  Env env(Cubes());
+  env.Reset({.seed = 1});
+  env.Reset({.seed = 2});
+  const std::string said = "prepare() added first, second without a pose, so each reset draws";
+  EXPECT_EQ(
+      std::ranges::count_if(
+          lines, [&](const std::string& line) { return line.find(said) != std::string::npos; }),
+      1);
+  lines.clear();
+  Env arranging(Cubes({.arranges = true}));
+  EXPECT_THAT(lines, ::testing::Not(::testing::Contains(::testing::HasSubstr("without a pose"))));
 }
 
 TEST(PreparedObjects, NeedASupportInReachUnlessTheTaskPlacesThem) {
