@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import sys
 from pathlib import Path
@@ -14,6 +15,7 @@ sys.path.insert(0, str(ROOT / "scripts" / "docsite"))
 
 import cpp_reference  # noqa: E402
 import markdown_dialect  # noqa: E402
+import notebook_pages  # noqa: E402
 import python_reference  # noqa: E402
 
 HEADER = """// A thing that turns. Angles are radians.
@@ -124,6 +126,28 @@ def test_every_page_of_docs_is_in_the_navigation():
     pages = [page.relative_to(docs) for page in docs.rglob("*.md")]
     missing = [str(p) for p in pages if p.parts[0] != "decisions" and str(p) not in navigation]
     assert missing == []
+
+
+@pytest.mark.parametrize("folder", ["package", "stubs", "examples", "models/arm"])
+def test_a_notebook_is_older_than_whatever_it_reads(
+    folder: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    files = {"package": "a.py", "stubs": "_core.so", "examples": "a.yaml", "models/arm": "arm.xml"}
+    for place, name in files.items():
+        (tmp_path / place).mkdir(parents=True)
+        (tmp_path / place / name).touch()
+    for path in tmp_path.rglob("*"):
+        os.utime(path, (1000, 1000))
+    monkeypatch.setattr(notebook_pages, "PACKAGE", tmp_path / "package")
+    monkeypatch.setattr(notebook_pages, "STUBS", tmp_path / "stubs")
+    monkeypatch.setattr(notebook_pages, "SHARED", (tmp_path / "examples", tmp_path / "models"))
+    assert notebook_pages.newest_source() == 1000
+    os.utime(tmp_path / folder / files[folder], (2000, 2000))
+    assert notebook_pages.newest_source() == 2000
+    cached = tmp_path / "examples" / "__pycache__" / "a.pyc"
+    cached.parent.mkdir()
+    cached.touch()
+    assert notebook_pages.newest_source() == 2000, "caches do not count"
 
 
 def test_notebooks_are_kept_without_output():

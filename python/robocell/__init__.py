@@ -20,9 +20,11 @@ first scene.
 
 from typing import NoReturn
 
+from robocell import _startup as _startup  # first: Ctrl-C and the path of the command
+
+# isort: split
 from robocell import _build_tree as _build_tree  # the extension of a checkout
 from robocell import _notebook as _notebook  # how objects show themselves in notebooks
-from robocell import _startup as _startup  # early: Ctrl-C while the command is loaded
 from robocell import (
     control,
     data,

@@ -70,9 +70,17 @@ def numbers(values: Iterable[float], digits: int = 3) -> str:
     return " ".join(f"{value:.{digits}f}" for value in values)
 
 
+def has_arm(robot: _core.Robot) -> bool:
+    """Whether the robot has an arm with joints; a hand alone has none."""
+    try:
+        return robot.n_joints > 0
+    except _core.NotFoundError:
+        return False
+
+
 def view_of(scene: _core.Scene, size: float | None = None) -> _core.OrbitCamera:
-    """A camera that sees all robots, or the whole model if there are none."""
-    robots = [robot for robot in scene.robots if robot.n_joints]
+    """A camera that sees all arms, or the whole model if there are none."""
+    robots = [robot for robot in scene.robots if has_arm(robot)]
     if not robots:
         model = scene.model
         return _core.OrbitCamera(
@@ -118,24 +126,30 @@ def scene_html(scene: _core.Scene) -> str:
 
 
 def robot_html(robot: _core.Robot) -> str:
-    """A picture of the robot where it is, its mode, TCP, opening and joints."""
+    """A picture of the robot where it is, its mode, TCP, opening and joints.
+
+    A robot without an arm shows its groups and its gripper.
+    """
     scene = robot.scene
     if scene.closed:
         return page([], [], f"Robot '{robot.name}', of a closed scene")
-    tcp = robot.base_in_world.inverse() * robot.tcp_in_world
-    rows: list[Row] = [
-        ("groups", listed(robot.group_names)),
-        ("mode", robot.ctrl_mode.name.lower()),
-        ("reach", f"{robot.reach:.3f} m"),
-        ("TCP in base, x y z", f"{numbers(tcp.translation)} m"),
-        ("TCP in base, quaternion xyzw", numbers(tcp.quaternion)),
-    ]
+    rows: list[Row] = [("groups", listed(robot.group_names))]
+    with_arm = has_arm(robot)
+    if with_arm:
+        tcp = robot.base_in_world.inverse() * robot.tcp_in_world
+        rows += [
+            ("mode", robot.ctrl_mode.name.lower()),
+            ("reach", f"{robot.reach:.3f} m"),
+            ("TCP in base, x y z", f"{numbers(tcp.translation)} m"),
+            ("TCP in base, quaternion xyzw", numbers(tcp.quaternion)),
+        ]
     if robot.has_gripper:
         distance = robot.gripper.inter_finger_dist
         rows.append(("gripper", f"opening {robot.gripper.opening:.2f}, {distance:.3f} m"))
-    positions = list(robot.arm.joint_pos)
-    for name, position in list(zip(robot.joint_names, positions, strict=False))[:MOST_ROWS]:
-        rows.append((name, f"{position:.3f}"))
+    if with_arm:
+        positions = list(robot.arm.joint_pos)
+        for name, position in list(zip(robot.joint_names, positions, strict=False))[:MOST_ROWS]:
+            rows.append((name, f"{position:.3f}"))
     shown = picture_of(lambda: drawn(scene), f"robot {robot.name}")
     return page(shown, rows, f"Robot '{robot.name}'")
 

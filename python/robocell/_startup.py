@@ -53,7 +53,11 @@ def look_here_last() -> None:
 
     `python -m robocell` puts it first, where a `random.py` would be taken for Python's.
     """
-    if sys.path and sys.path[0] in ("", os.getcwd()):
+    try:
+        here = os.getcwd()
+    except OSError:  # the folder was deleted
+        here = ""
+    if sys.path and sys.path[0] in ("", here):
         sys.path.append(sys.path.pop(0))
 
 

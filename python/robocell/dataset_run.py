@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
+import os
 import re
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -10,9 +13,11 @@ from typing import Any
 from robocell._core import (
     ArgumentError,
     Dataset,
+    IoError,
     RunConfig,
     SpecError,
     changed_code,
+    json_damage,
     recorded_scene,
 )
 
@@ -55,6 +60,34 @@ def _recorded_houses(folder: Path) -> list[int] | None:
             continue
     known = [report for report in reports if report.houses is not None and report.commands]
     return max(known, key=lambda report: report.commands[-1].finished).houses if known else None
+
+
+def manifest_of_dataset(source: str | Path) -> dict[str, Any] | None:
+    """Returns the content of dataset.json, checked against its hash; None when there is none.
+
+    IoError when it is damaged or cannot be read.
+    """
+    folder = Path(source)
+    path = folder / "dataset.json"
+    if not os.path.lexists(path):
+        return None
+    if not path.is_file():
+        raise IoError(f"'{path}' is not a file")
+    try:
+        text = path.read_bytes().decode()
+        damage = json_damage(text)
+        manifest = None if damage else json.loads(text)
+    except OSError as error:
+        raise IoError(f"cannot read '{path}': {error.strerror}") from error
+    except ValueError as error:
+        damage = str(error)
+    if damage or not isinstance(manifest, dict):
+        remedy = shlex.join(["robocell", "verify", "--repair", str(folder)])
+        raise IoError(
+            f"'{path}' is damaged: {damage or 'it is no JSON object'}. `{remedy}` sets it aside, "
+            "`robocell generate` with the run's file writes it again"
+        )
+    return manifest
 
 
 def run_of_dataset(source: str | Path) -> RunConfig:

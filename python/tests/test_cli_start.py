@@ -69,6 +69,22 @@ def test_what_counts_as_the_command(line: str, command: bool):
     assert is_command(line.split()) is command
 
 
+def test_it_starts_in_a_folder_that_was_deleted(tmp_path: Path):
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    start = 'rmdir ../gone && exec "$0" -m robocell --version'
+    done = subprocess.run(
+        ["sh", "-c", start, sys.executable],
+        cwd=gone,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == f"robocell {rc.__version__}\n"
+
+
 @pytest.mark.parametrize("name", ["json", "random"])
 def test_a_file_that_is_called_as_pythons_own_is_refused(tmp_path: Path, name: str):
     """Also by `python -m`, which would look for modules in the working folder first."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import os
 import pickle
 import subprocess
 import sys
@@ -394,7 +395,7 @@ def test_a_script_that_ends_with_an_environment_says_nothing_of_leaks(tmp_path, 
     script.write_text(f"{ALONE}\nfrom robocell.gym import GymEnv\n{made}\nenv.reset()\n")
     done = subprocess.run(
         [sys.executable, script],
-        env={"PYTHONPATH": ":".join(sys.path)},
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
         capture_output=True,
         text=True,
         check=True,

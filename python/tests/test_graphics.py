@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -80,7 +81,7 @@ def test_a_bad_mujoco_gl_is_named_by_all_that_needs_mujoco_and_hinders_nothing_e
     )
     result = subprocess.run(
         [sys.executable, "-c", code],
-        env={"PYTHONPATH": ":".join(sys.path), "MUJOCO_GL": "foo"},
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "MUJOCO_GL": "foo"},
         capture_output=True,
         text=True,
         check=False,

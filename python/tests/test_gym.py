@@ -250,7 +250,7 @@ def test_forks_of_a_process_that_has_drawn_are_told():
     """They waited for OpenGL's threads for ever."""
     done = subprocess.run(
         [sys.executable, "-c", FORKED],
-        env={"PYTHONPATH": ":".join(sys.path)},
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
         capture_output=True,
         text=True,
         check=True,

@@ -81,6 +81,42 @@ def test_a_robot_made_of_a_chain_shows_itself(scene: rc.Scene):
     assert "joint7" in cells(shown(bare))
 
 
+HAND = """<mujoco model="hand"><worldbody><body name="palm">
+<geom type="box" size="0.03 0.06 0.02" mass="0.5"/>
+<body name="left" pos="0 0.04 -0.06">
+<joint name="left" type="slide" axis="0 -1 0" range="0 0.04" damping="5"/>
+<geom name="left_pad" type="box" size="0.012 0.005 0.05" mass="0.05"/></body>
+<body name="right" pos="0 -0.04 -0.06">
+<joint name="right" type="slide" axis="0 1 0" range="0 0.04" damping="5"/>
+<geom name="right_pad" type="box" size="0.012 0.005 0.05" mass="0.05"/></body>
+</body></worldbody><actuator>
+<position name="left" joint="left" kp="800" ctrlrange="0 0.04"/>
+<position name="right" joint="right" kp="800" ctrlrange="0 0.04"/></actuator></mujoco>"""
+
+
+@pytest.mark.parametrize("beside_an_arm", [False, True])
+def test_a_hand_without_an_arm_shows_itself(tmp_path: Path, beside_an_arm: bool):
+    (tmp_path / "hand.xml").write_text(HAND)
+    (tmp_path / "hand.yaml").write_text(
+        "name: hand\nmodel: hand.xml\nmove_groups:\n  gripper: {kind: gripper, "
+        "joints: [left, right], actuators: [left, right], fingers: [left_pad, right_pad], "
+        "ctrl: {open: 0, closed: 0.04}}\n"
+    )
+    config = rc.RobotConfig.load(str(tmp_path / "hand.yaml"))
+    spec = rc.SceneSpec(name="cell", timestep=0.002, add_floor=True, add_skybox=True)
+    spec.robots.append(rc.RobotSpec(name="hand", config=config, pos=[0.5, 0.5, 0.2]))
+    if beside_an_arm:
+        arm = rc.RobotConfig.load(rc.models.robot_file("rc7"))
+        spec.robots.append(rc.RobotSpec(name="arm", config=arm, prefix="arm_"))
+    scene = rc.Scene.build(spec)
+    page = shown(scene.robot("hand"))
+    assert len(pictures(page)) == 1
+    assert list(cells(page)) == ["groups", "gripper"]
+    assert len(pictures(shown(scene))) == 1
+    if beside_an_arm:
+        assert "arm_joint7" in cells(shown(scene.robot("arm")))
+
+
 def test_a_scene_without_robots_shows_itself():
     spec = rc.SceneSpec(name="room", timestep=0.002, add_floor=True, add_skybox=True)
     page = shown(rc.Scene.build(spec))

@@ -120,6 +120,30 @@ def test_a_damaged_episode_is_named_and_does_not_stop_the_others(dataset: Path, 
     assert f"Did you mean '{copy}'?" in refused("report", tmp_path)
 
 
+def test_the_code_is_compared_only_where_a_dataset_json_says_what_it_was(
+    dataset: Path, tmp_path: Path
+):
+    copy, module = shutil.copytree(dataset, tmp_path / "copy"), tmp_path / "mine_of_test.py"
+    module.touch()
+    words = ("replay", copy, IDS[0], "--import", module)
+    manifest = copy / "dataset.json"
+    whole = manifest.read_bytes()
+    changed = whole.replace(b'"versions"', b'"version_s"')
+    assert changed != whole
+    for damaged in (whole[:100], b"\xff", b"", b"[]", changed):
+        manifest.write_bytes(damaged)
+        text = refused(*words, code=3)
+        assert text.startswith(f"error: '{manifest}' is damaged: ")
+        assert f"`robocell verify --repair {copy}` sets it aside" in text
+    manifest.unlink()
+    result = robocell_command(*words)
+    assert result.returncode == 0, result.stderr
+    assert "has no dataset.json: the code that was imported is not compared" in result.stderr
+    assert f"{IDS[0]}: " in result.stdout
+    manifest.mkdir()
+    assert f"'{manifest}' is not a file" in refused(*words, code=3)
+
+
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """An episode of an environment, with its configuration beside the dataset."""

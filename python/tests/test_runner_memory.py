@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import os
 import subprocess
 import sys
 import weakref
@@ -54,7 +55,7 @@ def test_a_script_that_ends_with_a_runner_says_nothing_of_leaks(tmp_path: Path, 
     script.write_text(text)
     result = subprocess.run(
         [sys.executable, script],
-        env={"PYTHONPATH": ":".join(sys.path)},
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
         capture_output=True,
         text=True,
         check=True,

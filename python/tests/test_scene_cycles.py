@@ -43,6 +43,7 @@ HANDLES: dict[str, Callable[[rc.Scene], Any]] = {
     "impedance": lambda scene: robot_of(scene).set_controller("arm", "joint_impedance"),
     "kinematics": lambda scene: robot_of(scene).kinematics,
     "filter": lambda scene: rc.kinematics.CollisionFilter(robot_of(scene)),
+    "relation": lambda scene: rc.scenes.SpatialRelation(scene, "hand", "next_to", "link7"),
     "stepper": lambda scene: rc.control.Stepper(scene, [robot_of(scene)]),
     "all": lambda scene: [make(scene) for name, make in HANDLES.items() if name != "all"],
     "model": lambda scene: scene.model,

@@ -3,7 +3,7 @@
     python scripts/docsite/notebook_pages.py    runs all of them; exit code 1 if a cell fails
 
 The notebooks in the repository have no output. The executed ones lie in build/site/notebooks and
-are made anew only if the notebook, the package or the extension changed.
+are made anew only if the notebook, the package, the extension, an example or a model changed.
 """
 
 from __future__ import annotations
@@ -24,11 +24,18 @@ from python_reference import PACKAGE, STUBS
 ROOT = Path(__file__).resolve().parents[2]
 NOTEBOOKS = ROOT / "docs" / "notebooks"
 EXECUTED = ROOT / "build" / "site" / "notebooks"
+SHARED = (ROOT / "examples", ROOT / "models")  # folders that the notebooks read
 
 
 def newest_source() -> float:
-    """When the package or its extension last changed."""
-    files = [*PACKAGE.rglob("*.py"), *STUBS.glob("_core*")]
+    """Returns when the package, its extension or a file that the notebooks share last changed."""
+    shared = [
+        path
+        for folder in SHARED
+        for path in folder.rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts
+    ]
+    files = [*PACKAGE.rglob("*.py"), *STUBS.glob("_core*"), *shared]
     return max(file.stat().st_mtime for file in files)
 
 
@@ -41,8 +48,8 @@ def execute(notebook: Path) -> Path:
     folder = EXECUTED / notebook.stem
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    for name in ("examples", "models"):
-        (folder / name).symlink_to(ROOT / name)
+    for shared in SHARED:
+        (folder / shared.name).symlink_to(shared)
     content = nbformat.read(notebook, as_version=4)
     resources = {"metadata": {"path": str(folder)}}
     with tempfile.TemporaryDirectory(prefix="robocell_") as sockets:

@@ -258,6 +258,7 @@ def test_in_an_evaluation_a_task_that_raises_costs_the_rollout(run_file: Path, t
     assert result.returncode != 0
     assert "something else than the policy raised in the rollout" in said
     assert "RuntimeError: out of cubes" in said
+    assert "errors of the policy" not in said, "there was no rollout"
     assert not list((tmp_path / "out").glob("s*"))
 
 

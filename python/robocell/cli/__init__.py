@@ -69,7 +69,7 @@ def load(arguments: Sequence[str]) -> typer.Typer:
 
 
 def main(app: typer.Typer | None = None) -> None:
-    """Runs a command. What the user can mend is told without a traceback; see `ExitCode`.
+    """Runs a command. What the user can mend is reported without a traceback; see `ExitCode`.
 
     Args:
         app: What `load` returned; it is loaded here unless given.
@@ -80,7 +80,7 @@ def main(app: typer.Typer | None = None) -> None:
             (app or load(sys.argv[1:]))(prog_name="robocell")
         finally:
             if sys.stdout is not None:
-                sys.stdout.flush()  # here a full disk is still told
+                sys.stdout.flush()  # here a full disk is still reported
     except OSError as error:
         print_error(str(error))
         sys.exit(ExitCode.OUTPUT)

@@ -103,7 +103,7 @@ def evaluate(
             f"{result.unmade} rollouts could not be made, see above; they count "
             "neither as success nor as failure"
         )
-    every = result.policy_errors == result.trials
+    every = 0 < result.trials == result.policy_errors
     if every:
         print_warning("errors of the policy ended every rollout, see above: it was not evaluated")
     if result.unmade or every:

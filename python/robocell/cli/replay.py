@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,8 +10,8 @@ import typer
 import robocell
 from robocell import _core, data
 from robocell._cells import load_cell
-from robocell.cli.common import ExitCode, fail, print_error, require_folder
-from robocell.dataset_run import run_of_dataset
+from robocell.cli.common import ExitCode, fail, print_error, print_warning, require_folder
+from robocell.dataset_run import manifest_of_dataset, run_of_dataset
 from robocell.generate.run_source import import_named
 from robocell.generate.totals import counted
 
@@ -56,8 +55,8 @@ def replay(
 
     With --actions or --env the actions are given to the environment again, and its observations
     and rewards are compared. The first step that comes out otherwise is named; an episode that
-    cannot be read or replayed is told, and the others go on. With --import the code of the task and
-    the features is compared with the dataset's, too. Exit codes: 0 all the same, 1 some
+    cannot be read or replayed is reported, and the others go on. With --import the code of the task
+    and the features is compared with the dataset's, too. Exit codes: 0 all the same, 1 some
     differ, 2 wrong command or an episode that cannot be replayed, 3 a file cannot be read.
     """
     require_folder(dataset, "dataset")
@@ -92,17 +91,23 @@ def replay(
 def _require_same_code(dataset: robocell.Dataset) -> None:
     """Ends the command when modules that were imported are not those of a generated dataset.
 
-    Episodes of environments look at their code themselves.
+    Episodes of environments look at their code themselves. Without a dataset.json nothing is
+    compared.
     """
     metadata: Any = dataset[0].metadata
     if "identity" not in metadata:
+        return
+    manifest = manifest_of_dataset(dataset.folder)
+    if manifest is None:
+        print_warning(
+            f"'{dataset.folder}' has no dataset.json: the code that was imported is not compared"
+        )
         return
     try:
         run_of_dataset(dataset.folder)
     except robocell.SpecError as error:
         fail(f"{error}. Without --import only the recorded controls are simulated")
-    manifest = json.loads((Path(dataset.folder) / "dataset.json").read_bytes())
-    if any(name.startswith("code/") for name in manifest["files"]):
+    if any(name.startswith("code/") for name in manifest.get("files", ())):
         print("code: unchanged since the dataset was made")
 
 

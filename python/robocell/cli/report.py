@@ -116,7 +116,7 @@ def _load_all(dataset: Path) -> tuple[list[RunReport], list[str]]:
 
 
 def _is_its_own(dataset: Path, report: Path) -> bool:
-    """Whether a report is of the dataset's run; another one is told."""
+    """Whether a report is of the dataset's run; warns of another one."""
     run = _core.other_run_of(report.read_bytes().decode(errors="replace"), dataset)
     if run is not None:
         print_warning(

@@ -101,7 +101,7 @@ def summary_lines(loaded: RobotScene) -> list[str]:
 def ctrl_lines(robot: Robot) -> list[str]:
     """A line for each gripper: "    Gripper 'gripper': ctrl 255 closed, 0 open".
 
-    Of several actuators each is told, by its name.
+    A gripper with several actuators has the value of each, with its name.
     """
     lines = []
     for name in robot.group_names:

@@ -97,8 +97,8 @@ TEST(EnvLayoutSchemas, ChosenFeaturesAreObservedWithUnitAndFrame) {
     const auto size = static_cast<size_t>(feature.size());
     const std::vector<double> numbers(rest.begin(), rest.begin() + feature.size());
     for (const FeatureLayout& chosen : layout.features) {
-      if (chosen.key == feature.column.name)
-        EXPECT_EQ(PartOfSeen(env, chosen.part), numbers) << chosen.key;
+      if (chosen.key != feature.column.name) continue;
+      EXPECT_EQ(PartOfSeen(env, chosen.part), numbers) << chosen.key;
     }
     rest = rest.subspan(size);
   }

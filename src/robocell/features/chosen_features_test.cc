@@ -47,10 +47,12 @@ TEST_F(ChosenFeaturesTest, AreReadInTheOrderInWhichTheyWereChosen) {
   std::span<const double> all = cell.ReadState();
   for (const Feature& feature : cell.observed().features()) {
     const auto part = all.first(static_cast<size_t>(feature.size()));
-    if (feature.column.name == path + "qpos")
+    if (feature.column.name == path + "qpos") {
       EXPECT_TRUE(std::equal(part.begin(), part.end(), numbers.begin() + 2));
-    if (feature.column.name == path + "qvel")
+    }
+    if (feature.column.name == path + "qvel") {
       EXPECT_TRUE(std::equal(part.begin(), part.end(), numbers.begin() + 9));
+    }
     all = all.subspan(part.size());
   }
 }

@@ -78,6 +78,22 @@ std::vector<int> CollisionGeomsOf(const mjModel* m, int body) {
   return geoms;
 }
 
+double RayToGeom(const mjModel* m, const mjData* d, int g, const Eigen::Vector3d& from,
+                 const Eigen::Vector3d& direction, Eigen::Vector3d* normal) {
+  mjtNum* out = normal ? normal->data() : nullptr;
+  switch (m->geom_type[g]) {
+    case mjGEOM_MESH:
+      return mj_rayMesh(m, d, g, from.data(), direction.data(), out);
+    case mjGEOM_HFIELD:
+      return mj_rayHfield(m, d, g, from.data(), direction.data(), out);
+    case mjGEOM_SDF:  // whose shape only its plug-in knows
+      return -1;
+    default:
+      return mju_rayGeom(d->geom_xpos + 3 * g, d->geom_xmat + 9 * g, m->geom_size + 3 * g,
+                         from.data(), direction.data(), m->geom_type[g], out);
+  }
+}
+
 RayHit CastRay(const mjModel* m, const mjData* d, const std::vector<int>& geoms,
                const Eigen::Vector3d& from, const Eigen::Vector3d& direction) {
   RayHit nearest{std::numeric_limits<double>::infinity(), Eigen::Vector3d::Zero()};
@@ -87,11 +103,7 @@ RayHit CastRay(const mjModel* m, const mjData* d, const std::vector<int>& geoms,
     const bool bounded = m->geom_rbound[g] > 0;  // not a plane
     if (bounded && to.cross(direction).norm() > m->geom_rbound[g] + 1e-6) continue;
     Eigen::Vector3d normal;
-    const double distance =
-        m->geom_type[g] == mjGEOM_MESH
-            ? mj_rayMesh(m, d, g, from.data(), direction.data(), normal.data())
-            : mju_rayGeom(d->geom_xpos + 3 * g, d->geom_xmat + 9 * g, m->geom_size + 3 * g,
-                          from.data(), direction.data(), m->geom_type[g], normal.data());
+    const double distance = RayToGeom(m, d, g, from, direction, &normal);
     if (distance >= 0 && distance < nearest.distance) nearest = {distance, normal};
   }
   return nearest;

@@ -20,6 +20,11 @@ bool IsCollisionGeom(const mjModel* model, int geom);
 // The collision geoms of a body's subtree.
 std::vector<int> CollisionGeomsOf(const mjModel* model, int body);
 
+// Distance along the unit vector `direction` to a geom of any kind, metres; negative when the ray
+// misses it. `normal` may be null. Rays miss signed distance fields.
+double RayToGeom(const mjModel* model, const mjData* data, int geom, const Eigen::Vector3d& from,
+                 const Eigen::Vector3d& direction, Eigen::Vector3d* normal);
+
 // Distance along the unit vector `direction` to the first of these geoms, metres, and the surface's
 // normal there; infinite when there is nothing.
 struct RayHit {

@@ -37,8 +37,9 @@ ObjectSize MeasureModel(const std::string& path) {
       most[i] = std::max(std::abs(e.lower), std::abs(e.upper));
     }
     size.radius = std::max(size.radius, std::hypot(most[0], most[1]));
-    size.height = std::max(
-        size.height, -internal::GeomExtent(m, scene.data(), g, Eigen::Vector3d::UnitZ()).lower);
+    const Interval upright = internal::GeomExtent(m, scene.data(), g, Eigen::Vector3d::UnitZ());
+    size.height = std::max(size.height, -upright.lower);
+    size.top = std::max(size.top, upright.upper);
   }
   return size;
 }
@@ -113,13 +114,13 @@ ObjectSize ObjectSizes::Of(const SceneObject& object) {
   const Vec3& s = *object.size;
   switch (*object.shape) {
     case Shape::kBox:
-      return {std::hypot(s[0], s[1]), s[2]};
+      return {std::hypot(s[0], s[1]), s[2], s[2]};
     case Shape::kCylinder:
-      return {s[0], s[1]};
+      return {s[0], s[1], s[1]};
     case Shape::kSphere:
       break;
   }
-  return {s[0], s[0]};
+  return {s[0], s[0], s[0]};
 }
 
 }  // namespace robocell

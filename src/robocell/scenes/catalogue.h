@@ -22,6 +22,7 @@ SceneObject MakeCatalogueObject(const std::string& kind, const std::string& name
 struct ObjectSize {
   double radius = 0;  // around its origin in the plane, for placing without overlap
   double height = 0;  // of its origin above the support
+  double top = 0;     // of its upper end above its origin
 };
 
 // Sizes of objects. A model is measured once per process, which compiles it; whether its files are

@@ -35,6 +35,18 @@ std::vector<Eigen::Vector3d> CornersOf(const mjModel* m, const mjData* d, int g)
   return corners;
 }
 
+// Those of a free area with its headroom.
+std::vector<Eigen::Vector3d> CornersOf(const FloorArea& area) {
+  std::vector<Eigen::Vector3d> corners;
+  for (const double x : {-area.half_x, area.half_x}) {
+    for (const double y : {-area.half_y, area.half_y}) {
+      corners.push_back(area.frame_to_world * Eigen::Vector3d(x, y, 0));
+      corners.push_back(area.frame_to_world * Eigen::Vector3d(x, y, kHeadroom / 2));
+    }
+  }
+  return corners;
+}
+
 // A level surface to stand on.
 struct Floor {
   int geom;
@@ -234,14 +246,17 @@ std::vector<FloorArea> FindFreeFloor(const Scene& scene, const std::vector<bool>
     Bound(floor, boxes);
     Grid grid(floor);
     for (const auto& corners : boxes) grid.Take(corners);
-    while (const auto area = grid.TakeLargest()) {
+    for (const FloorArea& area : areas) grid.Take(CornersOf(area));  // of a floor at this height
+    for (int i = 0; i < kMostAreas; ++i) {
+      const std::optional<FloorArea> area = grid.TakeLargest();
+      if (!area) break;
       areas.push_back(*area);
-      if (areas.size() >= kMostAreas) break;
     }
   }
   std::ranges::stable_sort(areas, [](const FloorArea& a, const FloorArea& b) {
     return a.half_x * a.half_y > b.half_x * b.half_y;
   });
+  if (areas.size() > kMostAreas) areas.resize(kMostAreas);
   return areas;
 }
 

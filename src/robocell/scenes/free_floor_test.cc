@@ -94,6 +94,16 @@ TEST(FreeFloor, AFloorThatIsABoxEndsAtItsEdges) {
   EXPECT_NEAR(areas[0].half_y, 1, 0.05);
 }
 
+TEST(FreeFloor, FloorsOfOneHeightAreListedOnce) {
+  SceneSpec spec{.name = "house", .timestep = 0.002, .add_floor = true, .add_skybox = true};
+  spec.objects.push_back(FixedBox("kitchen", {-1, 0, -0.04}, {1, 1, 0.05}));
+  spec.objects.push_back(FixedBox("hall", {1, 0, -0.04}, {1, 1, 0.05}));
+  const std::vector<FloorArea> areas = FreeFloorOf(Scene::Build(spec));
+  double total = 0;
+  for (const FloorArea& area : areas) total += 4 * area.half_x * area.half_y;
+  EXPECT_LE(total, (4 + 2 * kMargin) * (2 + 2 * kMargin) + 1e-6);
+}
+
 TEST(FreeFloor, ASceneWithoutAFloorHasNone) {
   SceneSpec spec{.name = "air", .timestep = 0.002, .add_floor = false, .add_skybox = true};
   spec.objects.push_back(FixedBox("shelf", {1, 0, 1}, {0.3, 0.2, 0.05}));

@@ -48,12 +48,7 @@ class OwnGeoms {
     const Eigen::Vector3d way = body_to_world_.rotation() * direction;
     double nearest = -1;
     for (const int g : geoms_) {
-      const mjtNum* pos = d_->geom_xpos + 3 * g;
-      const mjtNum* mat = d_->geom_xmat + 9 * g;
-      const double hit = m_->geom_type[g] == mjGEOM_MESH
-                             ? mj_rayMesh(m_, d_, g, point.data(), way.data(), nullptr)
-                             : mju_rayGeom(pos, mat, m_->geom_size + 3 * g, point.data(),
-                                           way.data(), m_->geom_type[g], nullptr);
+      const double hit = RayToGeom(m_, d_, g, point, way, nullptr);
       if (hit >= 0 && (nearest < 0 || hit < nearest)) nearest = hit;
     }
     return nearest;

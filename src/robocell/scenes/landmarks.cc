@@ -191,8 +191,15 @@ LevelSpot Landmarks::Ground(const std::string& name) const {
     if (!IsPartOf(container.body, body) && FloorOf(container, spot)) take(spot);
   }
   for (int g = 0; g < m->ngeom; ++g) {
-    if (m->geom_type[g] != mjGEOM_PLANE) continue;
-    take({Pose(Eigen::Vector3d(at.x(), at.y(), d->geom_xpos[3 * g + 2])), kFloorHalf, kFloorHalf});
+    if (m->geom_type[g] != mjGEOM_PLANE || !IsCollisionGeom(m, g)) continue;
+    if (d->geom_xmat[9 * g + 8] < kNearlyLevel) continue;  // a wall
+    const Eigen::Vector3d below(at.x(), at.y(), d->geom_xpos[3 * g + 2]);
+    const mjtNum* half = m->geom_size + 3 * g;  // 0 for endless
+    if (half[0] <= 0 || half[1] <= 0)
+      take({Pose(below), kFloorHalf, kFloorHalf});
+    else
+      take({Pose::FromTranslationAndMatrix(d->geom_xpos + 3 * g, d->geom_xmat + 9 * g), half[0],
+            half[1]});
   }
   return ground;
 }

@@ -3,10 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+
 #include "robocell/base/error.h"
 #include "robocell/scene/testing/scenes.h"
-#include "robocell/scenes/related_places.h"
+#include "robocell/scenes/place_links.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/temp_dir.h"
 
 namespace robocell::internal {
 namespace {
@@ -82,6 +86,19 @@ TEST_F(LandmarksTest, TheGroundIsWhatIsNextBelow) {
 TEST_F(LandmarksTest, ReachIsToTheSurface) {
   EXPECT_NEAR(marks->ReachAlong("ball", Eigen::Vector3d(0.6, 0.8, 0)), 0.05, 1e-9);
   EXPECT_NEAR(marks->ReachAlong("block", Eigen::Vector3d::UnitX()), 0.03, 1e-9);
+}
+
+// The engine's ray functions end the process for kinds of geoms that they do not know.
+TEST(Landmarks, TerrainHasATop) {
+  const TempDir dir;
+  const std::filesystem::path model = dir.path() / "hill.xml";
+  std::ofstream(model) << R"(<mujoco><asset><hfield name="hill" nrow="2" ncol="2" size="1 1 0.2 0.1"
+    elevation="1 1 1 1"/></asset><worldbody><body name="terrain"><geom type="hfield" hfield="hill"/>
+    </body></worldbody></mujoco>)";
+  SceneSpec spec{.name = "hill", .base = model.string(), .add_floor = true};
+  const std::shared_ptr<const Landmarks> marks = LandmarksOf(spec);
+  ASSERT_FALSE(marks->Tops("terrain").empty());
+  EXPECT_NEAR(marks->Tops("terrain").front().frame_to_world.translation().z(), 0.2, 1e-6);
 }
 
 TEST_F(LandmarksTest, AMisspelledNameIsSuggested) {

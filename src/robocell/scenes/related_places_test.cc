@@ -2,8 +2,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
 
 #include "robocell/base/error.h"
+#include "robocell/mujoco/names.h"
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/scenes/object_places.h"
 #include "robocell/scenes/settle.h"
@@ -37,9 +39,13 @@ struct Start {
     for (const SceneObject& object : objects) out.push_back(measured.Of(object));
     return out;
   }
-  RelatedPlaces Related(const Map<ObjectPlace>& places) const {
-    return {LandmarksOf(base), places, objects, kinds,
-            [](const std::string& name) { return name == "mug"; }};
+  RelatedPlaces Related(const Map<ObjectPlace>& places,
+                        const Map<ObjectPlace>& of_task = {}) const {
+    const std::vector<SaidPlaces> said = {
+        {places, [](const std::string& key) { return "start.places." + key; }},
+        {of_task, [](const std::string& key) { return "the task's " + key; }}};
+    const auto may_come = [](const std::string& name) { return name == "mug"; };
+    return RelatedPlaces(LinkPlaces(LandmarksOf(base), said, {objects, kinds, may_come}));
   }
   std::string Error(const Map<ObjectPlace>& places) const {
     return ExpectThrow<SpecError>([&] { (void)Related(places); }, "");
@@ -152,7 +158,72 @@ TEST(RelatedPlaces, AKindStandsForItsObjectsAndMayBeMissingInAnEpisode) {
   const RelatedPlaces none = start.Related({{"mug", {.inside = "tray"}}});
   EXPECT_FALSE(none.IsRelated(0));
   const RelatedPlaces missing = start.Related({{"target", {.next_to = "mug"}}});
-  EXPECT_THAT(start.Put(missing, rng), Optional(HasSubstr("there is no 'mug' in this start")));
+  EXPECT_THAT(start.Put(missing, rng),
+              Optional(HasSubstr("there is no other 'mug' in this start")));
+}
+
+// What lies in a dish is beside other things in it, and on top of them.
+TEST(RelatedPlaces, ThingsInOneContainerAreRelatedToEachOther) {
+  Start start({{.name = "dish", .mjcf_path = "tray", .fixed = false},
+               Block("peg", {0.01, 0.01, 0.01}),
+               Block("die", {0.01, 0.01, 0.01}),
+               Block("lid", {0.008, 0.008, 0.003})});
+  const RelatedPlaces related = start.Related({{"peg", {.inside = "dish"}},
+                                               {"die", {.next_to = "peg", .gap = {0.005, 0.02}}},
+                                               {"lid", {.on_top_of = "peg"}}});
+  int put = 0;
+  for (int k = 0; k < 10; ++k) {
+    Rng rng = Rng::Stream(4, "in one dish", k);
+    if (start.Put(related, rng)) continue;
+    ++put;
+    const Scene scene = start.Settled();
+    EXPECT_EQ(related.WhyNotKept(scene, start.objects), std::nullopt) << k;
+    EXPECT_TRUE(SpatialRelation(scene, "die", Relation::kInside, "dish").Holds()) << k;
+  }
+  EXPECT_GE(put, 7);
+}
+
+TEST(RelatedPlaces, AKindMayReferToTheTargetThatIsOfThatKind) {
+  const Start start({Block("target", {0.01, 0.01, 0.01}), Block("object_1", {0.01, 0.01, 0.01})});
+  const RelatedPlaces boxes = start.Related({{"box", {.next_to = "target"}}});
+  EXPECT_FALSE(boxes.IsRelated(0)) << "it is what the others are next to";
+  EXPECT_TRUE(boxes.IsRelated(1));
+  const RelatedPlaces target = start.Related({{"target", {.next_to = "box"}}});
+  EXPECT_TRUE(target.IsRelated(0)) << "the other box";
+  Start alone({Block("target", {0.01, 0.01, 0.01})});
+  Rng rng = Rng::Stream(4, "alone");
+  EXPECT_THAT(alone.Put(alone.Related({{"target", {.next_to = "box"}}}), rng),
+              Optional(HasSubstr("there is no other 'box' in this start")));
+}
+
+TEST(RelatedPlaces, WhatTheRunSaysComesBeforeTheTask) {
+  Start start({Block("target", {0.01, 0.01, 0.01}),
+               Block("brick", {0.05, 0.04, 0.02}),
+               {.name = "dish", .mjcf_path = "tray", .fixed = false}});
+  start.kinds = {"cube", "brick", "tray"};
+  const RelatedPlaces related =
+      start.Related({{"cube", {.inside = "dish"}}}, {{"target", {.on_top_of = "brick"}}});
+  Rng rng = Rng::Stream(4, "run first");
+  ASSERT_EQ(start.Put(related, rng), std::nullopt);
+  EXPECT_TRUE(SpatialRelation(start.Settled(), "target", Relation::kInside, "dish").Holds());
+}
+
+// The gap is between the outlines along one direction, however long the object is.
+TEST(RelatedPlaces, TheGapOfALongObjectIsFree) {
+  Start start({Block("bar", {0.1, 0.01, 0.01}), Block("brick", {0.03, 0.03, 0.02})});
+  const RelatedPlaces related = start.Related({{"bar", {.next_to = "brick", .gap = {0.01, 0.03}}}});
+  for (int k = 0; k < 12; ++k) {
+    Rng rng = Rng::Stream(4, "bar", k);
+    if (start.Put(related, rng)) continue;
+    const Scene scene = start.Settled();
+    EXPECT_EQ(related.WhyNotKept(scene, start.objects), std::nullopt) << k;
+    mjtNum fromto[6];
+    const auto geom = [&](const char* name) { return FindId(scene.model(), mjOBJ_GEOM, name); };
+    const double gap = mj_geomDistance(scene.model(), scene.data(), geom("bar_geom"),
+                                       geom("brick_geom"), 1, fromto);
+    EXPECT_GE(gap, 0.01 - 0.003) << k;
+    EXPECT_LE(gap, 0.03 + 0.003) << k;
+  }
 }
 
 TEST(RelatedPlaces, MistakesAreNamed) {
@@ -167,6 +238,10 @@ TEST(RelatedPlaces, MistakesAreNamed) {
               HasSubstr("it cannot have its place by itself"));
   EXPECT_THAT(start.Error({{"cube", {.on_top_of = "brick"}}, {"brick", {.next_to = "cube"}}}),
               HasSubstr("run in a circle: 'cube' on_top_of 'brick', 'brick' next_to 'cube'"));
+  EXPECT_THAT(start.Error({{"cube", {.on_top_of = "b", .inside = "a"}}}),
+              HasSubstr("only one of on_top_of, inside and next_to"));
+  EXPECT_THAT(start.Error({{"cube", {.next_to = "brick", .gap = {0.2, 0.1}}}}),
+              HasSubstr("start.places.cube"));
   Start fixed = start;
   fixed.objects[0].fixed = true;
   EXPECT_THAT(fixed.Error({{"cube", {.on_top_of = "brick"}}}), HasSubstr("it is a fixed object"));

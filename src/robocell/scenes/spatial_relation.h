@@ -6,11 +6,10 @@
 //
 // On top of: it touches the other from above. Inside: its middle is over a hollow of the other
 // (scene_annotations.h) and it reaches below the rim; hollows are measured when a SpatialRelation is
-// made. Next to: the free
-// distance between them, along the line between their middles, is at most kMostGap, and it is
-// neither on nor in it. Names are those of objects and bodies.
+// made. Next to: the free distance between the two, along the line between their middles, is at most
+// `most_gap`, and it is neither on nor in it. Names are those of objects and bodies.
 //
-// Errors: NotFoundError for names that the scene does not have; ArgumentError for a thing without a
+// Errors: NotFoundError for names that the scene does not have; ArgumentError for an object without a
 // shape that collides and for `inside` of what has no hollow. Threads: those of the scene.
 #pragma once
 
@@ -32,6 +31,10 @@ class SpatialRelation {
 
   // Poses and contacts of the scene are up to date.
   bool Holds() const;
+
+  const Scene& scene() const;
+  // How many Scenes it keeps alive; for collectors of cycles.
+  int scene_handles() const;
 
  private:
   struct Impl;

@@ -20,7 +20,7 @@
 
 namespace robocell {
 
-// How two things are to each other: one lies on the other, lies in a hollow of it, or is beside it
+// Relations between two objects: one lies on the other, lies in a hollow of it, or is beside it
 // at most kMostGap away.
 enum class Relation { kOnTopOf, kInside, kNextTo };
 template <>

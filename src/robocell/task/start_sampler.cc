@@ -96,14 +96,32 @@ bool StartSampler::PlaceObjects(const Support& support, std::vector<SceneObject>
 std::optional<internal::RelatedPlaces> StartSampler::RelationsOf(const SceneSpec& base,
                                                                  int scene_index,
                                                                  const StartContents& contents) {
-  Map<ObjectPlace> places = own_places();
-  for (const auto& [object, place] : run_.start.places.entries()) places[object] = *place;
-  if (places.empty()) return std::nullopt;
-  if (landmarks_.size() >= kMostScenes) landmarks_.clear();
-  std::shared_ptr<const internal::Landmarks>& landmarks = landmarks_[SceneKey(base)];
-  if (!landmarks) landmarks = internal::LandmarksOf(base, source_->KnownAnnotations(scene_index));
-  return internal::RelatedPlaces(landmarks, places, contents.objects, contents.kinds,
-                                 [this](const std::string& name) { return MayHaveObject(name); });
+  std::vector<internal::SaidPlaces> said;
+  if (!run_.start.places.empty()) {
+    said.push_back({run_.start.places, [this](const std::string& key) {
+                      const std::string path = key.empty() ? "start.places" : "start.places." + key;
+                      const std::string source = run_.locations.At(path);
+                      return source.empty() ? path : source + ": " + path;
+                    }});
+  }
+  if (const Map<ObjectPlace> own = own_places(); !own.empty()) {
+    said.push_back({own, [this](const std::string& key) {
+                      return "task '" + run_.task.kind() + "': places()" +
+                             (key.empty() ? "" : ": '" + key + "'");
+                    }});
+  }
+  if (said.empty()) return std::nullopt;
+  const std::string key = SceneKey(base);
+  auto known = landmarks_.find(key);
+  if (known == landmarks_.end()) {
+    if (landmarks_.size() >= kMostScenes) landmarks_.clear();
+    known = landmarks_
+                .emplace(key, internal::LandmarksOf(base, source_->CheckedAnnotations(scene_index)))
+                .first;
+  }
+  const auto may_come = [this](const std::string& name) { return MayHaveObject(name); };
+  return internal::RelatedPlaces(
+      internal::LinkPlaces(known->second, said, {contents.objects, contents.kinds, may_come}));
 }
 
 std::optional<Refusal> StartSampler::PutObjects(

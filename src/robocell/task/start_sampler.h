@@ -2,9 +2,8 @@
 // source, objects that come to rest on its support or where `start.places` puts them, what the task
 // does itself, a robot placed beside the first object (base_placement.h), cameras that see it, and
 // settling. Without objects the robot stands beside the middle of the support, and cameras are not
-// looked through. Distances and
-// heights are spread evenly over the episodes of a run (a low-discrepancy sequence), so that a
-// short run covers the ranges too.
+// looked through. Distances and heights are spread evenly over the episodes of a run (a
+// low-discrepancy sequence), so that a short run covers the ranges too.
 //
 // Stages can be replaced one by one by subclassing, in C++ and in Python. All randomness comes from
 // the Rng given to Sample; a start that cannot be made is a Refusal with its stage and reason.

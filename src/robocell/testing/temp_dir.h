@@ -1,10 +1,12 @@
-// For tests only: a folder of its own for a test, removed at the end.
+// For tests only: a folder of its own for a test, removed at the end by the process that made it: a
+// fork that exits leaves it to its parent.
 //
 //   TempDir folder;
 //   WriteTo(folder / "a.json");
 #pragma once
 
 #include <stdlib.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <string>
@@ -20,6 +22,7 @@ class TempDir {
     path_ = name;
   }
   ~TempDir() {
+    if (getpid() != owner_) return;
     std::error_code ignored;
     std::filesystem::remove_all(path_, ignored);
   }
@@ -31,6 +34,7 @@ class TempDir {
 
  private:
   std::filesystem::path path_;
+  pid_t owner_ = getpid();
 };
 
 }  // namespace robocell

@@ -1,0 +1,63 @@
+// PlaceLinks: what a start says of places (`start.places`, Task::places), resolved: which object of
+// the start lies on, in or beside what.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "robocell/scenes/landmarks.h"
+#include "robocell/spec/containers.h"
+#include "robocell/spec/object_place.h"
+#include "robocell/spec/scene_object.h"
+#include "robocell/spec/scene_spec.h"
+
+namespace robocell::internal {
+
+// Compiles the scene. What its source does not know is derived.
+std::shared_ptr<const Landmarks> LandmarksOf(const SceneSpec& scene,
+                                             const std::optional<SceneAnnotations>& known = {});
+
+// Places as one side says them; `where` says for messages where a key stands:
+// "run.yaml:8:5: start.places.mug".
+struct SaidPlaces {
+  Map<ObjectPlace> places;
+  std::function<std::string(const std::string& key)> where;
+};
+
+// The objects of a start, and what each is called beside its name.
+struct StartObjects {
+  const std::vector<SceneObject>& objects;
+  const std::vector<std::string>& kinds;
+  // Which names and kinds objects of other starts may have.
+  std::function<bool(const std::string& name)> may_come;
+};
+
+// A relation between an object of the start, by its index, and another one or something of the
+// scene.
+struct PlaceLink {
+  size_t object = 0;
+  ObjectPlace place = {};
+  std::optional<size_t> other = {};  // the object that it refers to
+  std::shared_ptr<const Landmarks> marks =
+      {};                                     // that have the reference; null if the start has none
+  std::string mark = {};                      // its name there
+  std::shared_ptr<const Landmarks> own = {};  // the object's, alone at the origin
+};
+
+// The link of each object that has an entry, each after those that it refers to. Of `said`, what
+// comes first counts; in each, an object's name comes before its kind. An entry by kind does not
+// concern the object that it refers to.
+// SpecError, with where it is said: no object has that name or kind, a place is not valid, the
+// reference is nothing in the scene or cannot be put on, into or beside, or relations run in a
+// circle.
+std::vector<PlaceLink> LinkPlaces(const std::shared_ptr<const Landmarks>& base,
+                                  std::span<const SaidPlaces> said, const StartObjects& start);
+
+// "'mug' next_to 'box'".
+std::string TextOf(const PlaceLink& link, const std::vector<SceneObject>& objects);
+
+}  // namespace robocell::internal
