@@ -15,11 +15,11 @@
 // they get nowhere the arm keeps its target, and the next command is tried anew.
 //
 // Errors: SpecError for what is wrong with the configuration, objects of the task included that do
-// not come to rest where they start; ArgumentError for actions of a wrong
-// size or with numbers that are not finite, before anything moves, and for rewards of a
-// task, signals and features that are not finite; numbers beyond their range are cut to it. Divergence is a value: after
-// it, as after an error on the way, only Reset and Restore go on. With on_collision guard a step is
-// simulated, and when a robot runs into something, taken back: the arms are held where they were
+// not come to rest where they start; ArgumentError for actions of a wrong size or with numbers that
+// are not finite, before anything moves, and for rewards of a task, signals and features that are
+// not finite; numbers beyond their range are cut to it. Divergence is a value: after it, as after an
+// error on the way, only Reset and Restore go on. With on_collision guard a step is simulated, and
+// when a robot runs into something, taken back: the arms are held where they were
 // sent before, for as long as the step takes, and the reason is collision. Copies of one
 // environment run in parallel each with an Env of its own on a frozen model. Threads: those of the
 // scene.

@@ -8,7 +8,8 @@
 //   std::span<const double> action = features.ReadActions();
 //
 // The sources of numbers come in this order: scene and objects, sensors, robots, features of a
-// user's own, those of the task (declared_features.h). Errors: those of the sources. Threads: those of the scene.
+// user's own, those of the task (declared_features.h). Errors: those of the sources. Threads: those
+// of the scene.
 #pragma once
 
 #include <map>

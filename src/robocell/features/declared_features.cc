@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "robocell/base/call_hook.h"
+
 namespace robocell {
 namespace {
 

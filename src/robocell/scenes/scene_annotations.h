@@ -92,8 +92,8 @@ struct SceneAnnotations {
 
 // What follows from the geometry of a scene: level faces of boxes, hollows of bodies, joints of the
 // surroundings with the geoms that are named handles or knobs, its objects by their models or
-// shapes, its lights, and rectangles of free floor. Rooms do not. The scene is compiled; its errors are those
-// of Scene::Build.
+// shapes, its lights, and rectangles of free floor. Rooms do not. The scene is compiled; the errors
+// are those of Scene::Build.
 SceneAnnotations DeriveAnnotations(const SceneSpec& spec);
 
 // Throws ArgumentError, which begins with `place` and names the field, for numbers that are not

@@ -26,8 +26,8 @@ struct SettleOptions {
   StopRequest stop = {};  // when it says true, the objects may be refused as still moving
 };
 
-// Simulates until everything rests. An empty `target_body` stands for none. Returns why the scene does not settle: something diverges or
-// does not come to rest, or the target, a body, ends up elsewhere. Time goes on.
+// Simulates until everything rests. Returns why the scene does not settle: something diverges or does
+// not come to rest, or the target ends up elsewhere. `target_body` may be empty. Time goes on.
 std::optional<std::string> Settle(Scene& scene, std::span<Robot> robots,
                                   const std::string& target_body, const SettleOptions& options);
 
