@@ -92,8 +92,8 @@ TEST_F(LandmarksTest, ReachIsToTheSurface) {
 TEST(Landmarks, TerrainHasATop) {
   const TempDir dir;
   const std::filesystem::path model = dir.path() / "hill.xml";
-  std::ofstream(model) << R"(<mujoco><asset><hfield name="hill" nrow="2" ncol="2" size="1 1 0.2 0.1"
-    elevation="1 1 1 1"/></asset><worldbody><body name="terrain"><geom type="hfield" hfield="hill"/>
+  std::ofstream(model) << R"(<mujoco><asset><hfield name="hill" nrow="3" ncol="3" size="1 1 0.2 0.1"
+    elevation="0 1 1 1 1 1 1 1 1"/></asset><worldbody><body name="terrain"><geom type="hfield" hfield="hill"/>
     </body></worldbody></mujoco>)";
   SceneSpec spec{.name = "hill", .base = model.string(), .add_floor = true};
   const std::shared_ptr<const Landmarks> marks = LandmarksOf(spec);

@@ -47,7 +47,9 @@ struct ObjectPlace {
     v("next_to", &ObjectPlace::next_to,
       "The object or body that it lies beside, on what that stands on.");
     v("gap", &ObjectPlace::gap,
-      "Free distance to what it is next to, metres, smallest and largest.", Bound::kNonNegative);
+      "Free distance to what it is next to, along the line between their middles, metres, smallest "
+      "and largest.",
+      Bound::kNonNegative);
   }
   void Validate(Problems& problems) const;
 
