@@ -60,6 +60,11 @@ int NumberGap(const std::string& a, const std::string& b) {
 }
 
 std::string Plural(std::string_view noun) {
+  // "object or body" -> "objects or bodies", "kind of object" -> "kinds of object"
+  if (const size_t o = noun.find(" or "); o != std::string_view::npos)
+    return Plural(noun.substr(0, o)) + " or " + Plural(noun.substr(o + 4));
+  if (const size_t of = noun.find(" of "); of != std::string_view::npos)
+    return Plural(noun.substr(0, of)) + std::string(noun.substr(of));
   const auto ends = [&](std::string_view end) { return noun.ends_with(end); };
   const bool vowel = noun.size() >= 2 && std::string_view("aeiou").find(noun[noun.size() - 2]) !=
                                              std::string_view::npos;

@@ -76,6 +76,10 @@ TEST(NoSuchName, NamesPlaceThingAlternativesAndTheNearest) {
             "scene 'pick' / robot 'left': no joint 'joint8'. Its joints: joint1 ... joint7. "
             "Did you mean 'joint7'?");
   EXPECT_EQ(NoSuchName("", "body", "x", {"arm"}), "no body 'x'. Known bodies: arm.");
+  EXPECT_EQ(NoSuchName("", "object or body", "x", {"arm"}),
+            "no object or body 'x'. Known objects or bodies: arm.");
+  EXPECT_EQ(NoSuchName("", "kind of object", "x", {"mug"}),
+            "no kind of object 'x'. Known kinds of object: mug.");
   EXPECT_EQ(NoSuchName("file 'a.yaml'", "key", "x", {}),
             "file 'a.yaml': no key 'x'. Its keys: (none).");
   EXPECT_EQ(NoSuchName("robot", "mass", "x", {"a"}), "robot: no mass 'x'. Its masses: a.");

@@ -225,7 +225,8 @@ TEST(PrepareDataset, ChecksTheRunFirst) {
   TempDir folder;
   RunConfig run = Demo(folder / "out");
   run.task.As<PickTaskConfig>().objects.names = {"mgu"};
-  ExpectThrow<SpecError>([&] { PrepareDataset(run); }, "no kind 'mgu'");
+  ExpectThrow<SpecError>([&] { PrepareDataset(run); },
+                         "no kind of object 'mgu'. Known kinds of object: ");
   run.task.As<PickTaskConfig>().objects = {};
   run.cameras.streams[0].camera = "nowhere";
   ExpectThrow<SpecError>([&] { PrepareDataset(run); }, "no camera 'nowhere'");

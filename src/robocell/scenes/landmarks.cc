@@ -142,8 +142,9 @@ std::vector<LevelSpot> Landmarks::MiddleOfTop(int body) const {
   // Rays that miss end infinitely deep.
   const auto level_within = [&](double share) {
     for (int i = 0; i < kTopGrid * kTopGrid; ++i) {
-      const double x = middle.x() + share * half.x() * (2.0 * (i % kTopGrid) / (kTopGrid - 1) - 1);
-      const double y = middle.y() + share * half.y() * (2.0 * (i / kTopGrid) / (kTopGrid - 1) - 1);
+      const int column = i % kTopGrid, row = i / kTopGrid;
+      const double x = middle.x() + share * half.x() * (2.0 * column / (kTopGrid - 1) - 1);
+      const double y = middle.y() + share * half.y() * (2.0 * row / (kTopGrid - 1) - 1);
       if (!(std::abs(height(x, y) - top) < kSameTop)) return false;
     }
     return true;
