@@ -55,7 +55,7 @@ TEST(DeclaredFeatures, HaveTheirPathAndAllThatTheyDeclare) {
   EXPECT_EQ(features.features()[1].role, FeatureRole::kObservation);
   std::vector<double> numbers(5);
   features.Read(numbers);
-  EXPECT_THAT(numbers, ElementsAre(1, 2, 3, 4, 1)) << "the last one is cut to its range";
+  EXPECT_THAT(numbers, ElementsAre(1, 2, 3, 4, 5)) << "beyond its range too: observations are cut";
 }
 
 TEST(DeclaredFeatures, NumbersThatAreNotFiniteAreRefusedWithThePlace) {

@@ -61,7 +61,7 @@ std::optional<Floor> FloorOf(const mjModel* m, const mjData* d, int g) {
   const mjtNum* size = m->geom_size + 3 * g;
   const double yaw = std::atan2(axes(1, 0), axes(0, 0));
   if (axes(2, 2) < kLevelPlane) return std::nullopt;
-  const Eigen::Vector3d middle = at.translation();
+  const Eigen::Vector3d& middle = at.translation();
   if (m->geom_type[g] == mjGEOM_PLANE) {
     const double endless = std::numeric_limits<double>::infinity();
     return Floor{g, Pose::FromRpy({middle.x(), middle.y(), middle.z()}, {0, 0, yaw}),
@@ -183,7 +183,8 @@ class Grid {
   static bool IsNear(const std::vector<Eigen::Vector2d>& hull, const Eigen::Vector2d& at,
                      double reach) {
     for (size_t i = 0; i < hull.size(); ++i) {
-      const Eigen::Vector2d from = hull[i], edge = hull[(i + 1) % hull.size()] - from;
+      const Eigen::Vector2d& from = hull[i];
+      const Eigen::Vector2d edge = hull[(i + 1) % hull.size()] - from;
       if (edge.norm() < 1e-9) continue;
       const double outside =
           (edge.y() * (at - from).x() - edge.x() * (at - from).y()) / edge.norm();
