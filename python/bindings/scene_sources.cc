@@ -173,13 +173,6 @@ void BindWords(nb::module_& m) {
   DefVector(light, "direction", &SceneLight::direction, "In the world.");
 }
 
-int VisitRelation(const SpatialRelation& relation, visitproc visit, void* arg) {
-  for (int i = 0; i < relation.scene_handles(); ++i) {
-    if (const int stopped = VisitScene(relation.scene(), visit, arg)) return stopped;
-  }
-  return 0;
-}
-
 void BindRelations(nb::module_& m) {
   nb::class_<SpatialRelation>(
       m, "SpatialRelation",
@@ -189,7 +182,7 @@ void BindRelations(nb::module_& m) {
       "reference and it reaches below the rim. next_to: at most most_gap metres are free between "
       "them, and it is neither on nor in it. Names are those of objects and bodies. NotFoundError "
       "for unknown names, ArgumentError for a reference without a hollow or a shape that collides.",
-      nb::type_slots(kHandleSlots<SpatialRelation, &VisitRelation>))
+      nb::type_slots(kHandleSlots<SpatialRelation>))
       .def(
           "__init__",
           [](SpatialRelation* self, const Scene& scene, const std::string& object,

@@ -119,7 +119,17 @@ def test_the_start_is_that_of_the_episode_after_failed_rollouts(tmp_path: Path):
     env.core.reset(0, 0)
     first = env.core.row()["objects/target/pose"]
     assert not np.array_equal(first, row["objects/target/pose"])
-    env.reset(seed=1)  # beyond the plan
+    for seed in range(1, 6):  # beyond the plan, with other objects
+        if set(env.observations) <= set(next_row(env, seed)):
+            env.reset(seed=seed)
+        else:
+            with pytest.raises(rc.NotFoundError, match=rf"start {seed} has no 'objects/object_"):
+                env.reset(seed=seed)
+
+
+def next_row(env: rc.envs.DatasetEnv, start: int) -> dict[str, Any]:
+    env.core.reset(start)
+    return env.core.row()
 
 
 def test_numbers_beyond_their_range_are_recorded_and_observed_in_the_space(tmp_path: Path):

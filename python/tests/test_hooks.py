@@ -197,7 +197,7 @@ def test_none_for_an_action_once_costs_one_attempt(tmp_path: Path):
         wrong: ClassVar = [True]
 
         def act(self, scene: rc.Scene, rng: rc.tasks.Rng) -> Any:
-            return None if self.wrong and self.wrong.pop() else {}
+            return None if self.wrong and self.wrong.pop() else super().act(scene, rng)
 
     run = run_of(tmp_path / "run", Touch, max_attempts=2)
     result = rc.generate.Runner(run, expert=lambda *_: Once()).run(rc.generate.make_plan(run)[0])

@@ -235,6 +235,12 @@ class DatasetEnv(gymnasium.Env[Any, Any]):
 
     def _observe(self) -> Any:
         row = self.core.row()
+        missing = [name for name in self.observations if name not in row]
+        if missing:
+            raise NotFoundError(
+                f"start {self._start} has no {', '.join(map(repr, missing))}: its objects are others "
+                "than those of the dataset's episodes. Choose `observations` that every start has"
+            )
         for name, space in self._ranges.items():  # rows have numbers beyond it too
             row[name] = np.asarray(np.clip(row[name], space.low, space.high))
         if not self._flat:

@@ -149,10 +149,6 @@ SpatialRelation& SpatialRelation::operator=(SpatialRelation&&) noexcept = defaul
 
 const Scene& SpatialRelation::scene() const { return impl_->scene; }
 
-int SpatialRelation::scene_handles() const {
-  return 3 + static_cast<int>(impl_->hollows.size());  // its own, and one of each body's handle
-}
-
 bool SpatialRelation::Holds() const {
   switch (impl_->relation) {
     case Relation::kOnTopOf:

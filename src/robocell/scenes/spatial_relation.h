@@ -33,8 +33,6 @@ class SpatialRelation {
   bool Holds() const;
 
   const Scene& scene() const;
-  // How many Scenes it keeps alive; for collectors of cycles.
-  int scene_handles() const;
 
  private:
   struct Impl;
