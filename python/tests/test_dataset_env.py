@@ -127,7 +127,7 @@ def test_the_start_is_that_of_the_episode_after_failed_rollouts(tmp_path: Path):
                 env.reset(seed=seed)
 
 
-def next_row(env: rc.envs.DatasetEnv, start: int) -> dict[str, Any]:
+def next_row(env: rc.envs.DatasetEnv, start: int) -> dict[str, np.ndarray]:
     env.core.reset(start)
     return env.core.row()
 

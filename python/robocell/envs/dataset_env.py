@@ -238,8 +238,8 @@ class DatasetEnv(gymnasium.Env[Any, Any]):
         missing = [name for name in self.observations if name not in row]
         if missing:
             raise NotFoundError(
-                f"start {self._start} has no {', '.join(map(repr, missing))}: its objects are others "
-                "than those of the dataset's episodes. Choose `observations` that every start has"
+                f"start {self._start} has no {', '.join(map(repr, missing))}: its objects are not "
+                "those of the dataset's episodes. Choose `observations` that every start has"
             )
         for name, space in self._ranges.items():  # rows have numbers beyond it too
             row[name] = np.asarray(np.clip(row[name], space.low, space.high))
