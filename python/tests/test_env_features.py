@@ -187,15 +187,18 @@ def test_they_keep_their_shapes_and_ranges_everywhere(config: rc.EnvConfig, tmp_
     (of_env,) = rc.Dataset(tmp_path / "env")
     of_run = make(tmp_path / "run", 1, features=list(whole))[0]
     for name, expected in whole.items():
-        for column in (
-            of_env.column(f"features/{name}"),
-            of_env.column(f"observation/features/{name}"),
-            of_run.column(f"features/{name}"),
+        raw = [[0, 1, 2], [3, 4, 5]] if name == "env_test_matrix" else expected
+        for column, stored in (
+            (of_env.column(f"features/{name}"), raw),
+            (of_env.column(f"observation/features/{name}"), expected),
+            (of_run.column(f"features/{name}"), raw),
         ):
             assert column.row_shape == np.shape(expected)
-            assert np.array_equal(column[0], expected)
-        row, _ = from_dataset(rc.Dataset(tmp_path / "run"), cameras=False).reset(seed=0)
-        assert np.array_equal(row[f"features/{name}"], expected)
+            assert np.array_equal(column[0], stored)
+        env = from_dataset(rc.Dataset(tmp_path / "run"), cameras=False)
+        row, _ = env.reset(seed=0)
+        space = env.observation_space[f"features/{name}"]
+        assert np.array_equal(row[f"features/{name}"], np.clip(raw, space.low, space.high))
 
 
 def test_signals_of_a_task_are_features(tmp_path: Path):
@@ -235,6 +238,7 @@ def test_signals_of_a_task_are_features(tmp_path: Path):
     assert (grid.role, schema["observation/task/count"].role) == ("observation", "privileged")
     env.close()
     (episode,) = rc.Dataset(tmp_path / "out")
-    assert np.array_equal(episode["task/grid"][0], [[1, 2], [3, 3]])
+    assert np.array_equal(episode["observation/task/grid"][0], [[1, 2], [3, 3]])
+    assert np.array_equal(episode["task/grid"][0], [[1, 2], [3, 4]])
     with pytest.raises(rc.ArgumentError, match="lower"):
         rc.features.Feature("odd", shape=[2], lower=[0])

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -82,7 +83,11 @@ def test_without_pykdl_the_message_says_how_to_install_it():
         "cell().robot('a').kdl_chain()\n"
     )
     result = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, cwd=sys.path[0], check=False
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        cwd=Path(__file__).parent,
+        check=False,
     )
     assert result.returncode == 1
     assert "ImportError: this needs PyKDL" in result.stderr

@@ -130,7 +130,7 @@ class TestValues:
 
     def test_defaults_of_a_tasks_fields_may_be_numpys(self):
         @rc.register_task("corrected_numbers")
-        class Numbers(rc.Task):
+        class Numbers(rc.tasks.Task):
             @dataclasses.dataclass
             class Fields:
                 whole: int = np.int64(3)

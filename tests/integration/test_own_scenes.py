@@ -205,7 +205,7 @@ def test_scenes_that_are_not_there_are_told_with_their_number(counted: rc.RunCon
     for index in (5, -1, 2):
         with pytest.raises(rc.NotFoundError, match=f"no scene {index}; it has 2 \\(0 ... 1\\)"):
             rc.scenes.base_scene(counted, index)
-    counted.scenes = rc.scenes.FilesScenes(files=["a.xml", "b.xml"])
+    counted.scenes = {"source": "files", "files": ["a.xml", "b.xml"]}
     source = rc.scenes.make_scene_source(counted)
     for call in (source.make, source.annotations):
         with pytest.raises(rc.NotFoundError, match="no scene 5; it has 2"):

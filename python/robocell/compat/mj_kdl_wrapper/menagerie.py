@@ -184,10 +184,13 @@ def _model_in(folder: Path, name: str) -> str:
     robot, _, file = name.partition("/")
     models_here = sorted(path.name for path in folder.glob("*.xml"))
     if not file:
-        with contextlib.suppress(NotFoundError):  # none of the Menagerie's, but one's own
+        try:
             file = fetching.main_file(robot)
-        if not file and len(models_here) == 1:
-            file = models_here[0]
+        except NotFoundError:  # none of the Menagerie's, but perhaps one's own
+            if not models_here:
+                raise
+            if len(models_here) == 1:
+                file = models_here[0]
     if file and (folder / file).is_file():
         return str((folder / file).resolve())
     wrong = f"no file '{file}'" if file else "no main file: it is not one of the Menagerie's robots"
