@@ -54,7 +54,7 @@ void BindEnums(nb::module_& m) {
   BindEnum<ControlMode>(m, "Meaning of an environment's actions.");
   BindEnum<RelativeTo>(m, "Reference of an environment's actions.");
   BindEnum<OnCollision>(m, "Effect of a collision on an environment's step.");
-  BindEnum<Relation>(m, "Relations between the places of two things.");
+  BindEnum<Relation>(m, "Relations between the places of two objects.");
 }
 
 void BindAttachTarget(nb::module_& m) {

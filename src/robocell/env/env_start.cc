@@ -64,7 +64,7 @@ std::string ChangeOf(const Pose& before, const Pose& after) {
   return "";
 }
 
-// An object at the origin of the world cannot be told from one without a pose.
+// An object at the origin of the world looks like one without a pose.
 std::string WhyPlaced(const std::vector<std::string>& objects) {
   return fmt::format(
       "prepare() added {} without a pose, so each reset draws a place on a support in reach. To "

@@ -35,7 +35,7 @@ class PreparedObjects {
   bool has_support() const { return !places_.empty(); }
 
   // Draws a robot and places for all objects that `starts` does not place, and adds them. Does
-  // nothing when they fit nowhere, which Unplaced tells.
+  // nothing when they fit nowhere; Unplaced names them.
   void AddPlaces(BodyPoses& starts, Rng& rng) const;
   // The names of those that lie where they were compiled, which nobody chose.
   std::vector<std::string> Unplaced() const;

@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kNearlyLevel = 0.985;  // cosine of ten degrees
 constexpr double kSameTop = 0.002;      // metres between heights of one level top
-constexpr double kGroundGap = 0.02;     // metres by which a thing may be above what it stands on
+constexpr double kGroundGap = 0.02;     // metres by which an object may be above its ground
 constexpr double kFloorHalf = 2;        // metres of an endless floor around what stands on it
 constexpr int kTopGrid = 5;
 

@@ -30,7 +30,7 @@ struct EnumNames<Relation> {
                                         std::pair{Relation::kNextTo, "next_to"}};
 };
 
-inline constexpr double kMostGap = 0.1;  // metres between things next to each other
+inline constexpr double kMostGap = 0.1;  // metres between objects next to each other
 
 struct ObjectPlace {
   std::string on_top_of = {};  // not `on`, which YAML 1.1 reads as true
