@@ -21,7 +21,7 @@ SceneObject Box(const std::string& name, double y) {
           .rgba = Vec4{1, 0.5, 0, 1},
           .mass = 0.1,
           .friction = Vec3{0.8, 0.02, 0.001},
-          .pos = {0.6, y, 0.02}};
+          .pos = Vec3{0.6, y, 0.02}};
 }
 
 // A robot, a box that is there and a pool of eight.

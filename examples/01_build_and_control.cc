@@ -51,7 +51,7 @@ int main(int argc, char** argv) try {
                           .mass = .1,
                           .friction = rc::Vec3{.8, .02, .001},
                           .condim = rc::Condim::kTorsional,
-                          .pos = {.45, 0, .02}});
+                          .pos = rc::Vec3{.45, 0, .02}});
   rc::Scene scene = rc::Scene::Build(spec);
   scene.Reset();
   rc::Robot robot = rc::Robot::Of(scene, "arm");

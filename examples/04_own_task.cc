@@ -60,7 +60,7 @@ class CubeOnTheFloor : public rc::TaskSampler {
                             .rgba = rc::Vec4{.95, .5, .1, 1},
                             .mass = .1,
                             .friction = rc::Vec3{.6, .02, .001},
-                            .pos = {x, y, .02}});
+                            .pos = rc::Vec3{x, y, .02}});
     rc::Scene scene = rc::Scene::Build(spec);
     scene.Reset({.seed = rng.UniformInt(uint64_t{1} << 31)});
     return {.start = rc::EpisodeStart{.scene = scene,

@@ -33,16 +33,16 @@ rc::Scene Build() {
   spec.robots.push_back(
       {.name = "rc7", .config = rc::RobotConfig::Load(rc::assets::BuiltinRobotFile("rc7"))});
   spec.objects.push_back(
-      {.name = "mug", .mjcf_path = "mug", .pos = {.55, -.15, .04}, .fixed = false});
+      {.name = "mug", .mjcf_path = "mug", .pos = rc::Vec3{.55, -.15, .04}, .fixed = false});
   spec.objects.push_back(
-      {.name = "bottle", .mjcf_path = "bottle", .pos = {.6, .15, .09}, .fixed = false});
+      {.name = "bottle", .mjcf_path = "bottle", .pos = rc::Vec3{.6, .15, .09}, .fixed = false});
   spec.objects.push_back({.name = "ball",
                           .shape = rc::Shape::kSphere,
                           .size = rc::Vec3{.04, 0, 0},
                           .rgba = rc::Vec4{.9, .3, .2, 1},
                           .mass = .1,
                           .friction = rc::Vec3{.8, .02, .001},
-                          .pos = {.45, 0, .04}});
+                          .pos = rc::Vec3{.45, 0, .04}});
   spec.cameras.push_back({.name = "front",
                           .pos = rc::Vec3{1.3, .75, .85},
                           .fovy = 50,

@@ -49,7 +49,7 @@ rc::Scene Cell() {
                             .mass = cube.mass,
                             .friction = rc::Vec3{1, .02, .001},
                             .condim = rc::Condim::kTorsional,
-                            .pos = {.45, cube.y, .02}});
+                            .pos = rc::Vec3{.45, cube.y, .02}});
   }
   rc::Scene scene = rc::Scene::Build(spec);
   scene.Reset();

@@ -36,7 +36,7 @@ rc::Scene Build() {
                             .rgba = rc::Vec4{.9, .2 + .2 * i, .2, 1},
                             .mass = .1,
                             .friction = rc::Vec3{.8, .02, .001},
-                            .pos = {.5, .12 * i - .18, .03},
+                            .pos = rc::Vec3{.5, .12 * i - .18, .03},
                             .parked = true});  // of the pool, and outside after a reset
   }
   spec.cameras.push_back({.name = "front",
@@ -88,7 +88,7 @@ int main(int argc, char** argv) try {
   Run(robot, 100);
   const std::vector<double> moving = robot.arm().joint_vel();
   const rc::SceneObject bottle{
-      .name = "bottle", .mjcf_path = "bottle", .pos = {.65, .2, .09}, .fixed = false};
+      .name = "bottle", .mjcf_path = "bottle", .pos = rc::Vec3{.65, .2, .09}, .fixed = false};
   scene.AddObject(bottle);
   Require(robot.arm().joint_vel() == moving, "the arm was disturbed");
   Report(scene, "a bottle");

@@ -41,7 +41,7 @@ rc::Scene Build() {
                          .config = config,
                          .attach_to = {rc::AttachKind::kSite, "table_table_top"},
                          .pos = {-.35, 0, 0}});
-  spec.objects.push_back({.name = "table", .mjcf_path = "table", .pos = {0, 0, .7}});
+  spec.objects.push_back({.name = "table", .mjcf_path = "table", .pos = rc::Vec3{0, 0, .7}});
   return rc::Scene::Build(spec);
 }
 

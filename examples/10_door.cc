@@ -38,7 +38,7 @@ rc::Scene Build() {
       {.name = "rc7", .config = rc::RobotConfig::Load(rc::assets::BuiltinRobotFile("rc7"))});
   spec.objects.push_back({.name = "cabinet",
                           .mjcf_path = "cabinet",
-                          .pos = {.85, -.05, 0},
+                          .pos = rc::Vec3{.85, -.05, 0},
                           .euler = {0, 0, 180},
                           .fixed = true});
   rc::Scene scene = rc::Scene::Build(spec);

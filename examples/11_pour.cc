@@ -41,7 +41,7 @@ rc::SceneObject Bead(int i) {
           .rgba = rc::Vec4{.95, .7, .2, 1},
           .mass = .002,
           .friction = rc::Vec3{.3, .001, .0001},
-          .pos = {.12 + .012 * place[0], -.12 + .012 * place[1], .72 + .012 * layer}};
+          .pos = rc::Vec3{.12 + .012 * place[0], -.12 + .012 * place[1], .72 + .012 * layer}};
 }
 
 // The built-in robot on a table, a bottle with beads in it, and a bowl.
@@ -51,11 +51,13 @@ rc::Scene Build() {
   config.base = {};                                        // it needs no pedestal
   config.home["arm"] = {0, .755, 0, 1.892, 0, -1.076, 0};  // with the hand level
   spec.robots.push_back({.name = "rc7", .config = config, .pos = {-.45, 0, .7}});
-  spec.objects.push_back({.name = "table", .mjcf_path = "table", .pos = {0, 0, .7}});
+  spec.objects.push_back({.name = "table", .mjcf_path = "table", .pos = rc::Vec3{0, 0, .7}});
+  spec.objects.push_back({.name = "bottle",
+                          .mjcf_path = "open_bottle",
+                          .pos = rc::Vec3{.12, -.12, .775},
+                          .fixed = false});
   spec.objects.push_back(
-      {.name = "bottle", .mjcf_path = "open_bottle", .pos = {.12, -.12, .775}, .fixed = false});
-  spec.objects.push_back(
-      {.name = "bowl", .mjcf_path = "receiver", .pos = {.12, .12, .74}, .fixed = true});
+      {.name = "bowl", .mjcf_path = "receiver", .pos = rc::Vec3{.12, .12, .74}, .fixed = true});
   for (int i = 0; i < kBeads; ++i) spec.objects.push_back(Bead(i));
   rc::Scene scene = rc::Scene::Build(spec);
   scene.Reset();

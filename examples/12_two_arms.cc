@@ -30,7 +30,7 @@ const rc::Pose kBefore = Shift(0, 0, -.12);
 // Two of the built-in robot on one table, face to face, and a board with a cube between.
 rc::Scene Build() {
   rc::SceneSpec spec{.name = "two_arms", .timestep = 0.002, .add_floor = true, .add_skybox = true};
-  spec.objects.push_back({.name = "table", .mjcf_path = "table", .pos = {0, 0, .7}});
+  spec.objects.push_back({.name = "table", .mjcf_path = "table", .pos = rc::Vec3{0, 0, .7}});
   rc::RobotConfig config = rc::RobotConfig::Load(rc::assets::BuiltinRobotFile("rc7"));
   config.base = {};  // it needs no pedestal
   spec.robots.push_back({.name = "left", .config = config, .prefix = "left_", .pos = {-.5, 0, .7}});
@@ -46,14 +46,14 @@ rc::Scene Build() {
                           .mass = .3,
                           .friction = rc::Vec3{1, .02, .001},
                           .condim = rc::Condim::kTorsional,
-                          .pos = {0, -.1, .71}});
+                          .pos = rc::Vec3{0, -.1, .71}});
   spec.objects.push_back({.name = "cube",
                           .shape = rc::Shape::kBox,
                           .size = rc::Vec3{.02, .02, .02},
                           .rgba = rc::Vec4{.85, .25, .18, 1},
                           .mass = .1,
                           .friction = rc::Vec3{1, .02, .001},
-                          .pos = {0, -.1, .74}});
+                          .pos = rc::Vec3{0, -.1, .74}});
   rc::Scene scene = rc::Scene::Build(spec);
   scene.Reset();
   return scene;

@@ -11,6 +11,8 @@ break a rule says so itself: a comment with ``rule-ok:`` and the reason.
 - An actuator may have several inputs and outputs: its id counts neither, so what is per output is
   read by mujoco/actuators.h, and nothing but tests loops to ``nu``.
 - Nothing in the repository names a path of somebody's machine.
+- A C++ source has a test that one finds by its name, ``scene.cc`` in ``scene_test.cc``, or stands
+  in ``tested_elsewhere.txt`` with the test that holds its behaviour. That list only gets shorter.
 """
 
 from __future__ import annotations
@@ -58,6 +60,8 @@ BY_ACTUATOR = re.compile(
 BY_ACTUATOR_FILES = re.compile(r"^src/robocell/mujoco/actuators\.h$|_test\.cc$")
 MACHINE_PATH = re.compile(r"(?<![\w.~])/(?:home|root|work|Users|mnt|media)/\w")
 MARKER = "rule-ok:"
+ELSEWHERE = "scripts/tested_elsewhere.txt"
+MOST_ELSEWHERE = 58  # lower it with every test that is written
 
 
 @dataclass(frozen=True)
@@ -143,6 +147,34 @@ def check_text(path: str, text: str) -> Iterator[Finding]:
         yield from (Finding(path, number, reason) for reason in found if reason)
 
 
+def untested(root: Path) -> Iterator[Finding]:
+    """Sources without a test of their name that are not listed, and wrong entries of the list."""
+    folder = root / "src" / "robocell"
+    sources = {
+        path.relative_to(folder).as_posix()
+        for path in folder.rglob("*.cc")
+        if not path.stem.endswith("_test") and "testing" not in path.parts
+    }
+    alone = {path for path in sources if not (folder / f"{path[:-3]}_test.cc").exists()}
+    lines = (root / ELSEWHERE).read_text().splitlines()
+    listed: set[str] = set()
+    for number, line in enumerate(lines, start=1):
+        if line.startswith("#"):
+            continue
+        source, _, test = line.partition(": ")
+        listed.add(source)
+        if source not in alone:
+            yield Finding(ELSEWHERE, number, f"'{source}' has a test of its own, or is gone")
+        if not (folder / test).is_file():
+            yield Finding(ELSEWHERE, number, f"no test '{test}'")
+    if len(listed) > MOST_ELSEWHERE:
+        reason = f"{len(listed)} sources; the list only gets shorter than {MOST_ELSEWHERE}"
+        yield Finding(ELSEWHERE, 1, reason)
+    for source in sorted(alone - listed):
+        reason = f"no test of this name: write '{source[:-3]}_test.cc'"
+        yield Finding(f"src/robocell/{source}", 1, reason)
+
+
 def check(root: Path) -> list[Finding]:
     """Broken rules in all text files that git knows or would add."""
     command = ["git", "ls-files", "--cached", "--others", "--exclude-standard"]
@@ -155,7 +187,7 @@ def check(root: Path) -> list[Finding]:
         data = file.read_bytes()
         if b"\0" not in data:
             findings += check_text(path, data.decode(errors="replace"))
-    return findings
+    return findings + list(untested(root))
 
 
 def main() -> int:

@@ -135,3 +135,49 @@ def test_a_path_of_one_machine_is_found_in_any_file(path):
 @pytest.mark.parametrize("text", ["~/work/x", "../work/x", "network/home/x", "/usr/share/x"])
 def test_other_paths_are_not(text):
     assert reasons("docs/a.md", text) == []
+
+
+def sources(root: Path, *names: str, listed: str = "") -> list[str]:
+    """The findings for a repository with these files."""
+    for name in names:
+        path = root / "src" / "robocell" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("")
+    (root / "scripts").mkdir()
+    (root / check_rules.ELSEWHERE).write_text("# reasons\n" + listed)
+    return [str(finding) for finding in check_rules.untested(root)]
+
+
+def test_a_source_has_a_test_of_its_name(tmp_path: Path):
+    found = sources(tmp_path, "a/one.cc", "a/one_test.cc", "a/two.cc", "a/testing/three.cc")
+    assert found == ["src/robocell/a/two.cc:1: no test of this name: write 'a/two_test.cc'"]
+
+
+def test_a_source_may_be_tested_elsewhere(tmp_path: Path):
+    assert sources(tmp_path, "a/one.cc", "b/two_test.cc", listed="a/one.cc: b/two_test.cc\n") == []
+
+
+def test_entries_that_err_are_named(tmp_path: Path):
+    listed = "a/one.cc: b/gone_test.cc\na/gone.cc: a/one_test.cc\n"
+    found = sources(tmp_path, "a/one.cc", "a/one_test.cc", listed=listed)
+    assert found == [
+        "scripts/tested_elsewhere.txt:2: 'a/one.cc' has a test of its own, or is gone",
+        "scripts/tested_elsewhere.txt:2: no test 'b/gone_test.cc'",
+        "scripts/tested_elsewhere.txt:3: 'a/gone.cc' has a test of its own, or is gone",
+    ]
+
+
+def test_the_list_only_gets_shorter(tmp_path: Path):
+    count = check_rules.MOST_ELSEWHERE + 1
+    names = [f"a/s{i}.cc" for i in range(count)]
+    listed = "".join(f"{name}: a/all_test.cc\n" for name in names)
+    found = sources(tmp_path, *names, "a/all_test.cc", listed=listed)
+    assert len(found) == 1
+    assert "only gets shorter" in found[0]
+
+
+def test_the_limit_is_the_length_of_the_list():
+    """So that whoever shortens the list lowers the limit too."""
+    lines = (ROOT / check_rules.ELSEWHERE).read_text().splitlines()
+    listed = [line for line in lines if not line.startswith("#")]
+    assert len(listed) == check_rules.MOST_ELSEWHERE

@@ -1,7 +1,6 @@
 // Finding models: resolving names and listing built-in ones.
 
 #include "bindings.h"
-#include "robocell/assets/override.h"
 #include "robocell/assets/resolve.h"
 
 namespace robocell::python {

@@ -269,6 +269,11 @@ void BindPickSampler(nb::module_& m) {
           [](PickTaskSampler& s, int scene) { return s.PickTaskSampler::MakeBaseScene(scene); },
           "scene_index"_a, Unlocked(), "Returns the scene without objects and robot.")
       .def(
+          "annotations", [](PickTaskSampler& s, int scene) { return *s.AnnotationsOf(scene); },
+          "scene_index"_a, Unlocked(),
+          "Returns the SceneAnnotations of such a scene: what its source says, checked, else what "
+          "follows from its geometry.")
+      .def(
           "choose_kinds",
           [](PickTaskSampler& s, const SampleRequest& request, PythonRng& rng) {
             return s.PickTaskSampler::ChooseKinds(request, rng.get());

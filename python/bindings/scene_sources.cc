@@ -134,14 +134,16 @@ void BindRooms(nb::module_& m) {
       .def(
           "__init__",
           [](FloorArea* self, const Pose& frame, double half_x, double half_y,
-             const std::string& room) {
-            new (self) FloorArea{frame, half_x, half_y, room};
+             const std::string& room, const std::string& floor) {
+            new (self) FloorArea{frame, half_x, half_y, room, floor};
           },
-          "frame_to_world"_a, "half_x"_a, "half_y"_a, "room"_a = "")
+          "frame_to_world"_a, "half_x"_a, "half_y"_a, "room"_a = "", "floor"_a = "")
       .def_ro("frame_to_world", &FloorArea::frame_to_world, "Pose of its middle, z up.")
       .def_ro("half_x", &FloorArea::half_x, "Half extent along its x axis, metres.")
       .def_ro("half_y", &FloorArea::half_y, "Half extent along its y axis, metres.")
-      .def_ro("room", &FloorArea::room);
+      .def_ro("room", &FloorArea::room)
+      .def_ro("floor", &FloorArea::floor,
+              "The geom of the floor, or its body when the geom has no name.");
 }
 
 void BindWords(nb::module_& m) {
@@ -233,7 +235,10 @@ void BindAnnotations(nb::module_& m) {
       .def_ro("containers", &A::containers, "Hollows to put objects into.")
       .def_ro("articulations", &A::articulations, "Doors, drawers, lids, knobs.")
       .def_ro("rooms", &A::rooms)
-      .def_ro("free_floor", &A::free_floor, "Free floor.")
+      .def_ro("free_floor", &A::free_floor, "Free floor of all levels.")
+      .def("free_floor_of", &FreeFloorOf, "name"_a,
+           "Returns the free areas of one floor, by the name of the floor or of a room, largest "
+           "first. NotFoundError lists the names.")
       .def_ro("objects", &A::objects, "Names of the objects.")
       .def_ro("lights", &A::lights);
   m.def("derive_annotations", &DeriveAnnotations, "spec"_a,

@@ -188,7 +188,18 @@ void BindTaskClass(nb::module_& m) {
       .def(
           "prepare", [](Task&, SceneSpec&, PythonRng&) {}, "spec"_a, "rng"_a,
           "Adds objects, sites or cameras to the SceneSpec. It may be called on another task with "
-          "the same fields than the bound one.")
+          "the same fields than the bound one. Objects without a `pos` get a place at each start; "
+          "those with one stay there. `annotations` has what is known of the scene.")
+      .def_prop_ro(
+          "annotations",
+          [](const Task& t) {
+            const nb::gil_scoped_release unlocked;
+            return t.annotations();
+          },
+          "SceneAnnotations of the scene that prepare adds to: what its source says, checked, else "
+          "what follows from its geometry, which is compiled when this is asked. prepare asks "
+          "first; "
+          "the same is there afterwards. Raises Error when it did not.")
       .def(
           "bind",
           [](Task& t, const Scene& scene, const TaskSetting& setting) {

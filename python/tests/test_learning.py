@@ -17,6 +17,7 @@ EXAMPLES = ROOT / "examples" / "learning"
 
 
 def test_a_cloned_policy_picks_up_cylinders_that_lie_where_it_saw_none():
+    """Part of `make test`, so that what breaks datasets or experts shows at once."""
     spec = importlib.util.spec_from_file_location("clone", EXAMPLES / "clone.py")
     assert spec is not None
     assert spec.loader is not None

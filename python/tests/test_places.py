@@ -118,7 +118,52 @@ def test_wrong_places_of_a_task_are_named(tmp_path: Path, places: object, named:
     run = pick()
     run.task = {"kind": "odd_of_test"}
     run.output, run.rates.max_steps, run.episodes = str(tmp_path / "out"), 2, 1
-    rc.generate.prepare_dataset(run)
+    with pytest.raises((rc.Error, TypeError), match=named):
+        rc.generate.prepare_dataset(run)
+    rc.generate.prepare_dataset(run, validate=False)
     runner = rc.generate.Runner(run, expert=lambda run, start: Idle())
     with pytest.raises((rc.Error, TypeError), match=named):
         runner.run(next(iter(rc.generate.make_plan(run))))
+
+
+def test_places_are_checked_before_the_first_start(tmp_path: Path):
+    run = pick()
+    run.output = str(tmp_path / "out")
+    run.start.places = {"target": {"inside": "tabel"}}
+    with pytest.raises(rc.SpecError, match=r"start\.places\.target: .*Did you mean 'table'"):
+        rc.diagnose.check_run(run)
+    with pytest.raises(rc.SpecError, match=r"start\.places\.target: .*Did you mean 'table'"):
+        rc.generate.prepare_dataset(run)
+    assert not (tmp_path / "out").exists()
+
+
+def tower_env(**fields: object) -> rc.EnvConfig:
+    rc.register_task("tower_of_envs")(Tower)
+    rc7 = rc.RobotConfig.load(rc.models.robot_file("rc7"))
+    return rc.EnvConfig(robots={"rc7": rc7}, task={"kind": "tower_of_envs"}, **fields)
+
+
+def test_environments_have_the_places_of_their_task():
+    env = rc.Env(tower_env())
+    for seed in range(4):
+        env.reset(seed=seed)
+        env.scene.step_n(200)
+        assert SpatialRelation(env.scene, "cube", "on_top_of", "brick").holds()
+    env.close()
+
+
+def test_what_an_environment_says_of_places_comes_before_its_task():
+    config = tower_env(places={"cube": {"next_to": "brick", "gap": [0.02, 0.05]}})
+    again = rc.EnvConfig.from_yaml(config.to_yaml())
+    assert again.places["cube"].next_to == "brick"
+    env = rc.Env(config)
+    for seed in range(4):
+        env.reset(seed=seed)
+        assert SpatialRelation(env.scene, "cube", "next_to", "brick").holds()
+    env.close()
+
+
+def test_wrong_places_of_an_environment_are_found_when_it_is_made():
+    config = tower_env(places={"cube": {"on_top_of": "brik"}})
+    with pytest.raises(rc.SpecError, match=r"places\.cube: .*Did you mean 'brick'"):
+        rc.Env(config)

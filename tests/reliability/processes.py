@@ -1,12 +1,23 @@
-"""The worker processes of a `robocell generate`. No test in itself."""
+"""Processes of tests: their environment, and the workers of a `robocell generate`.
+
+No test in itself.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import os
 import subprocess
+import sys
 from pathlib import Path
 
 from robocell.generate.procfs import children
+
+
+def bare_environment() -> dict[str, str]:
+    """Little: where modules and programs are, and which build of robocell is tested."""
+    build = {name: os.environ[name] for name in ("ROBOCELL_BUILD",) if name in os.environ}
+    return {"PYTHONPATH": os.pathsep.join(sys.path), "PATH": "/usr/bin:/bin", **build}
 
 
 def program(pid: int) -> str:

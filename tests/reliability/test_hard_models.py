@@ -19,6 +19,7 @@ from pathlib import Path
 import pytest
 import storm
 import yaml
+from processes import bare_environment
 
 import robocell
 from command_line import robocell_command
@@ -82,7 +83,7 @@ def in_a_process(code: str, model: str, timeout_s: float = 120) -> subprocess.Co
     """Lets a process have the model's path."""
     return subprocess.run(
         [sys.executable, "-c", code, str(MODELS / f"{model}.xml")],
-        env={"PYTHONPATH": ":".join(sys.path), "PATH": "/usr/bin:/bin"},
+        env=bare_environment(),
         capture_output=True,
         text=True,
         timeout=timeout_s,

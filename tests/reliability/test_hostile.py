@@ -21,6 +21,7 @@ import numpy as np
 import pytest
 import storm
 import yaml
+from processes import bare_environment
 
 import robocell
 from command_line import robocell_command
@@ -61,14 +62,13 @@ def curious(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def make_curious(parent: Path) -> None:
     folder = parent / CURIOUS
     folder.mkdir()
-    path = ":".join(sys.path)
     done = subprocess.run(
         [sys.executable, "-m", "robocell", "generate", write_run(folder)],
         capture_output=True,
         text=True,
         timeout=240,
         cwd=folder,
-        env={"PYTHONPATH": path, "PATH": "/usr/bin:/bin"},
+        env=bare_environment(),
     )
     assert done.returncode == 0, done.stderr
 

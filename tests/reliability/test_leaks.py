@@ -10,6 +10,7 @@ from pathlib import Path
 import figures
 import leaks
 import pytest
+from processes import bare_environment
 
 # How many of each are made, and how many bytes of each may stay. A forgotten scene is 200 kB, a
 # context several MB; of few things, what the pools hold counts for more.
@@ -22,7 +23,7 @@ def grow(kind: str, times: int) -> dict[str, int]:
     """What stays behind when `times` things of a kind were made."""
     done = subprocess.run(
         [sys.executable, leaks.__file__, kind, str(times)],
-        env={"PYTHONPATH": ":".join(sys.path), "PATH": "/usr/bin:/bin"},
+        env=bare_environment(),
         capture_output=True,
         text=True,
         timeout=1800,
@@ -72,7 +73,7 @@ def test_the_measurement_sees_what_is_kept(tmp_path: Path):
     folder = str(Path(leaks.__file__).parent)
     done = subprocess.run(
         [sys.executable, "-c", LEAKING.format(folder=folder)],
-        env={"PYTHONPATH": ":".join(sys.path)},
+        env=bare_environment(),
         capture_output=True,
         text=True,
         timeout=120,
@@ -202,7 +203,7 @@ def test_a_script_that_ends_with_objects_alive_says_nothing_of_leaks(tmp_path: P
     script.write_text(f"import sys\nimport leaks\nimport robocell as rc\n{ENDINGS[ending]}")
     done = subprocess.run(
         [sys.executable, script],
-        env={"PYTHONPATH": ":".join(sys.path), "PATH": "/usr/bin:/bin"},
+        env=bare_environment(),
         capture_output=True,
         text=True,
         cwd=tmp_path,

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import platform
 import shlex
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from robocell import Error
+from robocell import Error, IoError
 from robocell.data import DatasetLock, remove_leftovers
+from robocell.dataset_run import manifest_of_dataset
 from robocell.generate import (
     PlanItem,
     make_plan,
@@ -252,7 +252,9 @@ class Job:
 
         A damaged one is set aside, and told.
         """
-        manifest = json.loads((self.dataset / "dataset.json").read_bytes())
+        manifest = manifest_of_dataset(self.dataset)
+        if manifest is None:
+            raise IoError(f"'{self.dataset / 'dataset.json'}' is gone")
         versions = {**manifest["versions"], "python": platform.python_version()}
         identity = identity_hash(run_identity(self.run))
         report = RunReport(self.run.run, identity, self.shard, versions)

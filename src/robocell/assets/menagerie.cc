@@ -10,7 +10,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "robocell/assets/override.h"
 #include "robocell/assets/resolve.h"
 #include "robocell/assets/roots.h"
 #include "robocell/base/error.h"

@@ -5,7 +5,11 @@
 //                                        folder, then below each root of ROBOCELL_MODEL_PATH
 //                                        (folders separated by ':')
 //   rc7, table, tabletop, ...            a built-in model by its name
-// A variable ROBOCELL_OVERRIDE_<NAME> replaces the model of that name by another file (override.h).
+// A variable ROBOCELL_OVERRIDE_<NAME> replaces the model of that name by another file:
+// ROBOCELL_OVERRIDE_KINOVA_GEN3 is the file that `menagerie:kinova_gen3` means,
+// ROBOCELL_OVERRIDE_TABLE the one that `table` means. <NAME> is the model's name as it is asked for,
+// without `menagerie:`, in capitals and with `_` for everything that is no letter or digit. Paths are
+// never replaced.
 //
 //   const std::string path = assets::Resolve("menagerie:ufactory_xarm7/xarm7.xml");
 //
@@ -23,6 +27,12 @@ namespace robocell::assets {
 
 // Absolute path of an existing file. `directory`: folder of the file that refers to the model.
 std::string Resolve(const std::string& name, const std::string& directory = "");
+
+// The variable that replaces a model. `menagerie:` in front of the name is left out.
+std::string OverrideVariable(const std::string& name);
+// Absolute path of the file that it names; unset when the variable is not. NotFoundError with the
+// variable when its value is no file.
+std::optional<std::string> OverrideFile(const std::string& name);
 
 // The roots of ROBOCELL_MODEL_PATH, in order.
 std::vector<std::string> ModelPathRoots();

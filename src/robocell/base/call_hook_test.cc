@@ -7,7 +7,7 @@
 
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 class WithPlace final : public Hooks {
@@ -20,7 +20,7 @@ class WithPlace final : public Hooks {
 template <class E>
 std::string MessageOf(const E& error, const Hooks& hooks) {
   try {
-    internal::CallHook(hooks, "judge", [&] { throw error; });
+    CallHook(hooks, "judge", [&] { throw error; });
   } catch (const HookError& hook) {
     return hook.what();
   }
@@ -28,7 +28,7 @@ std::string MessageOf(const E& error, const Hooks& hooks) {
 }
 
 TEST(HookErrors, GiveBackWhatTheHookReturns) {
-  EXPECT_EQ(internal::CallHook(Hooks(), "judge", [] { return 3; }), 3);
+  EXPECT_EQ(CallHook(Hooks(), "judge", [] { return 3; }), 3);
 }
 
 TEST(HookErrors, NameThePlaceOfTheHook) {
@@ -57,4 +57,4 @@ TEST(HookErrors, AreNotMadeOfWhatWouldFailAgain) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

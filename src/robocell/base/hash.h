@@ -1,7 +1,9 @@
 // Hashes of bytes and files: SHA-256, as 64 lower-case hexadecimal digits (what `sha256sum` prints),
-// and XXH3.
+// and XXH3; SipHash of names.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -39,5 +41,14 @@ std::string Fingerprint(std::string_view bytes);
 
 // Reads the file in blocks; its size does not matter. IoError when it cannot be read.
 std::string FingerprintFile(const std::filesystem::path& path);
+
+// Two little-endian words, low word first.
+using Hash128 = std::array<uint64_t, 2>;
+
+// SipHash-2-4 with a 128-bit key and result: turns the names of random streams into seeds
+// (base/rng.h). Not for files.
+// J.-P. Aumasson and D. J. Bernstein, "SipHash: a fast short-input PRF", 2012; 128-bit variant of
+// the reference code (github.com/veorq/SipHash). Same result on every machine.
+Hash128 SipHash128(const Hash128& key, std::string_view bytes);
 
 }  // namespace robocell

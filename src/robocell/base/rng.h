@@ -26,7 +26,7 @@
 #include <string_view>
 #include <utility>
 
-#include "robocell/base/siphash.h"
+#include "robocell/base/hash.h"
 
 namespace robocell {
 

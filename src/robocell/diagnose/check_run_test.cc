@@ -6,6 +6,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/rollout/testing/demo.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/menagerie.h"
 #include "robocell/testing/source_dir.h"
@@ -20,12 +21,6 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
-
-RunConfig Demo() {
-  RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
-  run.locations = {};
-  return run;
-}
 
 TEST(CheckRun, WhatWorksAndMayNotBeMeantIsReturned) {
   RunConfig run = Demo();

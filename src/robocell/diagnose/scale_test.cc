@@ -3,8 +3,7 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
-#include "robocell/scene/scene.h"
-#include "robocell/scene/testing/scenes.h"
+#include "robocell/diagnose/testing/changed_arm.h"
 
 namespace robocell {
 namespace {
@@ -13,20 +12,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::StartsWith;
 
-class Scales : public ::testing::Test {
- protected:
-  std::shared_ptr<const CompiledScene> Compiled(const std::string& model) {
-    SceneSpec spec = EmptyScene();
-    spec.robots.push_back({.name = "a", .config = ArmConfig(folder.Write("arm", model))});
-    return CompileScene(spec);
-  }
-  // The arm with something put before a text of its model.
-  static std::string With(const std::string& what, const std::string& before) {
-    std::string model = kTwoJointArm;
-    return model.insert(model.find(before), what);
-  }
-  ModelFolder folder;
-};
+class Scales : public ChangedArm {};
 
 TEST_F(Scales, ARobotInMillimetresIsToldWithTheScale) {
   EXPECT_THAT(Compiled(kTwoJointArm)->warnings(), IsEmpty());

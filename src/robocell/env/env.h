@@ -199,7 +199,7 @@ class Env {
   EnvLayout layout_;
   std::vector<BodyHandle> objects_;  // of layout_.objects
   std::vector<ArmDriver> arms_;
-  std::shared_ptr<internal::PreparedObjects> prepared_;  // null when its task added none
+  std::shared_ptr<internal::PreparedObjects> prepared_;  // null when no place is drawn
   std::vector<std::string> resting_;                     // objects that have to rest at the start
   std::optional<StartInspector> start_inspector_;        // with such objects
   Stepper stepper_;

@@ -64,11 +64,10 @@ std::string ChangeOf(const Pose& before, const Pose& after) {
   return "";
 }
 
-// An object at the origin of the world looks like one without a pose.
 std::string WhyPlaced(const std::vector<std::string>& objects) {
   return fmt::format(
-      "prepare() added {} without a pose, so each reset draws a place on a support in reach. To "
-      "keep an object at the origin of the world, set its `pos` a millimetre off",
+      "prepare() added {} without a pose, so each reset draws a place on a support in reach. An "
+      "object with a `pos` stays there",
       ListNames(objects));
 }
 
@@ -83,7 +82,13 @@ std::string Env::MakeStart(uint64_t seed, const std::optional<KeyframeChoice>& k
   for (int i = 0; i < kMostStarts; ++i) {
     // Asked before the reset, which puts bodies there and is one evaluation of the scene.
     BodyPoses starts = task_ ? task_->Starts(of_task) : BodyPoses();
-    if (prepared_) prepared_->AddPlaces(starts, of_places);
+    if (prepared_) {
+      const std::string why_not = prepared_->Draw(starts, of_places).why_not;
+      if (!why_not.empty()) {
+        ++reasons[why_not];
+        continue;
+      }
+    }
     if (start_inspector_) starts = start_inspector_->Lowered(std::move(starts));
     const uint64_t noise = i == 0 ? seed : Rng::Stream(seed, "env start", i).NextBits();
     scene_.Reset({.keyframe = keyframe, .seed = noise, .body_poses = starts});
@@ -114,8 +119,9 @@ std::string Env::NoStart(const std::string& why) const {
   // A size that is wrong by a factor of thousand is the reason of all others.
   if (const auto huge = ObjectsInMillimetres(scene_); !huge.empty())
     return fmt::format("{}: no episode can begin, because {}", place(), huge.front());
-  const std::string found = fmt::format("{}: task '{}' found no start in {} tries: most often {}",
-                                        place(), config_.task->kind(), kMostStarts, why);
+  const std::string found =
+      fmt::format("{}: {}found no start in {} tries: most often {}", place(),
+                  config_.task ? "task '" + config_.task->kind() + "' " : "", kMostStarts, why);
   if (why.starts_with(kRefused))
     return found + ". Change what the task asks for (the fields of `task`), or its objects";
   return found + ". Move its objects to a free place (root_frame_objects), or change task.spread";
@@ -125,21 +131,22 @@ std::string Env::NoPlace() const {
   return fmt::format("{}: task '{}': {}", place(), config_.task->kind(), prepared_->Advice());
 }
 
-// Which objects the task leaves where they are put: they have to rest there, as those that it names.
+// Which objects are left where they are put: they have to rest there, as those that the task names.
 void Env::FindPreparedObjects(bool is_first) {
-  if (!task_) return;
-  resting_ = task_->resting_objects();
-  prepared_ = std::make_shared<internal::PreparedObjects>(scene_, config_, *task_);
+  if (!task_ && config_.places.empty()) return;
+  if (task_) resting_ = task_->resting_objects();
+  prepared_ = std::make_shared<internal::PreparedObjects>(scene_, config_, task_.get());
   if (prepared_->empty()) return prepared_.reset();
   Rng of_task = Rng::Stream(kTriedSeed, "env task"), of_places = Rng::Stream(kTriedSeed, "places");
-  BodyPoses starts = task_->Starts(of_task);
-  const auto own = static_cast<std::ptrdiff_t>(starts.size());
-  prepared_->AddPlaces(starts, of_places);
+  BodyPoses starts = task_ ? task_->Starts(of_task) : BodyPoses();
+  const internal::PreparedObjects::Drawn drawn = prepared_->Draw(starts, of_places);
   scene_.Reset({.body_poses = starts});
-  if (task_->Arrange(scene_, of_task)) scene_.Reset({.body_poses = starts});
-  starts.erase(starts.begin(), starts.begin() + own);
-  std::vector<std::string> placed = prepared_->PlacedHere(starts);
-  if (is_first && !placed.empty()) LogInfo(fmt::format("{}: {}", place(), WhyPlaced(placed)));
+  if (task_ && task_->Arrange(scene_, of_task)) scene_.Reset({.body_poses = starts});
+  std::vector<std::string> placed = prepared_->PlacedHere(drawn.added);
+  std::vector<std::string> on_support = prepared_->names_on_support();
+  std::erase_if(on_support, [&](const std::string& object) { return !Contains(placed, object); });
+  if (is_first && !on_support.empty())
+    LogInfo(fmt::format("{}: {}", place(), WhyPlaced(on_support)));
   std::erase_if(placed, [&](const std::string& object) { return Contains(resting_, object); });
   resting_.insert(resting_.end(), placed.begin(), placed.end());
   PutPrepared(of_places);
@@ -149,7 +156,7 @@ void Env::FindPreparedObjects(bool is_first) {
 void Env::PutPrepared(Rng& rng) {
   for (int i = 0; i < kMostStarts; ++i) {
     BodyPoses places;
-    prepared_->AddPlaces(places, rng);
+    prepared_->Draw(places, rng);
     scene_.Reset({.body_poses = places});
     if (places.empty()) return;
     StartInspector inspector(scene_, prepared_->names());
@@ -172,7 +179,7 @@ void Env::TryStart(bool is_first) {
   const bool is_placed = !prepared_ || prepared_->has_support();  // else the task has to do it
   if (is_first && is_placed) WarnOfStart();
   if (!start_inspector_) {
-    if (!task_) return;
+    if (!task_ && !prepared_) return;
     if (const std::string why = MakeStart(kTriedSeed, {}, {}); !why.empty())
       throw SpecError(NoStart(why));
     scene_.Reset();
@@ -193,6 +200,7 @@ void Env::TryStart(bool is_first) {
 void Env::RequireRest(const std::string& doubt) {
   std::vector<Robot> robots = RobotsOf(scene_);
   const std::vector<std::string>& resting = resting_;
+  const std::string of_task = config_.task ? " of task '" + config_.task->kind() + "'" : "";
   const std::string body = scene_.compiled()->object(resting.front()).root_body;
   std::vector<Pose> before;
   for (const std::string& object : resting) before.push_back(RootPose(scene_, object));
@@ -203,15 +211,15 @@ void Env::RequireRest(const std::string& doubt) {
     const std::string change = ChangeOf(before[i], RootPose(scene_, resting[i]));
     if (change.empty()) continue;
     throw SpecError(fmt::format(
-        "{}: no episode can begin, because '{}' of task '{}' does not rest where it starts: it {}. "
+        "{}: no episode can begin, because '{}'{} does not rest where it starts: it {}. "
         "Give it the pose that it rests in, on top of what is under it (root_frame_objects)",
-        place(), resting[i], config_.task->kind(), change));
+        place(), resting[i], of_task, change));
   }
   if (!why_not) return;
-  throw SpecError(fmt::format(
-      "{}: no episode can begin, because the objects of task '{}' do not come to rest: {}. Put "
-      "something under them: `add_floor: true`, or an object with `fixed: true`",
-      place(), config_.task->kind(), doubt.empty() ? *why_not : doubt));
+  throw SpecError(
+      fmt::format("{}: no episode can begin, because the objects{} do not come to rest: {}. Put "
+                  "something under them: `add_floor: true`, or an object with `fixed: true`",
+                  place(), of_task, doubt.empty() ? *why_not : doubt));
 }
 
 void Env::WarnOfStart() {

@@ -5,14 +5,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <utility>
 
+#include "robocell/assets/resolve.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/motion/geom_extent.h"
 #include "robocell/scenes/object_places.h"
+#include "robocell/scenes/place_links.h"
 #include "robocell/scenes/scene_annotations.h"
+#include "robocell/spec/problems.h"
+#include "robocell/spec/spec_bytes.h"
 
 namespace robocell::internal {
 namespace {
@@ -33,8 +39,46 @@ std::set<std::string> NamesOfConfig(const EnvConfig& config) {
   return names;
 }
 
-bool HasOwnPose(const SceneObject& object) {
-  return !object.pose().is_close(Pose(), kSamePlace, kSamePlace);
+// The scene without the objects, which keep their names: they are parked.
+SceneSpec Without(SceneSpec spec, const std::vector<SceneObject>& objects) {
+  for (SceneObject& object : spec.objects) {
+    const auto same = [&](const SceneObject& other) { return other.name == object.name; };
+    if (std::ranges::any_of(objects, same)) object.parked = true;
+  }
+  return spec;
+}
+
+// Copies of an environment are of one scene.
+std::shared_ptr<const Landmarks> SharedLandmarks(const SceneSpec& spec) {
+  static std::mutex mutex;
+  static std::map<std::string, std::weak_ptr<const Landmarks>> known;
+  const std::lock_guard lock(mutex);
+  std::erase_if(known, [](const auto& entry) { return entry.second.expired(); });
+  std::weak_ptr<const Landmarks>& kept = known[SpecBytes(spec)];
+  std::shared_ptr<const Landmarks> landmarks = kept.lock();
+  if (!landmarks) kept = landmarks = LandmarksOf(spec);
+  return landmarks;
+}
+
+// Entries for objects that cannot move, which are problems, are left out.
+SaidPlaces OfFreeObjects(SaidPlaces said, const Scene& scene, Problems& problems) {
+  Map<ObjectPlace> kept;
+  for (const auto& [key, place] : said.places.entries()) {
+    const auto same = [&](const SceneObject& object) { return object.name == key; };
+    const auto& objects = scene.spec().objects;
+    const bool is_known = std::any_of(objects.boxes().begin(), objects.boxes().end(),
+                                      [&](const auto& box) { return same(*box); });
+    if (!is_known || scene.compiled()->object(key).free_joint) {
+      kept[key] = *place;
+      continue;
+    }
+    const Problems::Scope scope(problems, said.path);
+    const std::string why = "it is a fixed object, which stays where its pose is";
+    said.hook.empty() ? problems.AddAt(key, why)
+                      : problems.Add(said.hook + ": '" + key + "': " + why);
+  }
+  said.places = std::move(kept);
+  return said;
 }
 
 // Floors: level planes, as far as the robot reaches around its base.
@@ -74,31 +118,93 @@ std::optional<Support> PatchAround(const Support& support, const Eigen::Vector3d
 
 }  // namespace
 
-PreparedObjects::PreparedObjects(const Scene& scene, const EnvConfig& config, const Task& task)
+PreparedObjects::PreparedObjects(const Scene& scene, const EnvConfig& config, const Task* task)
     : scene_(scene) {
-  const std::set<std::string> known = NamesOfConfig(config);
+  FindObjects(config);
+  Relate(config, task);
+  std::erase_if(loose_, [&](size_t i) { return IsRelated(i); });
   ObjectSizes sizes;
-  for (const SceneObject& object : scene_.spec().objects) {
-    const bool is_prepared = !known.contains(object.name) && !IsFixed(object) && !object.parked;
-    if (!is_prepared || HasOwnPose(object)) continue;
+  sizes_.resize(objects_.size());
+  for (size_t i = 0; i < objects_.size(); ++i) {
+    if (!related_ && !IsLoose(i)) continue;
+    ResolveModel(objects_[i]);
+    sizes_[i] = sizes.Of(objects_[i]);
+  }
+  if (!loose_.empty()) FindSupports(config, task);
+}
+
+void PreparedObjects::FindObjects(const EnvConfig& config) {
+  const std::set<std::string> known = NamesOfConfig(config);
+  for (SceneObject object : scene_.spec().objects) {
     const ObjectRecord& record = scene_.compiled()->object(object.name);
-    if (!record.free_joint) continue;
+    if (IsFixed(object) || object.parked || !record.free_joint) continue;
+    const bool is_loose = !known.contains(object.name) && !object.has_pose();
+    const Pose compiled = scene_.body_pose(record.root_body);
+    object.attach_to = {};
+    ForgetPose(object);
+    if (is_loose) {
+      loose_.push_back(objects_.size());
+    } else {
+      object.pos = ToVec3(compiled.translation());
+      object.quat = compiled.quaternion();
+    }
     objects_.push_back(object);
     bodies_.push_back(record.root_body);
-    compiled_.push_back(scene_.body_pose(record.root_body));
+    compiled_.push_back(compiled);
   }
-  if (objects_.empty()) return;
-  for (const SceneObject& object : objects_) sizes_.push_back(sizes.Of(object));
-  for (const std::string& body : bodies_) scene_.SetBodyPose(body, Pose(kAside));
+}
+
+void PreparedObjects::ResolveModel(SceneObject& object) const {
+  if (!object.mjcf_path.empty())
+    object.mjcf_path = assets::Resolve(object.mjcf_path, scene_.spec().source_dir);
+}
+
+// `places` of the configuration come before those of the task.
+void PreparedObjects::Relate(const EnvConfig& config, const Task* task) {
+  std::vector<SaidPlaces> said;
+  Problems problems(config.locations);
+  const auto add = [&](SaidPlaces places) {
+    if (!places.places.empty()) said.push_back(OfFreeObjects(std::move(places), scene_, problems));
+  };
+  add({.places = config.places, .path = "places"});
+  if (task) add({.places = task->places(), .path = "task", .hook = "places()"});
+  if (said.empty()) return;
+  // A place takes the place of a pose.
+  std::vector<SceneObject> objects = objects_;
+  std::vector<std::string> names;
+  for (SceneObject& object : objects) {
+    names.push_back(object.name);
+    ResolveModel(object);
+    const auto says = [&](const SaidPlaces& each) { return each.places.contains(object.name); };
+    if (std::ranges::any_of(said, says)) ForgetPose(object);
+  }
+  landmarks_ = SharedLandmarks(Without(scene_.spec(), objects_));
+  const auto may_come = [](const std::string&) { return false; };
+  std::vector<PlaceLink> links = LinkPlaces(landmarks_, said, {objects, names, may_come}, problems);
+  problems.Throw("environment '" + config.name + "'");
+  related_.emplace(std::move(links));
+}
+
+void PreparedObjects::FindSupports(const EnvConfig& config, const Task* task) {
+  const auto is_drawn = [&](size_t i) { return IsLoose(i) || IsRelated(i); };
+  for (size_t i = 0; i < bodies_.size(); ++i) {
+    if (is_drawn(i)) scene_.SetBodyPose(bodies_[i], Pose(kAside));
+  }
   std::vector<Support> supports;
   for (const SupportFace& found : FindSupportFaces(scene_)) supports.push_back(found.face);
-  for (size_t i = 0; i < bodies_.size(); ++i) scene_.SetBodyPose(bodies_[i], compiled_[i]);
+  for (size_t i = 0; i < bodies_.size(); ++i) {
+    if (is_drawn(i)) scene_.SetBodyPose(bodies_[i], compiled_[i]);
+  }
+  const BaseRange wanted = task ? task->base_range() : BaseRange();
   for (const std::string& name : config.robots.keys()) {
     const Robot robot = Robot::Of(scene_, name);
     if (!robot.has_arm()) continue;
-    for (Place& place : PlacesOf(robot, supports, task.base_range()))
-      places_.push_back(std::move(place));
+    for (Place& place : PlacesOf(robot, supports, wanted)) places_.push_back(std::move(place));
   }
+}
+
+bool PreparedObjects::IsLoose(size_t i) const {
+  return std::ranges::find(loose_, i) != loose_.end();
 }
 
 // The first support on which there is room; as far from the base as the task asks for if that is
@@ -118,72 +224,121 @@ std::vector<PreparedObjects::Place> PreparedObjects::PlacesOf(const Robot& robot
       if (!patch) continue;
       const Place place{robot, *patch, range};
       Rng rng = Rng::Stream(0, "prepared places");
-      BodyPoses tried;
-      if (TryPlaces(place, tried, rng)) return {place};
+      std::vector<SceneObject> tried = objects_;
+      if (PutLoose(place, tried, rng)) return {place};
     }
   }
   return {};
 }
 
-bool PreparedObjects::TryPlaces(const Place& place, BodyPoses& starts, Rng& rng) const {
+// Sets the poses of those that need a support and have no pose.
+bool PreparedObjects::PutLoose(const Place& place, std::vector<SceneObject>& objects,
+                               Rng& rng) const {
   const Pose base = place.robot.base_in_world();
   const double reach = kReachShare * place.robot.reach();
-  std::vector<SceneObject> objects = objects_;
-  std::vector<bool> is_placed(objects.size(), false);
-  for (size_t i = 0; i < objects.size(); ++i) {
-    for (const auto& [body, pose] : starts) {
-      if (body != bodies_[i]) continue;
-      is_placed[i] = true;
-      objects[i].fixed = true;  // the others keep clear of it
-      objects[i].pos = ToVec3(pose.translation());
-      objects[i].quat = pose.quaternion();
-    }
+  std::vector<SceneObject> given;
+  std::vector<ObjectSize> sizes;
+  for (const size_t i : loose_) {
+    given.push_back(objects[i]);
+    sizes.push_back(sizes_[i]);
   }
   for (int t = 0; t < kDraws; ++t) {
-    if (!PlaceOn(place.patch, sizes_, objects, rng)) continue;
+    std::vector<SceneObject> drawn = given;
+    if (!PlaceOn(place.patch, sizes, drawn, rng)) continue;
     bool fits = true;
-    for (size_t i = 0; i < objects.size() && fits; ++i) {
-      const Eigen::Vector3d way = objects[i].pose().translation() - base.translation();
+    for (size_t i = 0; i < drawn.size() && fits; ++i) {
+      if (given[i].has_pose()) continue;
+      const Eigen::Vector3d way = drawn[i].pose().translation() - base.translation();
       const double distance = way.head<2>().norm();
-      fits = is_placed[i] || way.norm() <= reach;
-      if (i == 0 && !is_placed[i]) {
+      fits = way.norm() <= reach;
+      if (i == 0) {
         fits = fits && distance >= place.distance.distance[0] &&
                distance <= place.distance.distance[1];
       }
     }
     if (!fits) continue;
-    for (size_t i = 0; i < objects.size(); ++i) {
-      if (!is_placed[i]) starts.emplace_back(bodies_[i], objects[i].pose());
-    }
+    for (size_t i = 0; i < drawn.size(); ++i) objects[loose_[i]] = drawn[i];
     return true;
   }
   return false;
 }
 
+// All objects, where `starts` puts them.
+std::vector<SceneObject> PreparedObjects::ObjectsAt(const BodyPoses& starts) const {
+  std::vector<SceneObject> objects = objects_;
+  for (size_t i = 0; i < objects.size(); ++i) {
+    for (const auto& [body, pose] : starts) {
+      if (body != bodies_[i]) continue;
+      objects[i].pos = ToVec3(pose.translation());
+      objects[i].euler = {};
+      objects[i].quat = pose.quaternion();
+    }
+  }
+  return objects;
+}
+
+PreparedObjects::Drawn PreparedObjects::Draw(BodyPoses& starts, Rng& rng) const {
+  std::erase_if(starts, [&](const auto& start) {
+    const auto body = std::ranges::find(bodies_, start.first);
+    return body != bodies_.end() && IsRelated(static_cast<size_t>(body - bodies_.begin()));
+  });
+  const std::vector<SceneObject> before = ObjectsAt(starts);
+  std::vector<SceneObject> objects = before;
+  std::optional<LevelSpot> ground;  // of those on a support
+  if (std::ranges::any_of(loose_, [&](size_t i) { return !before[i].has_pose(); })) {
+    if (places_.empty()) return {};
+    const Place& place = places_[rng.UniformInt(places_.size())];
+    if (!PutLoose(place, objects, rng)) return {};
+    ground = LevelSpot{place.patch.frame_to_world, place.patch.half_x, place.patch.half_y};
+  }
+  if (related_) {
+    std::vector<LevelSpot> grounds;
+    for (size_t i = 0; i < objects.size(); ++i) {
+      const Eigen::Vector3d at = objects[i].pose().translation();
+      const bool is_on_support = IsLoose(i) && !before[i].has_pose();
+      grounds.push_back(is_on_support ? *ground
+                                      : landmarks_->GroundUnder(at - sizes_[i].height *
+                                                                         Eigen::Vector3d::UnitZ()));
+    }
+    if (auto why_not = related_->Put(grounds, sizes_, objects, rng))
+      return {.added = {}, .why_not = *std::move(why_not)};
+  }
+  Drawn drawn;
+  for (size_t i = 0; i < objects.size(); ++i) {
+    const bool is_drawn = IsRelated(i) || (IsLoose(i) && !before[i].has_pose());
+    if (is_drawn) drawn.added.emplace_back(bodies_[i], objects[i].pose());
+  }
+  starts.insert(starts.end(), drawn.added.begin(), drawn.added.end());
+  return drawn;
+}
+
 std::vector<std::string> PreparedObjects::names() const {
   std::vector<std::string> names;
-  for (const SceneObject& object : objects_) names.push_back(object.name);
+  for (size_t i = 0; i < objects_.size(); ++i) {
+    if (IsLoose(i) || IsRelated(i)) names.push_back(objects_[i].name);
+  }
   return names;
 }
 
-void PreparedObjects::AddPlaces(BodyPoses& starts, Rng& rng) const {
-  if (!has_support()) return;
-  TryPlaces(places_[rng.UniformInt(places_.size())], starts, rng);
+std::vector<std::string> PreparedObjects::names_on_support() const {
+  std::vector<std::string> names;
+  for (const size_t i : loose_) names.push_back(objects_[i].name);
+  return names;
 }
 
 std::vector<std::string> PreparedObjects::Unplaced() const {
   std::vector<std::string> unplaced;
-  for (size_t i = 0; i < objects_.size(); ++i) {
+  for (const size_t i : loose_) {
     if (scene_.body_pose(bodies_[i]).is_close(compiled_[i], kSamePlace, kSamePlace))
       unplaced.push_back(objects_[i].name);
   }
   return unplaced;
 }
 
-std::vector<std::string> PreparedObjects::PlacedHere(const BodyPoses& starts) const {
+std::vector<std::string> PreparedObjects::PlacedHere(const BodyPoses& added) const {
   std::vector<std::string> placed;
   for (size_t i = 0; i < objects_.size(); ++i) {
-    for (const auto& [body, pose] : starts) {
+    for (const auto& [body, pose] : added) {
       if (body == bodies_[i] && scene_.body_pose(body).is_close(pose, kSamePlace, kSamePlace))
         placed.push_back(objects_[i].name);
     }
@@ -196,7 +351,7 @@ std::string PreparedObjects::Advice() const {
       "prepare() added {} without saying where, and nothing level within reach of the robots has "
       "room for them. Set `add_floor: true`, put a box with `fixed: true` in reach "
       "(root_frame_objects), or place them in the task's prepare() or starts()",
-      ListNames(names()));
+      ListNames(names_on_support()));
 }
 
 }  // namespace robocell::internal

@@ -1,14 +1,16 @@
-// PreparedObjects: the free objects that a task's Prepare added to an environment's scene without
-// saying where they are. As in runs they get places on a support, drawn at each reset; the task may
-// put them elsewhere in Starts or Arrange.
+// PreparedObjects: the free objects of an environment whose place is drawn at each reset: those that
+// its task's Prepare added without a pose, which are put on a support as in runs, and those that
+// `places` of the configuration or of the task put in relation to something. What has a place by
+// relation is there whatever the task's Starts says; Arrange may move everything.
 //
-//   PreparedObjects prepared(scene, config, *task);
-//   prepared.AddPlaces(starts, rng);              // of those that `starts` does not place
+//   PreparedObjects prepared(scene, config, task.get());
+//   const Drawn drawn = prepared.Draw(starts, rng);   // and adds them to `starts`
 //   scene.Reset({.body_poses = starts});  task.Arrange(...);
 //   if (const std::string lost = prepared.Unplaced(); !lost.empty()) ...   // nobody placed it
 #pragma once
 
-#include <map>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +18,7 @@
 #include "robocell/robot/robot.h"
 #include "robocell/scene/scene.h"
 #include "robocell/scenes/catalogue.h"
+#include "robocell/scenes/related_places.h"
 #include "robocell/scenes/support.h"
 #include "robocell/spec/env_config.h"
 #include "robocell/task/task.h"
@@ -25,22 +28,28 @@ namespace robocell::internal {
 class PreparedObjects {
  public:
   // Looks for supports within reach of each robot of the configuration. The scene is at its reset
-  // state, and is left there.
-  PreparedObjects(const Scene& scene, const EnvConfig& config, const Task& task);
+  // state, and is left there. `task` may be null. SpecError lists all that is wrong with `places`.
+  PreparedObjects(const Scene& scene, const EnvConfig& config, const Task* task);
 
-  bool empty() const { return objects_.empty(); }
-  // In the order in which they were added.
+  bool empty() const { return names().empty(); }
+  // In the order in which they were added to the scene.
   std::vector<std::string> names() const;
-  // Whether a robot has a support within reach with room for all of them.
-  bool has_support() const { return !places_.empty(); }
+  // Those that are put on a support.
+  std::vector<std::string> names_on_support() const;
+  // Whether a robot has a support within reach with room for those that need one.
+  bool has_support() const { return loose_.empty() || !places_.empty(); }
 
+  struct Drawn {
+    BodyPoses added;
+    std::string why_not;  // "" unless an object has no place
+  };
   // Draws a robot and places for all objects that `starts` does not place, and adds them. Does
   // nothing when they fit nowhere; Unplaced names them.
-  void AddPlaces(BodyPoses& starts, Rng& rng) const;
+  Drawn Draw(BodyPoses& starts, Rng& rng) const;
   // The names of those that lie where they were compiled, which nobody chose.
   std::vector<std::string> Unplaced() const;
-  // Those that are where the last AddPlaces put them.
-  std::vector<std::string> PlacedHere(const BodyPoses& starts) const;
+  // Those that are where Draw put them.
+  std::vector<std::string> PlacedHere(const BodyPoses& added) const;
   // What to do about objects without a place: the end of a message.
   std::string Advice() const;
 
@@ -51,16 +60,27 @@ class PreparedObjects {
     Support patch;       // around it, of the support
     BaseRange distance;  // of the first object from the robot's base
   };
+  void FindObjects(const EnvConfig& config);
+  void ResolveModel(SceneObject& object) const;
+  void Relate(const EnvConfig& config, const Task* task);
+  void FindSupports(const EnvConfig& config, const Task* task);
+  bool IsRelated(size_t i) const { return related_ && related_->IsRelated(i); }
+  bool IsLoose(size_t i) const;
   std::vector<Place> PlacesOf(const Robot& robot, const std::vector<Support>& supports,
                               const BaseRange& wanted) const;
-  bool TryPlaces(const Place& place, BodyPoses& starts, Rng& rng) const;
+  bool PutLoose(const Place& place, std::vector<SceneObject>& objects, Rng& rng) const;
+  std::vector<SceneObject> ObjectsAt(const BodyPoses& starts) const;
 
   Scene scene_;
+  // All that can move, as they are in the world; without a pose if they were added without one.
   std::vector<SceneObject> objects_;
   std::vector<std::string> bodies_;  // of objects_
   std::vector<ObjectSize> sizes_;
   std::vector<Pose> compiled_;  // where they lie in a scene that was reset
-  std::vector<Place> places_;   // one for each robot that has any
+  std::vector<size_t> loose_;   // those that are put on a support
+  std::optional<RelatedPlaces> related_;
+  std::shared_ptr<const Landmarks> landmarks_;  // of all that is not among objects_; with related_
+  std::vector<Place> places_;                   // one for each robot that has any
 };
 
 }  // namespace robocell::internal

@@ -7,20 +7,29 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
+#include "robocell/base/files.h"
 #include "robocell/base/log.h"
 #include "robocell/env/env.h"
 #include "robocell/env/env_batch.h"
 #include "robocell/env/testing/envs.h"
+#include "robocell/scenes/spatial_relation.h"
+#include "robocell/task/start_sampler.h"
 #include "robocell/task/task_kind.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/source_dir.h"
+#include "robocell/testing/temp_dir.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 struct TwoCubesConfig {
@@ -173,11 +182,176 @@ TEST(PreparedObjects, NeedASupportInReachUnlessTheTaskPlacesThem) {
   EXPECT_TRUE(At(env, "first").isApprox(TwoCubes::kFirst, 1e-9));
 }
 
+// A brick and a tray with an object on, in and beside them.
+class Served final : public Task {
+ public:
+  struct Config {
+    static constexpr const char* kKind = "served_of_test";
+    static constexpr const char* kTypeName = "Config";
+    template <class V>
+    static void Fields(V&& /*v*/) {}
+  };
+
+  explicit Served(const Config& /*fields*/) {}
+  void Prepare(SceneSpec& spec, Rng& /*rng*/) override {
+    spec.objects.push_back(Block("brick", {0.05, 0.04, 0.02}));
+    spec.objects.push_back({.name = "dish", .mjcf_path = "tray", .fixed = false});
+    for (const char* name : {"cube", "peg", "die"})
+      spec.objects.push_back(Block(name, {0.012, 0.012, 0.012}));
+  }
+  Map<ObjectPlace> places() const override {
+    return {{"cube", {.on_top_of = "brick"}},
+            {"peg", {.inside = "dish"}},
+            {"die", {.next_to = "brick", .gap = {0.02, 0.06}}}};
+  }
+  TaskVerdict Judge(const Scene& /*scene*/) override { return {}; }
+  std::string instruction() const override { return "look at them"; }
+  std::vector<std::string> objects() const override { return {"brick"}; }
+  BaseRange base_range() const override { return {.distance = {0.35, 0.5}}; }
+
+  static void Register() {
+    static const bool kRegistered = [] {
+      RegisterTask<Config>(std::make_shared<TaskKindOf<Config, Served>>());
+      return true;
+    }();
+    (void)kRegistered;
+  }
+
+ private:
+  static SceneObject Block(const std::string& name, const Vec3& half) {
+    SceneObject block = BoxObject(name, {});
+    block.pos.reset();
+    block.size = half;
+    return block;
+  }
+};
+
+void ExpectServed(Scene scene, const std::string& where) {
+  EXPECT_TRUE(scene.StepN(300).ok());
+  EXPECT_TRUE(SpatialRelation(scene, "cube", Relation::kOnTopOf, "brick").Holds()) << where;
+  EXPECT_TRUE(SpatialRelation(scene, "peg", Relation::kInside, "dish").Holds()) << where;
+  EXPECT_TRUE(SpatialRelation(scene, "die", Relation::kNextTo, "brick").Holds()) << where;
+}
+
+TEST(PreparedObjects, HaveTheSamePlacesInAnEnvironmentAndInARun) {
+  Served::Register();
+  EnvConfig config = Rc7Env();
+  config.task = Served::Config();
+  Env env(config);
+  for (uint64_t seed = 0; seed < 6; ++seed) {
+    env.Reset({.seed = seed});
+    ExpectServed(env.scene(), "environment");
+  }
+  RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
+  run.task = Served::Config();
+  run.start = {};
+  TaskStartSampler sampler(run);
+  int starts = 0;
+  for (int attempt = 0; attempt < 20 && starts < 3; ++attempt) {
+    Rng rng = Rng::Stream(5, "served", attempt);
+    const SampleResult result = sampler.Sample({.attempt = attempt}, rng);
+    if (!result.start) continue;
+    ++starts;
+    ExpectServed(result.start->scene, "run");
+  }
+  EXPECT_GE(starts, 3);
+}
+
+// The cube of the configuration, without a task.
+EnvConfig WithShelf(const Map<ObjectPlace>& places) {
+  EnvConfig config = Rc7WithCube();
+  config.root_frame_objects["shelf"] = {.offset = Pose(Eigen::Vector3d(0.4, 0.2, 0.1)),
+                                        .fixed = true,
+                                        .shape = Shape::kBox,
+                                        .size = Vec3{0.1, 0.1, 0.1},
+                                        .mass = 1};
+  config.places = places;
+  return config;
+}
+
+TEST(PreparedObjects, AConfigurationPutsItsObjectsIntoRelation) {
+  for (const bool with_task : {false, true}) {
+    EnvConfig config = WithShelf({{"cube", {.on_top_of = "shelf"}}});
+    if (!with_task) config.task.reset();
+    Env env(config);
+    std::set<double> along;
+    for (uint64_t seed = 0; seed < 6; ++seed) {
+      env.Reset({.seed = seed});
+      Scene scene = env.scene();
+      EXPECT_TRUE(scene.StepN(300).ok());
+      EXPECT_TRUE(SpatialRelation(scene, "cube", Relation::kOnTopOf, "shelf").Holds())
+          << with_task << ": " << At(env, "cube").transpose();
+      along.insert(At(env, "cube").x());
+    }
+    EXPECT_EQ(along.size(), 6u) << "each reset draws a place";
+  }
+}
+
+std::string PlacesError(const Map<ObjectPlace>& places) {
+  return ExpectThrow<SpecError>([&] { Env env(WithShelf(places)); }, "environment 'env'");
+}
+
+TEST(PreparedObjects, MistakesInPlacesAreFoundWhenTheEnvironmentIsMade) {
+  EXPECT_THAT(PlacesError({{"cub", {.on_top_of = "shelf"}}}),
+              AllOf(HasSubstr("places.cub: no object 'cub'"), HasSubstr("Did you mean 'cube'?")));
+  EXPECT_THAT(
+      PlacesError({{"cube", {.on_top_of = "shelv"}}}),
+      AllOf(HasSubstr("places.cube: no object or body"), HasSubstr("Did you mean 'shelf'?")));
+  EXPECT_THAT(PlacesError({{"shelf", {.on_top_of = "cube"}}}),
+              HasSubstr("places.shelf: it is a fixed object, which stays where its pose is"));
+  EXPECT_THAT(PlacesError({{"cube", {.inside = "shelf"}}}),
+              HasSubstr("places.cube: 'shelf' has no hollow with a level floor"));
+  EXPECT_THAT(PlacesError({{"cube", {.next_to = "cube"}}}),
+              HasSubstr("places.cube: it cannot have its place by itself"));
+}
+
+TEST(PreparedObjects, MistakesInPlacesAreNamedWithTheirLine) {
+  TempDir folder;
+  AtomicWrite(folder / "cell.yaml",
+              "name: cell\nrobots: {robot: " + assets::BuiltinRobotFile("rc7") +
+                  "}\nplaces:\n  cube: {on_top_of: robt}\n");
+  const EnvConfig config = EnvConfig::Load((folder / "cell.yaml").string());
+  ExpectThrow<SpecError>([&] { Env env(config); }, "cell.yaml:4:9: places.cube: no object 'cube'");
+}
+
+class Origin final : public Task {
+ public:
+  struct Config {
+    static constexpr const char* kKind = "origin_of_test";
+    static constexpr const char* kTypeName = "Config";
+    template <class V>
+    static void Fields(V&& /*v*/) {}
+  };
+  explicit Origin(const Config& /*fields*/) {}
+  void Prepare(SceneSpec& spec, Rng& /*rng*/) override {
+    spec.objects.push_back(BoxObject("cube", {0, 0, 0}));
+  }
+  TaskVerdict Judge(const Scene& /*scene*/) override { return {}; }
+  std::string instruction() const override { return "look at the cube"; }
+};
+
+// Given poses count, also at the origin, where an object without one is compiled.
+TEST(PreparedObjects, WithAPoseStayThereBeItAtTheOrigin) {
+  RegisterTask<Origin::Config>(std::make_shared<TaskKindOf<Origin::Config, Origin>>());
+  EnvConfig config = Rc7Env();
+  config.add_floor = false;
+  config.shared_base_frame_to_root_frame = Pose(Eigen::Vector3d(-0.5, 0, 0));
+  config.world_frame_objects["stand"] = {.offset = Pose(Eigen::Vector3d(0, 0, -0.07)),
+                                         .fixed = true,
+                                         .shape = Shape::kBox,
+                                         .size = Vec3{0.05, 0.05, 0.05},
+                                         .mass = 1};
+  config.task = Origin::Config();
+  Env env(config);
+  env.Reset({.seed = 3});
+  EXPECT_LT(At(env, "cube").norm(), 1e-9);
+}
+
 TEST(PreparedObjects, AreNoneInTheConfigurationItself) {
   const Env env(Rc7WithCube());
-  EXPECT_THAT(internal::PreparedObjects(env.scene(), env.config(), TwoCubes({})).names(),
-              IsEmpty());
+  const TwoCubes task({});
+  EXPECT_THAT(PreparedObjects(env.scene(), env.config(), &task).names(), IsEmpty());
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -165,7 +165,7 @@ class PointedArm : public SharedArm {
       <geom type="capsule" size="0.01 0.05" mass="0.3"/><site name="tip" pos="0 0 0.05"/>
       </body></worldbody>)"),
                       .attach_to = Body("link7"),
-                      .pos = {0, 0, 0.3},
+                      .pos = Vec3{0, 0, 0.3},
                       .fixed = true};
   Scene scene = Build();
   std::optional<Robot> first, second;

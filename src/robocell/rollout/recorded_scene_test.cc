@@ -212,7 +212,7 @@ SceneSpec ManyBoxes(int count) {
                             .rgba = Vec4{1, 0.5, 0, 1},
                             .mass = 0.1,
                             .friction = Vec3{0.8, 0.02, 0.001},
-                            .pos = {0.1 * i, 0, 0.02}});
+                            .pos = Vec3{0.1 * i, 0, 0.02}});
   }
   return spec;
 }

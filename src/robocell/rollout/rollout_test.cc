@@ -138,7 +138,7 @@ class Adding : public Commanding {
                               .rgba = Vec4{1, 1, 1, 1},
                               .mass = 0.1,
                               .friction = Vec3{1, 0.1, 0.1},
-                              .pos = {3, 3, 0.01}});
+                              .pos = Vec3{3, 3, 0.01}});
     }
     return {};
   }

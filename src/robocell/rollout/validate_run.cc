@@ -31,9 +31,9 @@
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/spec_bytes.h"
 #include "robocell/spec/validate.h"
+#include "robocell/task/base_placement.h"
 #include "robocell/task/sampler_kind.h"
 #include "robocell/task/task_kind.h"
-#include "robocell/task/visible_from.h"
 
 namespace robocell {
 namespace {
@@ -195,6 +195,7 @@ class SceneValidator {
     if (!Try("robot", [&] { robot = Robot::Of(*scene, run_.robot.config.name); })) return;
     // What cannot be measured is reported once.
     if (ValidateRobotItself(*robot)) ValidateForTask(*scene, *robot);
+    if (problems_.empty()) ValidateStarts(bases);
     if (demands_.on_this_machine && problems_.empty()) ValidateStreamsHere(run_, *scene, problems_);
   }
 
@@ -253,7 +254,7 @@ class SceneValidator {
     }
     for (const std::string& camera : run_.start.visible_from) {
       Try("start.visible_from",
-          [&] { internal::ViewOfStream(scene, internal::StreamToSee(run_.cameras, camera)); });
+          [&] { internal::ViewOfStream(scene, StreamToSee(run_.cameras, camera)); });
     }
   }
 
@@ -262,6 +263,18 @@ class SceneValidator {
     if (!demands_.scripted_expert) return;
     Try(run_.expert.empty() ? "task" : "expert",
         [&] { ExpertKindOf(run_)->Validate(run_, scene, robot, problems_, warnings_); });
+  }
+
+  // In each of the scenes that differ.
+  void ValidateStarts(const std::vector<SceneSpec>& bases) {
+    std::vector<int> scenes;
+    std::set<std::string> seen;
+    const std::vector<int> indices = SceneIndices(run_);
+    for (size_t i = 0; i < bases.size(); ++i) {
+      if (seen.insert(internal::SpecBytes(bases[i])).second) scenes.push_back(indices[i]);
+    }
+    Try(run_.sampler.empty() ? "task" : "sampler",
+        [&] { MakeSampler(run_)->ValidateStarts(scenes, problems_); });
   }
 
   bool ValidateRobotItself(const Robot& robot) {

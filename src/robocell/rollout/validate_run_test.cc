@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/rollout/testing/demo.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/menagerie.h"
 #include "robocell/testing/source_dir.h"
@@ -23,12 +25,6 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
-
-RunConfig Demo() {
-  RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
-  run.locations = {};
-  return run;
-}
 
 TEST(ValidateRun, TheExamplesPass) {
   EXPECT_NO_THROW(ValidateRun(Demo()));
@@ -53,6 +49,44 @@ TEST(ValidateRun, AnUnknownKindIsToldWithTheNearest) {
   const std::string text =
       ExpectThrow<SpecError>([&] { ValidateRun(run); }, "task.objects[1]: no kind of object 'mgu'");
   EXPECT_THAT(text, HasSubstr("Did you mean 'mug'?"));
+}
+
+// What is wrong with `places` in the demo's run.
+std::string PlacesError(const Map<ObjectPlace>& places) {
+  RunConfig run = Demo();
+  run.start.places = places;
+  return ExpectThrow<SpecError>([&] { ValidateRun(run, {.on_this_machine = false}); },
+                                "run 'demo'");
+}
+
+TEST(ValidateRun, PlacesThatNoStartCanHaveAreFoundBeforeTheFirst) {
+  EXPECT_THAT(PlacesError({{"targt", {.next_to = "mug"}}}),
+              AllOf(HasSubstr("start.places.targt: no object 'targt'"),
+                    HasSubstr("Did you mean 'target'?")));
+  EXPECT_THAT(PlacesError({{"target", {.on_top_of = "tabel"}}}),
+              AllOf(HasSubstr("start.places.target: no object or body 'tabel'"),
+                    HasSubstr("Did you mean 'table'?")));
+  EXPECT_THAT(PlacesError({{"target", {.on_top_of = "target"}}}),
+              HasSubstr("start.places.target: it cannot have its place by itself"));
+  EXPECT_THAT(PlacesError({{"sphere", {.inside = "box"}}}),
+              HasSubstr("start.places.sphere: 'box' has no hollow with a level floor"));
+  EXPECT_THAT(PlacesError({{"mug", {.next_to = "box"}}, {"box", {.next_to = "mug"}}}),
+              HasSubstr("start.places: these run in a circle"));
+  RunConfig run = Demo();
+  run.start.places = {{"object_1", {.next_to = "target"}}, {"mug", {.on_top_of = "box"}}};
+  EXPECT_NO_THROW(ValidateRun(run, {.on_this_machine = false}));
+}
+
+TEST(ValidateRun, MistakesInPlacesAreNamedWithTheirLine) {
+  TempDir folder;
+  AtomicWrite(folder / "run.yaml", "run: mine\nrobot: " + assets::BuiltinRobotFile("rc7") +
+                                       "\ntask: {kind: pick}\nstart:\n  places:\n"
+                                       "    target: {next_to: object_11}\n");
+  const RunConfig run = RunConfig::Load((folder / "run.yaml").string());
+  const std::string text =
+      ExpectThrow<SpecError>([&] { ValidateRun(run, {.on_this_machine = false}); },
+                             "run.yaml:6:13: start.places.target: no object or body 'object_11'");
+  EXPECT_THAT(text, HasSubstr("Did you mean 'object_1'"));
 }
 
 TEST(ValidateRun, AnUnknownCameraIsToldWithNamesAsTheyAreWritten) {

@@ -54,7 +54,7 @@ TEST_F(Objects, PrimitivesHaveTheShapeMassAndNamesTheyAreGiven) {
                   .mass = 0.35,
                   .friction = Vec3{0.7, 0.02, 0.003},
                   .condim = Condim::kRolling,
-                  .pos = {0, 0, 0.06}};
+                  .pos = Vec3{0, 0, 0.06}};
   const Scene scene = BuildWith(can);
   const mjModel* m = scene.model();
   const int body = RequireId(m, mjOBJ_BODY, "can", ""),
@@ -69,7 +69,7 @@ TEST_F(Objects, PrimitivesHaveTheShapeMassAndNamesTheyAreGiven) {
 }
 
 TEST_F(Objects, ModelsGetTheirNameInFrontOfEveryElement) {
-  const Scene scene = BuildWith({.name = "red", .mjcf_path = cup, .pos = {1, 0, 0}});
+  const Scene scene = BuildWith({.name = "red", .mjcf_path = cup, .pos = Vec3{1, 0, 0}});
   EXPECT_TRUE(scene.site_pose(SceneObjectElementName("red", "rim"))
                   .is_close(Pose(Eigen::Vector3d(1, 0, 0.1)), 1e-9, 1e-9));
   EXPECT_EQ(scene.compiled()->object("red").root_body, "red_cup");
@@ -162,7 +162,8 @@ TEST_F(Objects, OfASceneFileAreFoundBesideIt) {
 
 TEST_F(Objects, OfEveryBuiltInKindFallAndComeToRest) {
   for (const std::string& name : assets::BuiltinObjects()) {
-    Scene scene = BuildWith({.name = "o", .mjcf_path = name, .pos = {0, 0, 0.3}, .fixed = false});
+    Scene scene =
+        BuildWith({.name = "o", .mjcf_path = name, .pos = Vec3{0, 0, 0.3}, .fixed = false});
     const StepResult result = scene.StepN(1000);
     ASSERT_TRUE(result.ok()) << name << ": " << result.message;
     EXPECT_LT(scene.body_pose(scene.compiled()->object("o").root_body).translation().z(), 0.2)

@@ -24,7 +24,7 @@ TEST_F(Attachments, CarryToolsOnToolsWithAllTheirElements) {
   config.attachments.push_back({.mjcf_path = gripper,
                                 .attach_to = Site("flange"),
                                 .prefix = "g_",
-                                .pos = {0, 0, 0.02},
+                                .pos = Vec3{0, 0, 0.02},
                                 .contact_exclusions = {{"fore", "g_left"}}});
   const std::string probe = folder.Write(
       "probe",

@@ -50,7 +50,8 @@ TEST(SceneLaws, TheOrderOfEntitiesDoesNotChangePhysics) {
 TEST(SceneLaws, ASceneBuiltTwiceIsTheSameToTheBit) {
   SceneSpec spec = EmptyScene();
   spec.robots.push_back({.config = RobotConfig::Load(assets::BuiltinRobotFile("rc7"))});
-  spec.objects.push_back({.name = "mug", .mjcf_path = "mug", .pos = {0.5, 0, 0.2}, .fixed = false});
+  spec.objects.push_back(
+      {.name = "mug", .mjcf_path = "mug", .pos = Vec3{0.5, 0, 0.2}, .fixed = false});
   const auto end = [&] {
     Scene scene = Scene::Build(spec);
     scene.Reset({.seed = 2});
@@ -67,7 +68,8 @@ TEST(SceneLaws, OneSpecIsBuiltAgainWithOtherContents) {
   SceneSpec spec = EmptyScene();
   const RobotSpec robot{.config = RobotConfig::Load(assets::BuiltinRobotFile("rc7"))};
   spec.robots.push_back(robot);
-  spec.objects.push_back({.name = "mug", .mjcf_path = "mug", .pos = {0.5, 0, 0.2}, .fixed = true});
+  spec.objects.push_back(
+      {.name = "mug", .mjcf_path = "mug", .pos = Vec3{0.5, 0, 0.2}, .fixed = true});
   const Scene whole = Scene::Build(spec);
   spec.robots.clear();
   const Scene objects_only = Scene::Build(spec);

@@ -49,7 +49,7 @@ SceneSpec Hands(int arms) {
       spec.objects.push_back({.name = arm + "_hand" + std::to_string(h),
                               .mjcf_path = "parallel_hand",
                               .attach_to = {.kind = AttachKind::kBody, .name = arm + "/hand"},
-                              .pos = {0.1 * std::cos(around), 0.1 * std::sin(around), 0.03},
+                              .pos = Vec3{0.1 * std::cos(around), 0.1 * std::sin(around), 0.03},
                               .euler = {0, 0, 72.0 * h},
                               .fixed = true});
     }

@@ -48,8 +48,10 @@ TEST(Equipment, StandsStillOnAFloorAndWeighsWhatItShould) {
   for (const auto& [name, expected] : kEquipment) {
     SceneSpec spec = EmptyScene();
     const Pose start(Eigen::Vector3d(0, 0, expected.origin_height));
-    spec.objects.push_back(
-        {.name = "o", .mjcf_path = name, .pos = {0, 0, expected.origin_height}, .fixed = false});
+    spec.objects.push_back({.name = "o",
+                            .mjcf_path = name,
+                            .pos = Vec3{0, 0, expected.origin_height},
+                            .fixed = false});
     Scene scene = Scene::Build(spec);
     const std::string body = scene.compiled()->object("o").root_body;
     const int id = RequireId(scene.model(), mjOBJ_BODY, body, "test");
@@ -66,7 +68,7 @@ TEST(Equipment, StandsStillOnAFloorAndWeighsWhatItShould) {
 TEST(Equipment, ATablesSiteIsTheMiddleOfItsTop) {
   SceneSpec spec = EmptyScene();
   spec.objects.push_back(
-      {.name = "table", .mjcf_path = "table", .pos = {0.3, 0.1, 0.7}, .fixed = true});
+      {.name = "table", .mjcf_path = "table", .pos = Vec3{0.3, 0.1, 0.7}, .fixed = true});
   spec.objects.push_back(BoxObject("cube", {0.35, 0.1, 0.73}));
   Scene scene = Scene::Build(spec);
   EXPECT_TRUE(scene.site_pose(SceneObjectElementName("table", "table_top"))
@@ -78,7 +80,7 @@ TEST(Equipment, ATablesSiteIsTheMiddleOfItsTop) {
 TEST(Equipment, ARobotStandsOnATable) {
   SceneSpec spec = EmptyScene();
   const SceneObject table{
-      .name = "table", .mjcf_path = "table", .pos = {0.3, 0.1, 0.7}, .fixed = true};
+      .name = "table", .mjcf_path = "table", .pos = Vec3{0.3, 0.1, 0.7}, .fixed = true};
   const std::string mount = SceneObjectElementName(table.name, "table_top");
   spec.robots.push_back({.config = RobotConfig::Load(assets::BuiltinRobotFile("rc7")),
                          .base = BaseConfig{},  // without its pedestal
@@ -138,14 +140,14 @@ TEST(Equipment, ADrawerHoldsWhatIsPutIn) {
 // Upside down over the receiver, as at the end of pouring.
 TEST(Equipment, WhatFallsOutOfTheBottleStaysInTheReceiver) {
   SceneSpec spec = EmptyScene();
-  spec.objects.push_back({.name = "receiver", .mjcf_path = "receiver", .pos = {0, 0, 0.04}});
+  spec.objects.push_back({.name = "receiver", .mjcf_path = "receiver", .pos = Vec3{0, 0, 0.04}});
   spec.objects.push_back({.name = "bottle",
                           .mjcf_path = "open_bottle",
-                          .pos = {0, 0, 0.2},
+                          .pos = Vec3{0, 0, 0.2},
                           .euler = {180, 0, 0},
                           .fixed = true});
   spec.objects.push_back(
-      {.name = "upright", .mjcf_path = "open_bottle", .pos = {0.3, 0, 0.075}, .fixed = true});
+      {.name = "upright", .mjcf_path = "open_bottle", .pos = Vec3{0.3, 0, 0.075}, .fixed = true});
   for (const auto& [name, x] : {std::pair{"poured", 0.012}, {"kept", 0.312}}) {
     spec.objects.push_back({.name = name,
                             .shape = Shape::kSphere,
@@ -154,7 +156,7 @@ TEST(Equipment, WhatFallsOutOfTheBottleStaysInTheReceiver) {
                             .mass = 0.001,
                             .friction = Vec3{0.5, 0.01, 0.001},
                             .condim = Condim::kRolling,
-                            .pos = {x, 0, x < 0.1 ? 0.22 : 0.04}});
+                            .pos = Vec3{x, 0, x < 0.1 ? 0.22 : 0.04}});
   }
   Scene scene = Scene::Build(spec);
   ASSERT_TRUE(scene.StepN(1000).ok());

@@ -49,7 +49,8 @@ SceneSpec Primitives() {
 SceneSpec Meshes() {
   SceneSpec spec = EmptyScene();
   spec.robots.push_back({.path = menagerie::ModelPath("ufactory_xarm7")});
-  spec.objects.push_back({.name = "mug", .mjcf_path = "mug", .pos = {0.5, 0, 0}, .fixed = false});
+  spec.objects.push_back(
+      {.name = "mug", .mjcf_path = "mug", .pos = Vec3{0.5, 0, 0}, .fixed = false});
   return spec;
 }
 
@@ -85,7 +86,8 @@ TEST(Memory, TenThousandResetsLeaveNothingBehind) {
 
 TEST(Memory, AHundredObjectsThatComeAndGoLeaveNothingBehind) {
   Scene scene = Scene::Build(Primitives());
-  const SceneObject mug{.name = "mug", .mjcf_path = "mug", .pos = {0.5, 0.5, 0}, .fixed = false};
+  const SceneObject mug{
+      .name = "mug", .mjcf_path = "mug", .pos = Vec3{0.5, 0.5, 0}, .fixed = false};
   EXPECT_LT(BytesLeft(100,
                       [&] {
                         scene.AddObject(mug);

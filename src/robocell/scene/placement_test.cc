@@ -200,7 +200,7 @@ TEST(Placement, ToolsStandAtFramesWithAnglesInDegreesAboutFixedAxes) {
                              .attachments = {{.mjcf_path = tool,
                                               .attach_to = Frame("mount"),
                                               .prefix = "t_",
-                                              .pos = {0.1, 0.2, 0.3},
+                                              .pos = Vec3{0.1, 0.2, 0.3},
                                               .euler = {20, -35, 50}}}});
   const Scene scene = Scene::Build(rig.spec);
   const auto turn = [](double degrees, const Eigen::Vector3d& axis) {

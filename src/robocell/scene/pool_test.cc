@@ -49,10 +49,10 @@ class Pool : public ::testing::Test {
         Pooled({.name = "jar",
                 .mjcf_path = folder.Write("jar", kJar),
                 .attach_to = {AttachKind::kRoot},
-                .pos = {0.8, 0.1, 0},
+                .pos = Vec3{0.8, 0.1, 0},
                 .euler = {0, 0, 30}}),
         BoxObject("cube", {0.5, 0, 0.08}),
-        Pooled({.name = "mug", .mjcf_path = "mug", .pos = {0.6, 0.3, 0}, .fixed = false})};
+        Pooled({.name = "mug", .mjcf_path = "mug", .pos = Vec3{0.6, 0.3, 0}, .fixed = false})};
     spec.root_frame_to_world = Pose::FromRpy({0.1, 0.2, 0}, {0, 0, 0.3});
   }
   // A scene that changed the pool and is gone.

@@ -29,7 +29,7 @@
 
 #include "robocell/base/rng.h"
 #include "robocell/math/pose.h"
-#include "robocell/mujoco/divergence.h"
+#include "robocell/mujoco/step.h"
 #include "robocell/scene/compiled_scene.h"
 #include "robocell/scene/scene_use.h"
 

@@ -33,7 +33,8 @@ SceneSpec RichScene() {
   const RobotConfig rc7 = RobotConfig::Load(assets::BuiltinRobotFile("rc7"));
   spec.robots.push_back({.config = rc7, .prefix = "left/"});
   spec.robots.push_back({.config = rc7, .prefix = "right/", .pos = {0, 1, 0}});
-  spec.objects.push_back({.name = "mug", .mjcf_path = "mug", .pos = {0.5, 0, 0.2}, .fixed = false});
+  spec.objects.push_back(
+      {.name = "mug", .mjcf_path = "mug", .pos = Vec3{0.5, 0, 0.2}, .fixed = false});
   spec.objects.push_back(BoxObject("cube", {0.4, 0.1, 0.1}));
   return spec;
 }

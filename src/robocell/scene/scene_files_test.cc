@@ -26,7 +26,7 @@ SceneSpec Kitchen() {
       {.config = RobotConfig::Load(assets::BuiltinRobotFile("rc7")), .prefix = "left_"});
   spec.objects.push_back(BoxObject("cube", {0.4, 0, 0.02}));
   spec.objects.push_back(
-      {.name = "mug", .mjcf_path = "mug", .pos = {0.4, 0.3, 0.06}, .fixed = false});
+      {.name = "mug", .mjcf_path = "mug", .pos = Vec3{0.4, 0.3, 0.06}, .fixed = false});
   return spec;
 }
 

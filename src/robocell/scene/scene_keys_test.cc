@@ -46,7 +46,7 @@ TEST_F(SceneKeys, OfAModelAreTakenByNumberAndByName) {
 // Two objects, one of whose names begins with the other's.
 TEST_F(SceneKeys, OfOneFullNameStayTwoAndAreTakenByTheirParts) {
   const auto add = [&](const std::string& name, const std::string& keys, double x) {
-    SceneObject object{.name = name, .pos = {x, 0, 1}};
+    SceneObject object{.name = name, .pos = Vec3{x, 0, 1}};
     object.mjcf_path = folder.Write(name, R"(<worldbody><body name="b">
       <joint name="j" axis="0 1 0"/><geom size="0.1" mass="1"/></body></worldbody>
       <keyframe>)" + keys + "</keyframe>");
@@ -78,7 +78,7 @@ TEST_F(SceneKeys, OfOneFullNameStayTwoAndAreTakenByTheirParts) {
 }
 
 TEST_F(SceneKeys, SayWhereJointsWithoutANameAre) {
-  SceneObject object{.name = "o", .pos = {0, 0, 1}};
+  SceneObject object{.name = "o", .pos = Vec3{0, 0, 1}};
   object.mjcf_path = folder.Write("o", R"(<worldbody><body name="b">
       <joint name="j0" axis="0 1 0"/><geom size="0.1" mass="1"/>
       <body pos="0.2 0 0"><joint axis="0 1 0"/><geom size="0.1" mass="1"/>

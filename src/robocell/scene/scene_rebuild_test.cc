@@ -171,7 +171,7 @@ TEST(AddRemove, WhatIsAttachedToAFrameOfAnotherObjectDoesNotHoldIt) {
       <body name="side" pos="0.1 0 0"><geom size="0.02"/>
       <frame name="handle" pos="0.1 0 0"><site/></frame></body></body></worldbody>)");
   SceneSpec spec = EmptyScene();
-  spec.objects = {{.name = "cup", .mjcf_path = cup, .pos = {1, 0, 0}},
+  spec.objects = {{.name = "cup", .mjcf_path = cup, .pos = Vec3{1, 0, 0}},
                   {.name = "cup_big", .mjcf_path = big},
                   BoxObject("spoon", {})};
   spec.objects[2].fixed = true;
@@ -203,7 +203,7 @@ TEST(AddRemove, AFileThatChangedIsToldAndTheSceneStays) {
   };
   SceneSpec spec = EmptyScene();
   const std::string file = folder.Write("cup", cup("1"));
-  spec.objects = {{.name = "cup", .mjcf_path = file, .pos = {0, 0, 1}},
+  spec.objects = {{.name = "cup", .mjcf_path = file, .pos = Vec3{0, 0, 1}},
                   BoxObject("cube", {1, 0, 0.02})};
   Scene scene = Scene::Build(spec);
   const mjModel* model = scene.model();

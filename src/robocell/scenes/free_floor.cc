@@ -4,11 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
+#include <string>
+#include <utility>
 #include <Eigen/Geometry>
 
 #include "robocell/motion/geom_extent.h"
+#include "robocell/mujoco/names.h"
 
 namespace robocell::internal {
 namespace {
@@ -18,8 +22,8 @@ constexpr double kLevelPlane = 0.9998;  // cosine of one degree
 constexpr double kSameFloor = 0.05;     // metres between heights of one floor
 constexpr double kThreshold = 0.02;     // what is lower is no obstacle, metres
 constexpr double kMostHalf = 25;        // of a floor that is looked at, metres
-constexpr double kLeastFloorHalf = 0.5;
-constexpr int kMostAreas = 12;
+constexpr double kRounding = 1e-9;      // metres
+constexpr int kMostAreas = 12;          // of a floor
 
 // The corners of the box around a geom, in the world.
 std::vector<Eigen::Vector3d> CornersOf(const mjModel* m, const mjData* d, int g) {
@@ -67,10 +71,40 @@ std::optional<Floor> FloorOf(const mjModel* m, const mjData* d, int g) {
     return Floor{g, Pose::FromRpy({middle.x(), middle.y(), middle.z()}, {0, 0, yaw}),
                  size[0] > 0 ? size[0] : endless, size[1] > 0 ? size[1] : endless};
   }
-  if (m->geom_type[g] != mjGEOM_BOX || std::min(size[0], size[1]) < kLeastFloorHalf)
+  if (m->geom_type[g] != mjGEOM_BOX || 2 * std::min(size[0], size[1]) < kLeastFloor - kRounding)
     return std::nullopt;
   return Floor{g, Pose::FromRpy({middle.x(), middle.y(), middle.z() + size[2]}, {0, 0, yaw}),
                size[0], size[1]};
+}
+
+double HeightOf(const Floor& floor) { return floor.frame_to_world.translation().z(); }
+
+bool IsUnder(const Floor& floor, const Floor& other) {
+  const Eigen::Vector3d at = floor.frame_to_world.inverse() * other.frame_to_world.translation();
+  return std::abs(at.x()) <= floor.half_x && std::abs(at.y()) <= floor.half_y;
+}
+
+// Without tables: faces as high as furniture above the next floor under their middle, else above
+// the lowest floor.
+std::vector<Floor> WithoutTables(std::vector<Floor> faces) {
+  std::ranges::stable_sort(faces, std::less<>(), HeightOf);
+  std::vector<Floor> floors;
+  for (const Floor& face : faces) {
+    const bool is_stage = 2 * std::min(face.half_x, face.half_y) >= kLeastStage - kRounding;
+    double ground = floors.empty() ? HeightOf(face) : HeightOf(floors.front());
+    for (const Floor& floor : floors) {
+      if (IsUnder(floor, face)) ground = std::max(ground, HeightOf(floor));
+    }
+    const double above = HeightOf(face) - ground;
+    if (is_stage || above <= kLowestFurniture || above >= kHighestFurniture) floors.push_back(face);
+  }
+  return floors;
+}
+
+// The geom's name, else its body's.
+std::string NameOf(const mjModel* m, const Floor& floor) {
+  const std::string geom = ElementName(m, mjOBJ_GEOM, floor.geom);
+  return geom.empty() ? ElementName(m, mjOBJ_BODY, m->geom_bodyid[floor.geom]) : geom;
 }
 
 // A floor as a grid of cells that are free or not.
@@ -208,10 +242,13 @@ void Bound(Floor& floor, const std::vector<std::vector<Eigen::Vector3d>>& boxes)
     }
   }
   if (content.isEmpty()) content.extend(Eigen::Vector2d(0, 0));
-  const Eigen::Vector2d margin(kMargin, kMargin);
-  const Eigen::Vector2d half(floor.half_x, floor.half_y);
-  const Eigen::Vector2d low = (content.min() - margin).cwiseMax(-half).cwiseMax(-kMostHalf);
-  const Eigen::Vector2d high = (content.max() + margin).cwiseMin(half).cwiseMin(kMostHalf);
+  Eigen::Vector2d low, high;
+  for (int axis = 0; axis < 2; ++axis) {
+    const double half = axis == 0 ? floor.half_x : floor.half_y;
+    const bool is_endless = std::isinf(half);
+    low[axis] = std::max(is_endless ? content.min()[axis] - kMargin : -half, -kMostHalf);
+    high[axis] = std::min(is_endless ? content.max()[axis] + kMargin : half, kMostHalf);
+  }
   const Eigen::Vector2d middle = (low + high) / 2;
   floor.frame_to_world = floor.frame_to_world * Pose(Eigen::Vector3d(middle.x(), middle.y(), 0));
   floor.half_x = std::max(0.0, (high - low).x() / 2);
@@ -223,21 +260,16 @@ void Bound(Floor& floor, const std::vector<std::vector<Eigen::Vector3d>>& boxes)
 std::vector<FloorArea> FindFreeFloor(const Scene& scene, const std::vector<bool>& ignored) {
   const mjModel* m = scene.model();
   const mjData* d = scene.data();
-  std::vector<Floor> floors;
-  double lowest = std::numeric_limits<double>::infinity();
+  std::vector<Floor> faces;
   for (int g = 0; g < m->ngeom; ++g) {
     if (ignored[static_cast<size_t>(m->geom_bodyid[g])]) continue;
     if (m->body_dofnum[m->body_weldid[m->geom_bodyid[g]]] > 0) continue;
     const std::optional<Floor> floor = FloorOf(m, d, g);
-    if (!floor) continue;
-    floors.push_back(*floor);
-    lowest = std::min(lowest, floor->frame_to_world.translation().z());
+    if (floor) faces.push_back(*floor);
   }
-  std::erase_if(floors, [&](const Floor& floor) {
-    return floor.frame_to_world.translation().z() > lowest + kSameFloor;
-  });
   std::vector<FloorArea> areas;
-  for (Floor& floor : floors) {
+  for (Floor& floor : WithoutTables(std::move(faces))) {
+    const double height = HeightOf(floor);
     std::vector<std::vector<Eigen::Vector3d>> boxes;
     for (int g = 0; g < m->ngeom; ++g) {
       const bool is_thing = m->geom_type[g] != mjGEOM_PLANE && IsCollisionGeom(m, g) &&
@@ -247,17 +279,20 @@ std::vector<FloorArea> FindFreeFloor(const Scene& scene, const std::vector<bool>
     Bound(floor, boxes);
     Grid grid(floor);
     for (const auto& corners : boxes) grid.Take(corners);
-    for (const FloorArea& area : areas) grid.Take(CornersOf(area));  // of a floor at this height
+    for (const FloorArea& area : areas) {
+      const double way = area.frame_to_world.translation().z() - height;
+      if (std::abs(way) < kSameFloor) grid.Take(CornersOf(area));
+    }
     for (int i = 0; i < kMostAreas; ++i) {
-      const std::optional<FloorArea> area = grid.TakeLargest();
+      std::optional<FloorArea> area = grid.TakeLargest();
       if (!area) break;
-      areas.push_back(*area);
+      area->floor = NameOf(m, floor);
+      areas.push_back(*std::move(area));
     }
   }
   std::ranges::stable_sort(areas, [](const FloorArea& a, const FloorArea& b) {
     return a.half_x * a.half_y > b.half_x * b.half_y;
   });
-  if (areas.size() > kMostAreas) areas.resize(kMostAreas);
   return areas;
 }
 

@@ -8,14 +8,18 @@
 
 namespace robocell::internal {
 
-// Level rectangles of the floor over which nothing is up to kHeadroom, largest first and apart from
-// each other, each at least kLeastSide long and wide. Floors are level planes and, as high as the
-// lowest of these and of such faces, level upper faces of boxes of at least a square metre. An
-// endless plane ends kMargin beyond everything else. Geoms are boxes around what they are, so that
-// something may be free that is not listed. Robots and parked objects do not count; `ignored` are
-// their bodies. Poses of the scene are up to date.
+// Level rectangles of the floors over which nothing is up to kHeadroom, largest first and apart from
+// each other, each at least kLeastSide long and wide. Floors of all levels count: level planes, and
+// level upper faces of boxes of at least kLeastFloor along both sides. As high as furniture is
+// above the floor under it (kLowestFurniture to kHighestFurniture), a face is a table and no floor, unless it is as
+// large as a room (kLeastStage). An endless plane ends kMargin beyond everything else. Geoms are
+// boxes around what they are, so that something may be free that is not listed. Robots and parked
+// objects do not count; `ignored` are their bodies. Poses of the scene are up to date.
 std::vector<FloorArea> FindFreeFloor(const Scene& scene, const std::vector<bool>& ignored);
 
 inline constexpr double kHeadroom = 2, kLeastSide = 0.5, kMargin = 1.5;  // metres
+inline constexpr double kLeastFloor = 1, kLeastStage = 2;                // metres
+inline constexpr double kLowestFurniture = 0.15,
+                        kHighestFurniture = 1.6;  // furniture above its floor, metres
 
 }  // namespace robocell::internal

@@ -4,14 +4,22 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "robocell/base/error.h"
 #include "robocell/base/rng.h"
 #include "robocell/motion/geom_extent.h"
 #include "robocell/scene/testing/scenes.h"
+#include "robocell/testing/expect_throw.h"
 
 namespace robocell::internal {
 namespace {
 
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 SceneObject FixedBox(const std::string& name, const Vec3& pos, const Vec3& half, double yaw = 0) {
   SceneObject box = BoxObject(name, pos);
@@ -102,6 +110,60 @@ TEST(FreeFloor, FloorsOfOneHeightAreListedOnce) {
   double total = 0;
   for (const FloorArea& area : areas) total += 4 * area.half_x * area.half_y;
   EXPECT_LE(total, (4 + 2 * kMargin) * (2 + 2 * kMargin) + 1e-6);
+}
+
+// A gallery over a room, with a table on each of the two levels.
+TEST(FreeFloor, AllLevelsCountAndTablesOfNoLevel) {
+  SceneSpec spec{.name = "house", .timestep = 0.002, .add_floor = true, .add_skybox = true};
+  spec.objects.push_back(FixedBox("gallery", {0, 0, 2.95}, {2, 1.5, 0.05}));
+  spec.objects.push_back(FixedBox("low_table", {-1, 0, 0.35}, {0.5, 0.8, 0.35}));
+  spec.objects.push_back(FixedBox("high_table", {1, 0, 3.35}, {0.5, 0.8, 0.35}));
+  spec.objects.push_back(FixedBox("step", {4, 0, 0.05}, {0.6, 0.6, 0.05}));
+  spec.objects.push_back(FixedBox("stage", {-5, 0, 0.25}, {1, 1.2, 0.25}));
+  const Scene scene = Scene::Build(spec);
+  SceneAnnotations known;
+  known.free_floor = FreeFloorOf(scene);
+  const auto heights = [&](const std::string& floor) {
+    std::set<int> centimetres;
+    for (const FloorArea& area : robocell::FreeFloorOf(known, floor))
+      centimetres.insert(
+          static_cast<int>(std::lround(100 * area.frame_to_world.translation().z())));
+    return centimetres;
+  };
+  EXPECT_EQ(heights("gallery_geom"), std::set<int>{300});
+  EXPECT_EQ(heights("step_geom"), std::set<int>{10});
+  EXPECT_EQ(heights("stage_geom"), std::set<int>{50});
+  for (const FloorArea& area : known.free_floor) {
+    EXPECT_THAT(area.floor, Not(HasSubstr("table")));
+    const Eigen::Vector3d high = area.frame_to_world.inverse() * Eigen::Vector3d(1, 0, 3);
+    EXPECT_FALSE(std::abs(high.z()) < 0.1 && std::abs(high.x()) < area.half_x &&
+                 std::abs(high.y()) < area.half_y)
+        << "under the high table";
+  }
+  // The room goes on under the gallery, where there is headroom.
+  const auto is_free = [&](const Eigen::Vector3d& at) {
+    return std::ranges::any_of(known.free_floor, [&](const FloorArea& area) {
+      const Eigen::Vector3d in_area = area.frame_to_world.inverse() * at;
+      return in_area.cwiseAbs().x() <= area.half_x && std::abs(in_area.y()) <= area.half_y &&
+             std::abs(in_area.z()) < 1e-6;
+    });
+  };
+  EXPECT_TRUE(is_free({1, 0, 0}));
+  EXPECT_TRUE(is_free({-1, 0, 3}));
+  EXPECT_FALSE(is_free({-1, 0, 0})) << "under the low table";
+}
+
+TEST(FreeFloor, AFloorIsChosenByItsNameOrByItsRoom) {
+  const SceneAnnotations known{.free_floor = {{.half_x = 1, .half_y = 1, .floor = "ground"},
+                                              {.half_x = 2, .half_y = 1, .room = "attic"},
+                                              {.half_x = 1, .half_y = 3, .room = "attic"}}};
+  EXPECT_EQ(robocell::FreeFloorOf(known, "ground").size(), 1u);
+  const std::vector<FloorArea> attic = robocell::FreeFloorOf(known, "attic");
+  ASSERT_EQ(attic.size(), 2u);
+  EXPECT_EQ(attic[0].half_y, 3) << "the larger one first";
+  EXPECT_THAT(
+      ExpectThrow<NotFoundError>([&] { (void)robocell::FreeFloorOf(known, "atic"); }, "'atic'"),
+      HasSubstr("Did you mean 'attic'?"));
 }
 
 TEST(FreeFloor, ASceneWithoutAFloorHasNone) {

@@ -169,27 +169,34 @@ double Landmarks::LowestOf(int body) const {
 }
 
 LevelSpot Landmarks::Ground(const std::string& name) const {
-  const mjModel* m = scene_.model();
-  const mjData* d = scene_.data();
   const int body = RequireBody(name);
   const double lowest = LowestOf(body);
   Eigen::Vector3d at = Origin(name);
   if (!std::isfinite(lowest)) return {Pose(at), 0, 0};
   at.z() = lowest;
+  return NextUnder(at, body);
+}
+
+LevelSpot Landmarks::NextUnder(const Eigen::Vector3d& at, int without) const {
+  const mjModel* m = scene_.model();
+  const mjData* d = scene_.data();
+  const auto counts = [&](const std::string& part) {
+    return without < 0 || !IsPartOf(part, without);
+  };
   LevelSpot ground{Pose(at), 0, 0};
   double highest = -std::numeric_limits<double>::infinity();
   const auto take = [&](const LevelSpot& spot) {
     const double height = spot.frame_to_world.translation().z();
-    if (height < highest || height > lowest + kGroundGap || !IsOver(spot, at)) return;
+    if (height < highest || height > at.z() + kGroundGap || !IsOver(spot, at)) return;
     highest = height;
     ground = spot;
   };
   for (const SupportFace& support : annotations_.supports) {
-    if (!IsPartOf(support.body, body)) take(SpotOf(support.face));
+    if (counts(support.body)) take(SpotOf(support.face));
   }
   for (const Container& container : annotations_.containers) {
     LevelSpot spot;
-    if (!IsPartOf(container.body, body) && FloorOf(container, spot)) take(spot);
+    if (counts(container.body) && FloorOf(container, spot)) take(spot);
   }
   for (int g = 0; g < m->ngeom; ++g) {
     if (m->geom_type[g] != mjGEOM_PLANE || !IsCollisionGeom(m, g)) continue;

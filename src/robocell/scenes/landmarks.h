@@ -44,6 +44,8 @@ class Landmarks {
   // What it stands on: the annotated face or the floor that is next under its lowest point; a spot
   // of no extent under it without one.
   LevelSpot Ground(const std::string& name) const;
+  // The face or floor that is next under a point, as Ground; a spot of no extent without one.
+  LevelSpot GroundUnder(const Eigen::Vector3d& point) const { return NextUnder(point, -1); }
   // Its root body's origin, in the world.
   Eigen::Vector3d Origin(const std::string& name) const;
   // How far it reaches from there along a unit vector of the world.
@@ -54,6 +56,7 @@ class Landmarks {
   bool IsPartOf(const std::string& part, int body) const;
   std::vector<LevelSpot> MiddleOfTop(int body) const;
   double LowestOf(int body) const;
+  LevelSpot NextUnder(const Eigen::Vector3d& point, int without) const;  // faces of that body
 
   Scene scene_;
   SceneAnnotations annotations_;

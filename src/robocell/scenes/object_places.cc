@@ -40,13 +40,16 @@ std::optional<Disc> FindPlace(const Support& support, double radius, const std::
 bool PlaceOn(const Support& support, std::span<const ObjectSize> sizes,
              std::vector<SceneObject>& objects, Rng& rng) {
   std::vector<Disc> taken;
+  std::vector<size_t> loose;
   for (size_t i = 0; i < objects.size(); ++i) {
-    if (!IsFixed(objects[i])) continue;
+    if (!KeepsPose(objects[i])) {
+      loose.push_back(i);
+      continue;
+    }
     const Eigen::Vector3d at = (support.frame_to_world.inverse() * objects[i].pose()).translation();
     taken.push_back({at.head<2>(), sizes[i].radius});
   }
-  for (size_t i = 0; i < objects.size(); ++i) {
-    if (IsFixed(objects[i])) continue;
+  for (const size_t i : loose) {
     const auto place = FindPlace(support, sizes[i].radius, taken, rng);
     if (!place) return false;
     taken.push_back(*place);

@@ -29,6 +29,7 @@ TEST(ObjectPlaces, AreOnTheSupportAndApart) {
   const std::vector<ObjectSize> sizes = SizesOf(objects);
   for (int k = 0; k < 200; ++k) {
     Rng rng = Rng::Stream(1, "places", k);
+    for (SceneObject& object : objects) ForgetPose(object);
     ASSERT_TRUE(PlaceOn(kTable, sizes, objects, rng));
     for (size_t i = 0; i < objects.size(); ++i) {
       const Eigen::Vector3d at =
@@ -41,6 +42,24 @@ TEST(ObjectPlaces, AreOnTheSupportAndApart) {
             (objects[i].pose().translation() - objects[j].pose().translation()).head<2>().norm();
         EXPECT_GE(apart, sizes[i].radius + sizes[j].radius + kObjectGap);
       }
+    }
+  }
+}
+
+TEST(ObjectPlaces, APoseThatWasGivenStaysBeItAtTheOrigin) {
+  std::vector<SceneObject> objects = Spheres(3);
+  objects[1].pos = Vec3{0, 0, 0};
+  const std::vector<ObjectSize> sizes = SizesOf(objects);
+  const Support around_origin{Pose(), 0.3, 0.2, 0.02};
+  for (int k = 0; k < 50; ++k) {
+    std::vector<SceneObject> placed = objects;
+    Rng rng = Rng::Stream(1, "given", k);
+    ASSERT_TRUE(PlaceOn(around_origin, sizes, placed, rng));
+    EXPECT_EQ(placed[1], objects[1]);
+    for (const size_t i : {0, 2}) {
+      EXPECT_TRUE(placed[i].has_pose());
+      EXPECT_GE(placed[i].pose().translation().head<2>().norm(),
+                sizes[i].radius + sizes[1].radius + kObjectGap);
     }
   }
 }

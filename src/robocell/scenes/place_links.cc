@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/scenes/object_places.h"
 #include "robocell/spec/problems.h"
@@ -44,15 +43,26 @@ std::vector<std::string> NamesOf(const StartObjects& start) {
   return names;
 }
 
-void RequireValid(const SaidPlaces& said, const StartObjects& start) {
+// Adds a problem of the entry at `key`, of all entries for "".
+void AddProblem(const SaidPlaces& said, const std::string& key, const std::string& text,
+                Problems& problems) {
+  const Problems::Scope scope(problems, said.path);
+  if (!said.hook.empty())
+    problems.Add(said.hook + (key.empty() ? "" : ": '" + key + "'") + ": " + text);
+  else if (key.empty())
+    problems.Add(text);
+  else
+    problems.AddAt(key, text);
+}
+
+// What is wrong with the entries by themselves.
+void ValidateEntries(const SaidPlaces& said, const StartObjects& start, Problems& problems) {
   for (const auto& [key, place] : said.places.entries()) {
-    Problems problems;
-    ValidateFields(*place, problems);
-    if (!problems.empty())
-      throw SpecError(said.where(key) + ": " +
-                      fmt::format("{}", fmt::join(LinesOf(problems), "; ")));
+    Problems of_place;
+    ValidateFields(*place, of_place);
+    for (const std::string& line : LinesOf(of_place)) AddProblem(said, key, line, problems);
     if (Named(key, start) || IsKind(key, start) || start.may_come(key)) continue;
-    throw SpecError(NoSuchName(said.where(""), "object", key, NamesOf(start)));
+    AddProblem(said, key, NoSuchName("", "object", key, NamesOf(start)), problems);
   }
 }
 
@@ -76,9 +86,11 @@ std::optional<Entry> EntryOf(std::span<const SaidPlaces> said, const StartObject
 // An object as it stands alone at the origin.
 std::shared_ptr<const Landmarks> Alone(SceneObject object) {
   object.fixed = true;
-  object.pos = {0, 0, 0};
+  object.pos = Vec3{0, 0, 0};
   object.euler = {};
   object.quat = kIdentityQuat;
+  object.attach_to = {};
+  object.parked.reset();
   object.reset_root_pose = true;
   SceneSpec spec{.name = "'" + object.name + "' alone",
                  .timestep = 0.002,
@@ -102,62 +114,86 @@ class Measured {
   std::vector<std::shared_ptr<const Landmarks>> alone_;
 };
 
-void RequirePlace(const PlaceLink& link, const std::string& where) {
+// Why nothing can have such a place there; "" when it can.
+std::string WhyNoPlace(const PlaceLink& link) {
   const std::string& name = link.place.reference();
   const Relation relation = link.place.relation();
   if (relation != Relation::kInside && link.marks->Tops(link.mark).empty()) {
-    throw SpecError(fmt::format("{}: nothing can lie {} '{}', which has no shape that collides",
-                                where, ToString(relation), name));
+    return fmt::format("nothing can lie {} '{}', which has no shape that collides",
+                       ToString(relation), name);
   }
   if (relation == Relation::kInside && link.marks->Floors(link.mark).empty()) {
-    throw SpecError(
-        fmt::format("{}: '{}' has no hollow with a level floor. Say on_top_of, or let "
-                    "the source of the scene name a container (annotations)",
-                    where, name));
+    return fmt::format(
+        "'{}' has no hollow with a level floor. Say on_top_of, or let the source of the scene name "
+        "a container (annotations)",
+        name);
   }
   if (relation == Relation::kNextTo && !link.other && link.marks->Ground(link.mark).half_x <= 0) {
-    throw SpecError(fmt::format(
-        "{}: it is not known what '{}' stands on: no level face of a box and no floor is under it. "
-        "Let the source of the scene name a support there (annotations)",
-        where, name));
+    return fmt::format(
+        "it is not known what '{}' stands on: no level face of a box and no floor is under it. Let "
+        "the source of the scene name a support there (annotations)",
+        name);
   }
+  return "";
 }
 
-// The link of an object; unset when it has no entry, or one by kind that refers to itself.
-std::optional<PlaceLink> LinkOf(size_t i, const std::shared_ptr<const Landmarks>& base,
-                                std::span<const SaidPlaces> said, const StartObjects& start,
-                                Measured& measured) {
-  const std::optional<Entry> entry = EntryOf(said, start, i);
-  if (!entry) return std::nullopt;
-  const SceneObject& object = start.objects[i];
-  const std::string where = entry->said->where(entry->key);
-  const std::string& reference = entry->place->reference();
-  PlaceLink link{.object = i, .place = *entry->place, .other = Named(reference, start)};
-  if (link.other == i && entry->key != object.name) return std::nullopt;
-  if (link.other == i) throw SpecError(where + ": it cannot have its place by itself");
-  if (IsFixed(object))
-    throw SpecError(where + ": it is a fixed object, which stays where its pose is");
-  if (!link.other) link.other = OfKind(reference, start, i);
-  if (link.other) {
-    link.marks = measured.Of(*link.other);
-    link.mark = start.objects[*link.other].name;
-  } else if (base->Has(reference)) {
-    link.marks = base;
-    link.mark = reference;
-  } else if (!start.may_come(reference) && !IsKind(reference, start)) {
+// What the links of a start are made of.
+struct Linking {
+  const std::shared_ptr<const Landmarks>& base;
+  std::span<const SaidPlaces> said;
+  const StartObjects& start;
+  Problems& problems;
+  Measured measured;
+
+  std::string NoReference(const std::string& reference) const {
     std::vector<std::string> known = NamesOf(start);
-    const std::vector<std::string> bodies = base->Names();
-    known.insert(known.end(), bodies.begin(), bodies.end());
-    throw SpecError(NoSuchName(where, "object or body", reference, known));
+    for (const std::string& name : base->Names()) {
+      if (std::ranges::find(known, name) == known.end()) known.push_back(name);
+    }
+    return NoSuchName("", "object or body", reference, known);
   }
-  if (link.marks) RequirePlace(link, where);
-  if (link.place.relation() == Relation::kNextTo) link.own = measured.Of(i);
-  return link;
-}
 
-// Each after those that it refers to.
-std::vector<PlaceLink> InOrder(std::vector<PlaceLink> links, const std::string& where,
-                               const std::vector<SceneObject>& objects) {
+  // The link of an object; unset when it has no entry, a wrong one, or one by kind that refers to
+  // itself.
+  std::optional<PlaceLink> Of(size_t i) {
+    const std::optional<Entry> entry = EntryOf(said, start, i);
+    if (!entry) return std::nullopt;
+    const auto wrong = [&](const std::string& why) -> std::optional<PlaceLink> {
+      AddProblem(*entry->said, entry->key, why, problems);
+      return std::nullopt;
+    };
+    Problems of_place;
+    ValidateFields(*entry->place, of_place);
+    if (!of_place.empty()) return std::nullopt;  // it was reported
+    const SceneObject& object = start.objects[i];
+    const std::string& reference = entry->place->reference();
+    PlaceLink link{.object = i, .place = *entry->place, .other = Named(reference, start)};
+    if (link.other == i && entry->key != object.name) return std::nullopt;
+    if (link.other == i) return wrong("it cannot have its place by itself");
+    if (IsFixed(object)) return wrong("it is a fixed object, which stays where its pose is");
+    if (object.has_pose())
+      return wrong("it has a pose of its own; leave out its place, or its `pos`");
+    if (!link.other) link.other = OfKind(reference, start, i);
+    if (link.other) {
+      link.marks = measured.Of(*link.other);
+      link.mark = start.objects[*link.other].name;
+    } else if (base->Has(reference)) {
+      link.marks = base;
+      link.mark = reference;
+    } else if (!start.may_come(reference) && !IsKind(reference, start)) {
+      return wrong(NoReference(reference));
+    }
+    if (link.marks) {
+      if (const std::string why = WhyNoPlace(link); !why.empty()) return wrong(why);
+    }
+    if (link.place.relation() == Relation::kNextTo) link.own = measured.Of(i);
+    return link;
+  }
+};
+
+// Each after those that it refers to; without those of a circle, which are a problem.
+std::vector<PlaceLink> InOrder(std::vector<PlaceLink> links, const SaidPlaces& said,
+                               const std::vector<SceneObject>& objects, Problems& problems) {
   std::vector<PlaceLink> ordered;
   while (!links.empty()) {
     const auto waits = [&](const PlaceLink& link) {
@@ -167,10 +203,12 @@ std::vector<PlaceLink> InOrder(std::vector<PlaceLink> links, const std::string& 
     if (next == links.end()) {
       std::vector<std::string> circle;
       for (const PlaceLink& link : links) circle.push_back(TextOf(link, objects));
-      throw SpecError(fmt::format(
-          "{}: these run in a circle: {}. Let one of them lie on the support, without a place of "
-          "its own",
-          where, fmt::join(circle, ", ")));
+      AddProblem(said, "",
+                 fmt::format("these run in a circle: {}. Let one of them lie on the support, "
+                             "without a place of its own",
+                             fmt::join(circle, ", ")),
+                 problems);
+      break;
     }
     ordered.push_back(std::move(*next));
     links.erase(next);
@@ -194,14 +232,16 @@ std::string TextOf(const PlaceLink& link, const std::vector<SceneObject>& object
 }
 
 std::vector<PlaceLink> LinkPlaces(const std::shared_ptr<const Landmarks>& base,
-                                  std::span<const SaidPlaces> said, const StartObjects& start) {
-  for (const SaidPlaces& each : said) RequireValid(each, start);
-  Measured measured(start);
+                                  std::span<const SaidPlaces> said, const StartObjects& start,
+                                  Problems& problems) {
   std::vector<PlaceLink> links;
+  if (said.empty()) return links;
+  for (const SaidPlaces& each : said) ValidateEntries(each, start, problems);
+  Linking linking{base, said, start, problems, Measured(start)};
   for (size_t i = 0; i < start.objects.size(); ++i) {
-    if (auto link = LinkOf(i, base, said, start, measured)) links.push_back(*std::move(link));
+    if (auto link = linking.Of(i)) links.push_back(*std::move(link));
   }
-  return InOrder(std::move(links), said.empty() ? "" : said.front().where(""), start.objects);
+  return InOrder(std::move(links), said.front(), start.objects, problems);
 }
 
 }  // namespace robocell::internal

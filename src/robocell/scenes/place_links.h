@@ -12,6 +12,7 @@
 #include "robocell/scenes/landmarks.h"
 #include "robocell/spec/containers.h"
 #include "robocell/spec/object_place.h"
+#include "robocell/spec/problems.h"
 #include "robocell/spec/scene_object.h"
 #include "robocell/spec/scene_spec.h"
 
@@ -21,11 +22,12 @@ namespace robocell::internal {
 std::shared_ptr<const Landmarks> LandmarksOf(const SceneSpec& scene,
                                              const std::optional<SceneAnnotations>& known = {});
 
-// Places as one side says them; `where` says for messages where a key stands:
-// "run.yaml:8:5: start.places.mug".
+// Places as one side says them, and where: "start.places" of a run, "places" of an environment.
 struct SaidPlaces {
   Map<ObjectPlace> places;
-  std::function<std::string(const std::string& key)> where;
+  std::string path;
+  // The hook that returned them, "places()", if it was no file; `path` is then that of its task.
+  std::string hook = {};
 };
 
 // The objects of a start, and what each is called beside its name.
@@ -51,11 +53,12 @@ struct PlaceLink {
 // The link of each object that has an entry, each after those that it refers to. Of `said`, what
 // comes first counts; in each, an object's name comes before its kind. An entry by kind does not
 // concern the object that it refers to.
-// SpecError, with where it is said: no object has that name or kind, a place is not valid, the
-// reference is nothing in the scene or cannot be put on, into or beside, or relations run in a
-// circle.
+// Adds problems, at the path of the entry: no object has that name or kind, a place is not valid,
+// the reference is nothing in the scene or cannot be put on, into or beside, or relations run in a
+// circle. Entries with problems have no link.
 std::vector<PlaceLink> LinkPlaces(const std::shared_ptr<const Landmarks>& base,
-                                  std::span<const SaidPlaces> said, const StartObjects& start);
+                                  std::span<const SaidPlaces> said, const StartObjects& start,
+                                  Problems& problems);
 
 // "'mug' next_to 'box'".
 std::string TextOf(const PlaceLink& link, const std::vector<SceneObject>& objects);

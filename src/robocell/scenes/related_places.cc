@@ -27,11 +27,8 @@ struct Room {
 };
 
 Room RoomOf(size_t i, const SceneObject& object, const ObjectSize& size) {
-  return {i,
-          {object.pos[0], object.pos[1]},
-          size.radius,
-          object.pos[2] - size.height,
-          object.pos[2] + size.top};
+  const Eigen::Vector3d at = object.pose().translation();
+  return {i, at.head<2>(), size.radius, at.z() - size.height, at.z() + size.top};
 }
 
 bool Overlap(const Room& a, const Room& b) {
@@ -121,7 +118,12 @@ std::optional<std::string> RelatedPlaces::Put(const Support& support,
                                               std::span<const ObjectSize> sizes,
                                               std::vector<SceneObject>& objects, Rng& rng) const {
   const LevelSpot on_support{support.frame_to_world, support.half_x, support.half_y};
-  std::vector<LevelSpot> grounds(objects.size(), on_support);
+  return Put(std::vector<LevelSpot>(objects.size(), on_support), sizes, objects, rng);
+}
+
+std::optional<std::string> RelatedPlaces::Put(std::vector<LevelSpot> grounds,
+                                              std::span<const ObjectSize> sizes,
+                                              std::vector<SceneObject>& objects, Rng& rng) const {
   std::vector<Room> taken;
   for (size_t i = 0; i < objects.size(); ++i) {
     if (!IsRelated(i)) taken.push_back(RoomOf(i, objects[i], sizes[i]));
@@ -140,7 +142,7 @@ std::optional<std::string> RelatedPlaces::Put(const Support& support,
     for (int t = 0; t < kRelatedTries && !found; ++t) {
       const double yaw = rng.Uniform(-kPi, kPi);
       const auto [at, face] = spots.Draw(sizes[i].radius, yaw, rng);
-      objects[i].pos = {at.x(), at.y(), at.z() + sizes[i].height + kRelatedDrop};
+      objects[i].pos = Vec3{at.x(), at.y(), at.z() + sizes[i].height + kRelatedDrop};
       objects[i].quat = Pose::FromRpy({0, 0, 0}, {0, 0, yaw}).quaternion();
       const bool is_beside = link.place.relation() == Relation::kNextTo;
       if (is_beside && !spots.IsOnGround(at, sizes[i].radius)) continue;

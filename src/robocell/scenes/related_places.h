@@ -1,7 +1,7 @@
 // RelatedPlaces: draws where objects of a start lie that are on, inside or next to something else
 // (place_links.h).
 //
-//   RelatedPlaces related(LinkPlaces(LandmarksOf(base), said, start));
+//   RelatedPlaces related(LinkPlaces(LandmarksOf(base), said, start, problems));
 //   if (auto why_not = related.Put(support, sizes, objects, rng)) ...   // "'mug' does not fit ..."
 //
 // Threads: one user at a time.
@@ -26,8 +26,12 @@ class RelatedPlaces {
 
   // Whether an object has a place in relation to something, by its index.
   bool IsRelated(size_t object) const;
-  // Sets the poses of these objects, after the others have theirs. Returns why there is no place
-  // for one of them; those before it have been moved.
+  // Sets the poses of these objects, after the others have theirs; `grounds` is what each of the
+  // others stands on. Returns why there is no place for one of them; those before it have been
+  // moved.
+  std::optional<std::string> Put(std::vector<LevelSpot> grounds, std::span<const ObjectSize> sizes,
+                                 std::vector<SceneObject>& objects, Rng& rng) const;
+  // The others stand on the support.
   std::optional<std::string> Put(const Support& support, std::span<const ObjectSize> sizes,
                                  std::vector<SceneObject>& objects, Rng& rng) const;
 

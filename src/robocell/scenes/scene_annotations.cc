@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <set>
 
+#include "robocell/base/error.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/scene/scene.h"
@@ -125,5 +128,22 @@ class Derivation {
 }  // namespace
 
 SceneAnnotations DeriveAnnotations(const SceneSpec& spec) { return Derivation(spec).Result(); }
+
+std::vector<FloorArea> FreeFloorOf(const SceneAnnotations& annotations, const std::string& name) {
+  std::vector<FloorArea> areas;
+  std::vector<std::string> known;
+  const auto add = [&](const std::string& other) {
+    if (!other.empty() && std::ranges::find(known, other) == known.end()) known.push_back(other);
+  };
+  for (const FloorArea& area : annotations.free_floor) {
+    add(area.floor);
+    add(area.room);
+    if (!name.empty() && (area.floor == name || area.room == name)) areas.push_back(area);
+  }
+  if (areas.empty()) throw NotFoundError(NoSuchName("free floor", "floor or room", name, known));
+  std::ranges::stable_sort(areas, std::greater<>(),
+                           [](const FloorArea& area) { return area.half_x * area.half_y; });
+  return areas;
+}
 
 }  // namespace robocell

@@ -58,11 +58,12 @@ struct Room {
   double floor_height = 0;
 };
 
-// A level rectangle on which nothing stands.
+// A level rectangle of a floor on which nothing stands. A scene may have several levels.
 struct FloorArea {
   Pose frame_to_world;  // its middle, z up
   double half_x = 0, half_y = 0;
   std::string room = {};
+  std::string floor = {};  // the geom of the floor, or its body when the geom has no name
 };
 
 // What an object of the scene is called.
@@ -95,6 +96,10 @@ struct SceneAnnotations {
 // shapes, its lights, and rectangles of free floor. Rooms do not. The scene is compiled; the errors
 // are those of Scene::Build.
 SceneAnnotations DeriveAnnotations(const SceneSpec& spec);
+
+// The areas of one floor, by the name of the floor or of a room, largest first. NotFoundError lists
+// the names.
+std::vector<FloorArea> FreeFloorOf(const SceneAnnotations& annotations, const std::string& name);
 
 // Throws ArgumentError, which begins with `place` and names the field, for numbers that are not
 // finite (a range may be infinite) and for negative sizes.

@@ -32,14 +32,17 @@ class SceneSource {
   // Scene `index`, the same whenever and by whomever it is asked for. The run sets its name,
   // timestep and solver options.
   virtual SceneSpec Make(int index) = 0;
-  // What the source knows of a scene; unset: all follows from its geometry.
-  virtual std::optional<SceneAnnotations> KnownAnnotations(int /*index*/) { return std::nullopt; }
-  // The same, whose numbers were checked: ArgumentError names scene and field (RequireSound).
+  // What the source knows of a scene; unset: all follows from its geometry. ArgumentError names
+  // scene and field of what cannot be (RequireSound).
   std::optional<SceneAnnotations> CheckedAnnotations(int index);
   // What it knows, checked, else what is derived.
   SceneAnnotations Annotations(int index);
   // All that follows from the geometry of a scene, which is compiled (DeriveAnnotations).
   SceneAnnotations Derive(int index);
+
+ protected:
+  // What CheckedAnnotations checks and returns.
+  virtual std::optional<SceneAnnotations> KnownAnnotations(int /*index*/) { return std::nullopt; }
 };
 
 class SceneSourceKind {

@@ -10,7 +10,7 @@ namespace {
 
 PickScene Dropped(double height) {
   SceneObject box = ObjectOnTheTable("box");
-  box.pos[2] += height;
+  (*box.pos)[2] += height;
   PickScene pick = MakePickScene(box);
   pick.scene.Reset();
   return pick;

@@ -17,6 +17,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/scene/scene.h"
+#include "robocell/scenes/free_floor.h"
 #include "robocell/scenes/scene_annotations.h"
 
 namespace robocell {
@@ -153,7 +154,8 @@ class LevelFaces {
       const std::optional<Support> face = FaceOf(g);
       if (!face) continue;
       const double height = face->frame_to_world.translation().z();
-      const bool furniture = height > kLowest && height < kHighest;
+      const bool furniture =
+          height > internal::kLowestFurniture && height < internal::kHighestFurniture;
       // Furniture comes before everything else.
       const double rank = face->half_x * face->half_y + (furniture ? kBeforeAll : 0);
       ranked.emplace_back(rank, SupportFace{.face = *face,
@@ -180,9 +182,8 @@ class LevelFaces {
   }
 
  private:
-  static constexpr double kLowest = 0.15, kHighest = 1.6;  // furniture, metres
-  static constexpr double kLeastHalf = 0.08;               // of a face along its shorter side
-  static constexpr double kRoom = 0.3;                     // above its middle, metres
+  static constexpr double kLeastHalf = 0.08;  // of a face along its shorter side
+  static constexpr double kRoom = 0.3;        // above its middle, metres
   static constexpr double kBeforeAll = 1e6;
 
   std::optional<Support> FaceOf(int g) const {

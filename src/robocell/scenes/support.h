@@ -27,8 +27,9 @@ struct Support {
 // The support of a base scene: the largest level upper face of a box that stands still, has 0.3 m
 // of room above its middle, and is as high as furniture is (0.15 to 1.6 m), if there is such a one;
 // else of any height.
-// A site `table_top` chooses another one (or the only site with that name behind a prefix, as
-// `shop_table_top` or `shop/table_top`): the largest box in the site's body is its extent, a
+// Nothing needs a site `table_top`: with one, the scene's author chooses another support (or with the
+// only site that has that name behind a prefix, as `shop_table_top` or `shop/table_top`): the largest
+// box in the site's body is its extent, a
 // horizontal face of it, in whatever pose the box is in its body, with the site on it. Objects that
 // are parked have no support to offer.
 // NotFoundError without such a face, SpecError with several sites that could be meant, without a

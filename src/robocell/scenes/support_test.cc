@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <numbers>
 
+#include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/scene/scene.h"
@@ -36,6 +38,25 @@ TEST(Support, IsTheBoxUnderTheSiteInTheBoxsPose) {
   EXPECT_DOUBLE_EQ(s.half_x, 0.3);
   EXPECT_DOUBLE_EQ(s.half_y, 0.2);
   EXPECT_DOUBLE_EQ(s.thickness, 0.02);
+}
+
+// The site only chooses: without it the built-in scene has the same support.
+TEST(Support, OfTheTabletopIsTheSameWithoutTheSite) {
+  TempDir folder;
+  const std::string file = assets::Resolve("tabletop");
+  std::string model = ReadFile(file);
+  const size_t begin = model.find("<site name=\"table_top\"");
+  ASSERT_NE(begin, std::string::npos);
+  model.erase(begin, model.find("/>", begin) + 2 - begin);
+  const std::filesystem::path other = folder / "tabletop.xml";
+  AtomicWrite(other, model);
+  const auto support = [](const std::string& base) {
+    return FindSupport({.name = "s", .base = base, .timestep = 0.002, .add_floor = true});
+  };
+  const Support marked = support(file), found = support(other.string());
+  EXPECT_TRUE(found.frame_to_world.is_close(marked.frame_to_world, 1e-9, 1e-9));
+  EXPECT_DOUBLE_EQ(found.half_x, marked.half_x);
+  EXPECT_DOUBLE_EQ(found.half_y, marked.half_y);
 }
 
 TEST(Support, MayBeABoxThatLiesOnItsSide) {

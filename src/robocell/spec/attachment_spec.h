@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "robocell/spec/containers.h"
 #include "robocell/spec/fields.h"
 #include "robocell/spec/problems.h"
 #include "robocell/spec/types.h"
@@ -43,5 +44,9 @@ struct AttachmentSpec {
   std::string Label() const { return LabelOf("attachment", prefix.empty() ? mjcf_path : prefix); }
   void Validate(Problems& problems) const;
 };
+
+// Tools that are listed twice: adds a problem at attachments[i] for the same model at the same
+// place, or under the same prefix, as an earlier one.
+void ValidateAttachments(const List<AttachmentSpec>& attachments, Problems& problems);
 
 }  // namespace robocell

@@ -4,12 +4,13 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
+#include <string>
 
 #include "robocell/base/suggestions.h"
 #include "robocell/base/units.h"
 #include "robocell/spec/locations.h"
 #include "robocell/spec/validate.h"
-#include "robocell/spec/validate_env_objects.h"
 
 namespace robocell {
 namespace {
@@ -191,6 +192,64 @@ void ValidateVariations(const EnvConfig& env, Problems& problems) {
   }
 }
 
+// An environment's objects, which have one id each and stand in the right frame: adds a problem for
+// an id that is used twice (which decides between frames), that is a robot's name, or whose elements
+// would have names that begin like those of a robot or gripper.
+constexpr const char* kObjectFrames =
+    "world_frame_objects stay in the room, root_frame_objects move with the rig, "
+    "robot_frame_objects follow a robot's wrist";
+
+class EnvObjectValidator {
+ public:
+  EnvObjectValidator(const EnvConfig& env, Problems& problems) : env_(env), problems_(problems) {}
+
+  void ValidateAll() {
+    ValidateFrame("world_frame_objects", env_.world_frame_objects);
+    ValidateFrame("root_frame_objects", env_.root_frame_objects);
+    for (const auto& [robot, objects] : env_.robot_frame_objects.entries()) {
+      ValidateFrame("robot_frame_objects." + robot, *objects);
+    }
+  }
+
+ private:
+  void ValidateFrame(const std::string& field, const Map<EnvObject>& objects) {
+    Problems::Scope scope(problems_, field);
+    for (const std::string& id : objects.keys()) {
+      ValidateNamePart(id, id, problems_);
+      ValidateOnce(field, id);
+      ValidateNotOfARobot(id);
+      if (env_.camera_adds.contains(id)) {
+        problems_.AddAt(id, "is also the name of a camera in camera_adds; give one another name");
+      }
+    }
+  }
+
+  void ValidateOnce(const std::string& field, const std::string& id) {
+    const auto [known, is_new] = field_of_.emplace(id, field);
+    if (is_new) return;
+    problems_.AddAt(
+        id, fmt::format("is in {} too; keep one of them ({})", known->second, kObjectFrames));
+  }
+
+  void ValidateNotOfARobot(const std::string& id) {
+    for (const std::string& robot : env_.robots.keys()) {
+      if (id == robot) {
+        problems_.AddAt(id, fmt::format("is the name of a robot. What follows its wrist goes into "
+                                        "robot_frame_objects: {{{}: {{id: ...}}}} ({})",
+                                        robot, kObjectFrames));
+      } else if (id == "robot" + robot || id == "gripper" + robot) {
+        problems_.AddAt(id, fmt::format("names of its elements would begin with '{}_', as those "
+                                        "of robot '{}' do; choose another id",
+                                        id, robot));
+      }
+    }
+  }
+
+  const EnvConfig& env_;
+  Problems& problems_;
+  std::map<std::string, std::string> field_of_;
+};
+
 bool IsStreamed(const EnvConfig& env, const std::string& camera) {
   for (const CameraConfig& stream : env.cameras.streams) {
     if (stream.camera == camera) return true;
@@ -294,7 +353,7 @@ void EnvConfig::Validate(Problems& problems) const {
   ValidateLimitOfMode(*this, "max_target_lead", max_target_lead, problems);
   ValidateEnvTask(*this, problems);
   ValidateVariations(*this, problems);
-  internal::ValidateEnvObjects(*this, problems);
+  EnvObjectValidator(*this, problems).ValidateAll();
   ValidateCameraAdds(*this, problems);
 }
 

@@ -24,6 +24,7 @@
 #include "robocell/spec/env_parts.h"
 #include "robocell/spec/fields.h"
 #include "robocell/spec/locations.h"
+#include "robocell/spec/object_place.h"
 #include "robocell/spec/pick_task_config.h"
 #include "robocell/spec/robot_config.h"
 #include "robocell/spec/sim_options.h"
@@ -47,6 +48,7 @@ struct EnvConfig {
   Map<EnvObject> root_frame_objects = {};
   Map<Map<EnvObject>> robot_frame_objects = {};
   Map<ObjectVariation> variations = {};
+  Map<ObjectPlace> places = {};
   std::string saved_scene = {};
   Map<CameraAdderConfig> camera_adds = {};
   CameraSystemConfig cameras = {};
@@ -98,6 +100,9 @@ struct EnvConfig {
       "Objects at the robots' attachment sites, by robot and id.");
     v("variations", &EnvConfig::variations,
       "Random variations of objects of the room and of the rig in each episode, by their ids.");
+    v("places", &EnvConfig::places,
+      "Free objects by their ids, also of those that the task adds, and where each starts in "
+      "relation to another object or a body of the scene. Unset: the task's own.");
     v("saved_scene", &EnvConfig::saved_scene,
       "A file that Scene.save_xml wrote of this environment's scene, and that may have been edited "
       "since. It is simulated instead of the scene that the configuration describes.");

@@ -15,7 +15,6 @@
 #include "robocell/spec/group_controls.h"
 #include "robocell/spec/shared_parts.h"
 #include "robocell/spec/validate.h"
-#include "robocell/spec/validate_attachments.h"
 
 namespace robocell {
 namespace {
@@ -226,7 +225,7 @@ void RobotConfig::Validate(Problems& problems) const {
   ValidateLengths(home_noise, "home_noise", *this, true, problems);
   ValidateGroupsApart(*this, problems);
   ValidateHomesAgree(*this, problems);
-  internal::ValidateAttachments(attachments, problems);
+  ValidateAttachments(attachments, problems);
   std::vector<std::string> camera_names;
   for (const CameraSpec& camera : cameras) camera_names.push_back(camera.name);
   ValidateUnique(camera_names, "cameras", "name", problems);

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "robocell/spec/validate.h"
-#include "robocell/spec/validate_attachments.h"
 
 namespace robocell {
 
@@ -21,7 +20,7 @@ bool RobotSpec::can_switch_to(CtrlMode mode) const {
 void RobotSpec::Validate(Problems& problems) const {
   ValidatePlacement(euler, quat, problems);
   if (name) ValidateNamePart(*name, "name", problems);
-  internal::ValidateAttachments(attachments, problems);
+  ValidateAttachments(attachments, problems);
   if (!part_of.empty() && !config)
     problems.AddAt("config", "is not set; part_of says where the robot is, not what it is");
   if (path.empty() && !config)

@@ -39,7 +39,7 @@ struct SceneObject {
   std::optional<Vec3> friction = {};
   std::optional<Condim> condim = {};
   AttachTarget attach_to = {};
-  Vec3 pos = {};
+  std::optional<Vec3> pos = {};
   Vec3 euler = {};
   Vec4 quat = kIdentityQuat;
   bool reset_root_pose = false;
@@ -66,7 +66,10 @@ struct SceneObject {
       "Kinds of friction that act: tangential, torsional or rolling.");
     v("attach_to", &SceneObject::attach_to,
       "Frame of the object's pose. An object that is not free is fixed to it.");
-    v("pos", &SceneObject::pos, "Position in the parent, metres.");
+    v("pos", &SceneObject::pos,
+      "Position in the parent, metres. Unset: its origin; objects that a task adds then get a "
+      "place "
+      "at each start.");
     v("euler", &SceneObject::euler, "Orientation in the parent, degrees, extrinsic xyz.");
     v("quat", &SceneObject::quat, "Orientation in the parent, quaternion xyzw; instead of euler.");
     v("reset_root_pose", &SceneObject::reset_root_pose,
@@ -78,7 +81,9 @@ struct SceneObject {
       "Set for objects of the pool, which are added and removed without compiling: true if a reset "
       "leaves the object outside of the scene, false if inside. Such objects move freely.");
   }
-  Pose pose() const { return PlacementPose(pos, euler, quat); }
+  Pose pose() const { return PlacementPose(pos.value_or(Vec3{}), euler, quat); }
+  // Whether somebody said where it is, be it at the origin.
+  bool has_pose() const { return pos || euler != Vec3{} || quat != kIdentityQuat; }
   std::string Label() const { return LabelOf("object", name); }
   void Validate(Problems& problems) const;
 };

@@ -5,7 +5,7 @@
 //   spec.robots.push_back({.path = "arm.xml"});
 //   spec.objects.push_back({.name = "cube", .shape = Shape::kBox, .size = Vec3{.02, .02, .02},
 //                           .rgba = Vec4{1, .5, 0, 1}, .mass = .1, .friction = Vec3{.8, .02, .001},
-//                           .pos = {.4, 0, .02}});
+//                           .pos = Vec3{.4, 0, .02}});
 #pragma once
 
 #include <optional>

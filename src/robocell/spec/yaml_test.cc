@@ -112,7 +112,8 @@ TEST(Yaml, WholeNumbersAreWhole) {
 
 TEST(Yaml, NumbersAreReadInAllUsualForms) {
   const auto x = [](const std::string& value) {
-    return ParseYaml<SceneObject>("name: a\nmjcf_path: a.xml\npos: [" + value + ", 0, 0]\n").pos[0];
+    const std::string text = "name: a\nmjcf_path: a.xml\npos: [" + value + ", 0, 0]\n";
+    return ParseYaml<SceneObject>(text).pos.value()[0];
   };
   EXPECT_EQ(x("1"), 1);
   EXPECT_EQ(x("+1.5"), 1.5);

@@ -13,7 +13,6 @@
 #include "robocell/motion/robot_outline.h"
 #include "robocell/render/stream_camera.h"
 #include "robocell/scenes/visibility.h"
-#include "robocell/task/visible_from.h"
 
 namespace robocell {
 namespace {
@@ -112,7 +111,7 @@ std::optional<Refusal> ValidateBaseClearance(const Scene& scene, const Robot& ro
 std::optional<Refusal> ValidateVisibility(const Scene& scene, const std::string& target_body,
                                           const RunConfig& run) {
   for (const std::string& camera : run.start.visible_from) {
-    const CameraConfig stream = internal::StreamToSee(run.cameras, camera);
+    const CameraConfig stream = StreamToSee(run.cameras, camera);
     const CameraModel model =
         ComputeCamera(scene.model(), scene.data(), internal::ViewOfStream(scene, stream),
                       run.cameras.width(stream), run.cameras.height(stream));
@@ -124,6 +123,16 @@ std::optional<Refusal> ValidateVisibility(const Scene& scene, const std::string&
                                camera, 100 * share, 100 * run.start.visible_share)};
   }
   return std::nullopt;
+}
+
+CameraConfig StreamToSee(const CameraSystemConfig& cameras, const std::string& name) {
+  for (const CameraConfig& stream : cameras.streams) {
+    if (stream.name == name) return stream;
+  }
+  for (const CameraConfig& stream : cameras.streams) {
+    if (stream.follow.empty() && stream.camera == name) return stream;
+  }
+  return {.name = "", .camera = name};
 }
 
 }  // namespace robocell

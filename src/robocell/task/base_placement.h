@@ -74,4 +74,9 @@ std::optional<Refusal> ValidateBaseClearance(const Scene& scene, const Robot& ro
 std::optional<Refusal> ValidateVisibility(const Scene& scene, const std::string& target_body,
                                           const RunConfig& run);
 
+// The image stream that an entry of `start.visible_from` means: the one of that name, else the first
+// one of that camera. A camera without a stream is seen in the run's resolution; what is returned
+// then has no name.
+CameraConfig StreamToSee(const CameraSystemConfig& cameras, const std::string& name);
+
 }  // namespace robocell

@@ -25,7 +25,7 @@ std::vector<GraspCandidate> GraspsOf(const PickScene& pick) {
 SceneObject Box(double x, double y, double z) {
   SceneObject box = ObjectOnTheTable("box");
   box.size = Vec3{x, y, z};
-  box.pos[2] = 0.4505 + z;
+  (*box.pos)[2] = 0.4505 + z;
   return box;
 }
 

@@ -62,6 +62,20 @@ bool PickAndPlaceSampler::MayHaveObject(const std::string& name) const {
   return PickTaskSampler::MayHaveObject(name) || std::ranges::find(goals, name) != goals.end();
 }
 
+std::vector<StartContents> PickAndPlaceSampler::PossibleContents(int scene_index) {
+  const std::vector<std::string> goals = GoalKindsOf(task_);
+  const std::vector<StartContents> picks = PickTaskSampler::PossibleContents(scene_index);
+  Rng rng = Rng::Stream(0, "check");
+  std::vector<StartContents> possible;
+  for (size_t i = 0; i < std::max(goals.size(), picks.size()); ++i) {
+    StartContents& contents = possible.emplace_back(picks[i % picks.size()]);
+    const std::string& goal = goals[i % goals.size()];
+    contents.objects.insert(contents.objects.begin() + 1, MakeGoalObject(goal, kGoal, rng));
+    contents.kinds.insert(contents.kinds.begin() + 1, goal);
+  }
+  return possible;
+}
+
 std::shared_ptr<Task> PickAndPlaceSampler::MakeTask(const std::string& target,
                                                     const std::string& kind,
                                                     const std::vector<std::string>& objects) {

@@ -36,6 +36,8 @@ class PickAndPlaceSampler final : public PickTaskSampler {
   std::optional<Refusal> ValidateGrasp(const Scene& scene, PlanningScene& planning,
                                        const GraspMotion& motion) override;
   bool MayHaveObject(const std::string& name) const override;
+  // Also each kind of goal.
+  std::vector<StartContents> PossibleContents(int scene_index) override;
 
  private:
   PickAndPlaceTaskConfig task_;

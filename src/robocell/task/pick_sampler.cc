@@ -86,6 +86,26 @@ bool PickTaskSampler::MayHaveObject(const std::string& name) const {
   return false;
 }
 
+// Distractors take all kinds in turns; more of them than one start has are called as their kind.
+std::vector<StartContents> PickTaskSampler::PossibleContents(int /*scene_index*/) {
+  const std::vector<std::string> kinds =
+      pick_.objects.empty() ? ObjectKinds() : pick_.objects.names;
+  Rng rng = Rng::Stream(0, "check");
+  std::vector<StartContents> possible;
+  for (size_t target = 0; target < kinds.size(); ++target) {
+    StartContents& contents = possible.emplace_back();
+    for (size_t i = 0; i < kinds.size(); ++i) {
+      const std::string& kind = kinds[(target + i) % kinds.size()];
+      const std::string name = i == 0                  ? kTarget
+                               : i <= kMostDistractors ? NameOfDistractor(i)
+                                                       : kind;
+      contents.objects.push_back(MakeCatalogueObject(kind, name, rng));
+      contents.kinds.push_back(kind);
+    }
+  }
+  return possible;
+}
+
 std::optional<Refusal> PickTaskSampler::ValidateBasePose(Scene& scene, Robot& robot,
                                                          const std::string& target_body) {
   if (auto refusal = StartSampler::ValidateBasePose(scene, robot, target_body)) return refusal;

@@ -34,6 +34,8 @@ class PickTaskSampler : public StartSampler {
  protected:
   const PickRun& pick() const { return pick_; }
   bool MayHaveObject(const std::string& name) const override;
+  // Each kind once as the target, with all others beside it.
+  std::vector<StartContents> PossibleContents(int scene_index) override;
   // Whether a grasp that is in reach is of use too; the refusal says why not. Of a few grasps one
   // that is has to be among them.
   virtual std::optional<Refusal> ValidateGrasp(const Scene& /*scene*/, PlanningScene& /*planning*/,

@@ -284,15 +284,18 @@ class BesideAPool : public PickTaskSampler {
   using PickTaskSampler::PickTaskSampler;
   SceneSpec MakeBaseScene(int scene) override {
     SceneSpec spec = PickTaskSampler::MakeBaseScene(scene);
-    spec.objects.push_back(
-        {.name = "spare", .mjcf_path = "mug", .pos = {0, 0, 0.8}, .fixed = false, .parked = true});
+    spec.objects.push_back({.name = "spare",
+                            .mjcf_path = "mug",
+                            .pos = Vec3{0, 0, 0.8},
+                            .fixed = false,
+                            .parked = true});
     spec.objects.push_back({.name = "block",
                             .shape = Shape::kBox,
                             .size = Vec3{0.8, 0.8, 0.5},
                             .rgba = Vec4{1, 0, 0, 1},
                             .mass = 5,
                             .friction = Vec3{1, 0.02, 0.001},
-                            .pos = {0, 0, 1.2},
+                            .pos = Vec3{0, 0, 1.2},
                             .parked = true});
     return spec;
   }

@@ -88,7 +88,7 @@ class PickTaskTest : public ::testing::Test {
     spec.objects.push_back(table);
     spec.objects.push_back(bar);
     spec.objects.push_back(BoxObject("box", {0.2, 0.2, kTop + 0.02}));
-    spec.objects.push_back({.name = "pan", .mjcf_path = pan, .pos = {-2, 0, 1}});
+    spec.objects.push_back({.name = "pan", .mjcf_path = pan, .pos = Vec3{-2, 0, 1}});
     return spec;
   }
 };

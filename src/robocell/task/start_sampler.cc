@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <utility>
 
 #include "robocell/base/call_hook.h"
 #include "robocell/base/error.h"
@@ -92,36 +94,74 @@ bool StartSampler::PlaceObjects(const Support& support, std::vector<SceneObject>
   return internal::PlaceOn(support, own_sizes, objects, rng);
 }
 
-// What `start` and the task say of places; unset when neither says anything.
-std::optional<internal::RelatedPlaces> StartSampler::RelationsOf(const SceneSpec& base,
-                                                                 int scene_index,
-                                                                 const StartContents& contents) {
-  std::vector<internal::SaidPlaces> said;
-  if (!run_.start.places.empty()) {
-    said.push_back({run_.start.places, [this](const std::string& key) {
-                      const std::string path = key.empty() ? "start.places" : "start.places." + key;
-                      const std::string source = run_.locations.At(path);
-                      return source.empty() ? path : source + ": " + path;
-                    }});
-  }
-  if (const Map<ObjectPlace> own = own_places(); !own.empty()) {
-    said.push_back({own, [this](const std::string& key) {
-                      return "task '" + run_.task.kind() + "': places()" +
-                             (key.empty() ? "" : ": '" + key + "'");
-                    }});
-  }
-  if (said.empty()) return std::nullopt;
+std::shared_ptr<const SceneAnnotations> StartSampler::AnnotationsOf(int scene_index) {
+  if (auto known = source_->CheckedAnnotations(scene_index))
+    return std::make_shared<const SceneAnnotations>(*std::move(known));
+  const SceneSpec base = MakeBaseScene(scene_index);
   const std::string key = SceneKey(base);
-  auto known = landmarks_.find(key);
-  if (known == landmarks_.end()) {
-    if (landmarks_.size() >= kMostScenes) landmarks_.clear();
-    known = landmarks_
-                .emplace(key, internal::LandmarksOf(base, source_->CheckedAnnotations(scene_index)))
-                .first;
-  }
+  if (const auto it = annotations_.find(key); it != annotations_.end()) return it->second;
+  if (annotations_.size() >= kMostScenes) annotations_.clear();
+  return annotations_[key] = std::make_shared<const SceneAnnotations>(DeriveAnnotations(base));
+}
+
+// What `start` and the task say of places, in the order in which it counts.
+std::vector<internal::SaidPlaces> StartSampler::SaidOfPlaces() const {
+  std::vector<internal::SaidPlaces> said;
+  if (!run_.start.places.empty())
+    said.push_back({.places = run_.start.places, .path = "start.places"});
+  if (const Map<ObjectPlace> own = own_places(); !own.empty())
+    said.push_back({.places = own, .path = "task", .hook = "places()"});
+  return said;
+}
+
+const std::shared_ptr<const internal::Landmarks>& StartSampler::LandmarksOf(const SceneSpec& base,
+                                                                            int scene_index) {
+  const std::string key = SceneKey(base);
+  if (const auto known = landmarks_.find(key); known != landmarks_.end()) return known->second;
+  if (landmarks_.size() >= kMostScenes) landmarks_.clear();
+  return landmarks_[key] = internal::LandmarksOf(base, source_->CheckedAnnotations(scene_index));
+}
+
+// Unset when nobody says anything of places. `spec` has the contents from number `before` on.
+std::optional<internal::RelatedPlaces> StartSampler::RelationsOf(const SceneSpec& spec,
+                                                                 size_t before, int scene_index,
+                                                                 const StartContents& contents) {
+  const std::vector<internal::SaidPlaces> said = SaidOfPlaces();
+  if (said.empty()) return std::nullopt;
+  SceneSpec base = spec;
+  base.objects.boxes().resize(std::min(before, base.objects.size()));
   const auto may_come = [this](const std::string& name) { return MayHaveObject(name); };
-  return internal::RelatedPlaces(
-      internal::LinkPlaces(known->second, said, {contents.objects, contents.kinds, may_come}));
+  Problems problems(run_.locations);
+  std::vector<internal::PlaceLink> links = internal::LinkPlaces(
+      LandmarksOf(base, scene_index), said, {contents.objects, contents.kinds, may_come}, problems);
+  problems.Throw("run '" + run_.run + "'");
+  return internal::RelatedPlaces(std::move(links));
+}
+
+std::vector<StartContents> StartSampler::PossibleContents(int scene_index) {
+  SceneSpec spec = MakeBaseScene(scene_index);
+  Rng rng = Rng::Stream(static_cast<uint64_t>(run_.seed), "possible contents", scene_index);
+  return {AddContents({.scene = scene_index}, spec, rng)};
+}
+
+void StartSampler::ValidateStarts(std::span<const int> scenes, Problems& problems) {
+  measured_ = std::make_unique<Measured>();
+  const auto may_come = [this](const std::string& name) { return MayHaveObject(name); };
+  Problems found(run_.locations);
+  std::set<std::pair<std::string, std::string>> reported;
+  for (const int scene : scenes) {
+    const std::vector<StartContents> possible = PossibleContents(scene);
+    const std::vector<internal::SaidPlaces> said = SaidOfPlaces();
+    if (said.empty()) return;
+    const std::shared_ptr<const internal::Landmarks> base =
+        LandmarksOf(MakeBaseScene(scene), scene);
+    for (const StartContents& contents : possible) {
+      internal::LinkPlaces(base, said, {contents.objects, contents.kinds, may_come}, found);
+    }
+  }
+  for (const Problem& problem : found.list()) {
+    if (reported.emplace(problem.path, problem.message).second) problems.AddProblem(problem);
+  }
 }
 
 std::optional<Refusal> StartSampler::PutObjects(
@@ -167,7 +207,9 @@ std::optional<Refusal> StartSampler::ValidateCameras(Scene& scene, const std::st
 
 struct StartSampler::Setup {
   std::shared_ptr<Task> task;
-  std::vector<SceneObject> objects;
+  std::vector<SceneObject> contents;           // as they were added
+  std::vector<std::optional<Pose>> own_poses;  // in the world, of those that keep theirs
+  std::vector<SceneObject> objects;            // where they were put
   std::optional<internal::RelatedPlaces> related;
   Scene scene;
   Robot robot;
@@ -176,6 +218,14 @@ struct StartSampler::Setup {
   StopRequest stop;
   RefusalCounts redrawn = {};
 
+  // Whether a body is an object that has a place in relation to something.
+  bool IsRelated(const std::string& body) const {
+    for (size_t i = 0; related && i < contents.size(); ++i) {
+      if (related->IsRelated(i) && scene.compiled()->object(contents[i].name).root_body == body)
+        return true;
+    }
+    return false;
+  }
   // What the robot stands beside.
   Pose target() const { return target_body.empty() ? middle : scene.body_pose(target_body); }
 };
@@ -186,9 +236,14 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& su
   BodyPoses moved;
   Pose target;
   for (int t = 0; t < kPlaceTries && !base; ++t) {
+    setup.objects = setup.contents;
     if (auto refusal = PutObjects(support, setup.related, setup.objects, rng)) return refusal;
     moved = TaskStarts(rng);
-    target = setup.objects.empty() ? setup.middle : setup.objects.front().pose();
+    std::erase_if(moved, [&](const auto& body) { return setup.IsRelated(body.first); });
+    if (setup.objects.empty())
+      target = setup.middle;
+    else
+      target = setup.own_poses.front().value_or(setup.objects.front().pose());
     for (const auto& [body, pose] : moved) {
       if (body == setup.target_body) target = pose;
     }
@@ -201,9 +256,10 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& su
                                placement.distance, placement.height)}
         .MadeBy(Refusal::kBaseStage);
   }
-  for (const SceneObject& object : setup.objects) {
-    if (!internal::IsFixed(object))
-      setup.scene.SetBodyPose(setup.scene.compiled()->object(object.name).root_body, object.pose());
+  for (size_t i = 0; i < setup.objects.size(); ++i) {
+    const ObjectRecord& record = setup.scene.compiled()->object(setup.objects[i].name);
+    if (setup.own_poses[i] && !record.free_joint) continue;
+    setup.scene.SetBodyPose(record.root_body, setup.own_poses[i].value_or(setup.objects[i].pose()));
   }
   internal::CallHook(*setup.task, "starts", [&] {
     for (const auto& [body, pose] : moved) setup.scene.SetBodyPose(body, pose);
@@ -275,7 +331,6 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
   Rng support_rng = rng.Fork("support");
   const Support support = FindSupportOf(spec, request.scene, support_rng);
   const size_t before = spec.objects.size();
-  const SceneSpec base = spec;
   StartContents contents = AddContents(request, spec, rng);
   const std::vector<std::string>& kinds = contents.kinds;
   const std::string kind = kinds.empty() ? "" : kinds.front();
@@ -283,16 +338,18 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
   RequireFinite(placement);
   std::vector<std::string> names;
   for (const SceneObject& object : contents.objects) names.push_back(object.name);
-  const std::optional<internal::RelatedPlaces> related = RelationsOf(base, request.scene, contents);
-  if (auto refusal = PutObjects(support, related, contents.objects, rng)) {
+  const std::optional<internal::RelatedPlaces> related =
+      RelationsOf(spec, before, request.scene, contents);
+  std::vector<SceneObject> objects = contents.objects;
+  if (auto refusal = PutObjects(support, related, objects, rng)) {
     refusal->object_kind = kind;
     return {.start = {}, .refusal = *std::move(refusal)};
   }
-  for (size_t i = 0; i < contents.objects.size(); ++i) {
+  for (size_t i = 0; i < objects.size(); ++i) {
     if (before + i < spec.objects.size())
-      spec.objects[before + i] = contents.objects[i];
+      spec.objects[before + i] = objects[i];
     else
-      spec.objects.push_back(contents.objects[i]);
+      spec.objects.push_back(objects[i]);
   }
   spec.robots.push_back({.name = run_.robot.config.name,
                          .config = run_.robot.config,
@@ -307,8 +364,16 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
   internal::CallHook(*task, "bind", [&] {
     task->Bind(scene, {.place = "run '" + run_.run + "'", .robots = {run_.robot.config.name}});
   });
+  std::vector<std::optional<Pose>> own_poses;
+  for (const SceneObject& object : contents.objects) {
+    own_poses.emplace_back();
+    if (internal::KeepsPose(object))
+      own_poses.back() = scene.body_pose(scene.compiled()->object(object.name).root_body);
+  }
   Setup setup{task,
               contents.objects,
+              std::move(own_poses),
+              std::move(objects),
               related,
               scene,
               Robot::Of(scene, run_.robot.config.name),
@@ -333,12 +398,14 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
 TaskStartSampler::TaskStartSampler(const RunConfig& run)
     : StartSampler(run), kind_(FindTaskKind(run.task.kind())), task_(kind_->Make(run.task)) {}
 
-StartContents TaskStartSampler::AddContents(const SampleRequest& /*request*/, SceneSpec& spec,
+StartContents TaskStartSampler::AddContents(const SampleRequest& request, SceneSpec& spec,
                                             Rng& rng) {
   const size_t before = spec.objects.size();
   task_ = internal::CallHook(Hooks(), "the task's constructor",  // earlier starts keep theirs
                              [&] { return kind_->Make(run().task); });
-  internal::CallHook(*task_, "prepare", [&] { task_->Prepare(spec, rng); });
+  internal::CallHook(*task_, "prepare", [&] {
+    task_->PrepareIn([&] { return AnnotationsOf(request.scene); }, spec, rng);
+  });
   StartContents contents;
   for (size_t i = before; i < spec.objects.size(); ++i) {
     contents.objects.push_back(spec.objects[i]);

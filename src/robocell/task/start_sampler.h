@@ -13,6 +13,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,7 @@ namespace robocell {
 namespace internal {
 class Landmarks;
 class RelatedPlaces;
+struct SaidPlaces;
 }  // namespace internal
 class GripperShape;
 class SceneSource;
@@ -44,7 +46,12 @@ class StartSampler : public TaskSampler {
   ~StartSampler() override;
 
   SampleResult Sample(const SampleRequest& request, Rng& rng) override;
+  // Places of `start.places` and of the task that no start can have.
+  void ValidateStarts(std::span<const int> scenes, Problems& problems) override;
   const RunConfig& run() const { return run_; }
+  // What is known of a base scene: what its source says, checked, else what follows from its
+  // geometry.
+  std::shared_ptr<const SceneAnnotations> AnnotationsOf(int scene_index);
 
   // The stages, in their order.
   virtual SceneSpec MakeBaseScene(int scene_index);
@@ -53,7 +60,7 @@ class StartSampler : public TaskSampler {
   virtual Support FindSupportOf(const SceneSpec& base, int scene_index, Rng& rng);
   // Adds what the episode is about to the base scene and says what was added.
   virtual StartContents AddContents(const SampleRequest& request, SceneSpec& spec, Rng& rng) = 0;
-  // Puts the objects that can move on the support without overlap; false when there is no room.
+  // Puts the objects without a pose on the support without overlap; false when there is no room.
   // Objects that have a place in relation to something (`start.places`) are not among them.
   virtual bool PlaceObjects(const Support& support, std::vector<SceneObject>& objects, Rng& rng);
   // Distance and height, spread evenly over the ranges by the episode's number.
@@ -79,6 +86,8 @@ class StartSampler : public TaskSampler {
   // Whether an object of another start may have this name or kind, so that `start.places` may name
   // what this start does not have.
   virtual bool MayHaveObject(const std::string& /*name*/) const { return false; }
+  // Contents of a few starts that have among them what starts of this scene may have.
+  virtual std::vector<StartContents> PossibleContents(int scene_index);
   // The task's own places of objects in relation to something; those of `start` come before them.
   virtual Map<ObjectPlace> own_places() const { return {}; }
   // Where the task itself puts bodies of the scene, by their names; asked before the base is placed,
@@ -97,7 +106,11 @@ class StartSampler : public TaskSampler {
   std::optional<Refusal> Arrange(Setup& setup, const Support& support,
                                  const BasePlacement& placement, Rng& rng);
   BaseRange base_range() const { return BaseRangeOf(run_.start, own_base_range()); }
-  std::optional<internal::RelatedPlaces> RelationsOf(const SceneSpec& base, int scene_index,
+  std::vector<internal::SaidPlaces> SaidOfPlaces() const;
+  const std::shared_ptr<const internal::Landmarks>& LandmarksOf(const SceneSpec& base,
+                                                                int scene_index);
+  std::optional<internal::RelatedPlaces> RelationsOf(const SceneSpec& spec, size_t before,
+                                                     int scene_index,
                                                      const StartContents& contents);
   std::optional<Refusal> PutObjects(const Support& support,
                                     const std::optional<internal::RelatedPlaces>& related,
@@ -113,11 +126,12 @@ class StartSampler : public TaskSampler {
   std::shared_ptr<SceneSource> source_;
   std::map<std::string, Support> supports_;  // by the base scene's spec
   std::map<std::string, std::shared_ptr<const internal::Landmarks>> landmarks_;  // the same
+  std::map<std::string, std::shared_ptr<const SceneAnnotations>> annotations_;   // the same
   std::unique_ptr<Measured> measured_;  // anew in each Sample
 };
 
-// Starts of a registered task: Task::Prepare adds the objects, which are put on the support; the
-// task may move them with Starts and Arrange.
+// Starts of a registered task: Task::Prepare adds the objects. Those without a pose are put on the
+// support; the task may move them with Starts and Arrange.
 class TaskStartSampler : public StartSampler {
  public:
   explicit TaskStartSampler(const RunConfig& run);

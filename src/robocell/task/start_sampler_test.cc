@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "robocell/base/error.h"
 #include "robocell/base/hook_error.h"
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/scenes/scene_source.h"
@@ -16,6 +19,7 @@ namespace {
 
 struct BlocksConfig {
   int blocks = 2;
+  bool placed = false;
   bool refuses = false;
   bool moves = false, moves_late = false;
   bool fixed = false, unfinished = false;
@@ -25,6 +29,7 @@ struct BlocksConfig {
   template <class V>
   static void Fields(V&& v) {
     v("blocks", &BlocksConfig::blocks, "How many.", Bound::kNonNegative);
+    v("placed", &BlocksConfig::placed, "Whether the last has a pose in the air.");
     v("refuses", &BlocksConfig::refuses, "Whether every start is refused.");
     v("moves", &BlocksConfig::moves, "Whether the first is put at a place of its own.");
     v("moves_late", &BlocksConfig::moves_late, "The same, once the robot stands.");
@@ -35,7 +40,7 @@ struct BlocksConfig {
 
 class Blocks final : public Task {
  public:
-  static inline const Vec3 kFixedAt = {0.1, 0.25, 0.47};
+  static inline const Vec3 kFixedAt = {0.1, 0.25, 0.47}, kPlacedAt = {-0.1, 0.25, 0.4701};
   static inline const Eigen::Vector3d kMovedTo = {-0.15, -0.3, 0.471};
 
   explicit Blocks(const BlocksConfig& fields) : fields_(fields) {}
@@ -43,7 +48,9 @@ class Blocks final : public Task {
     for (int i = 0; i < fields_.blocks; ++i) {
       SceneObject block = BoxObject("block_" + std::to_string(i), {0, 0, 0});
       block.size = Vec3{0.02, 0.02, 0.02};
+      block.pos.reset();
       if (fields_.unfinished) block.size.reset();
+      if (fields_.placed && i == fields_.blocks - 1) block.pos = kPlacedAt;
       if (fields_.fixed && i == fields_.blocks - 1) {
         block.fixed = true;
         block.pos = kFixedAt;
@@ -207,6 +214,97 @@ TEST(TaskStartSampler, WhatIsFixedStaysAndTheOthersKeepClearOfIt) {
     const Eigen::Vector3d free = result.start->scene.body_pose("block_0").translation();
     EXPECT_GT((free - fixed).head<2>().norm(), 0.05);
   }
+}
+
+TEST(TaskStartSampler, WhatHasAPoseStaysThereAndTheOthersKeepClearOfIt) {
+  TaskStartSampler sampler(BlocksRun({.placed = true}));
+  for (int episode = 0; episode < 3; ++episode) {
+    const SampleResult result = FirstAccepted(sampler, episode);
+    ASSERT_TRUE(result.start) << result.refusal.reason << ": " << result.refusal.detail;
+    const Eigen::Vector3d placed = result.start->scene.body_pose("block_1").translation();
+    EXPECT_LT((placed - ToEigen(Blocks::kPlacedAt)).norm(), 0.002);
+    const Eigen::Vector3d other = result.start->scene.body_pose("block_0").translation();
+    EXPECT_GT((other - placed).head<2>().norm(), 0.05);
+  }
+}
+
+// The sources of scenes know more than geometry says.
+class Annotated final : public SceneSource {
+ public:
+  struct Config {
+    static constexpr const char* kKind = "annotated_of_test";
+    static constexpr const char* kTypeName = "Config";
+    bool sound = true;
+    template <class V>
+    static void Fields(V&& v) {
+      v("sound", &Config::sound, "Whether its numbers can be.");
+    }
+  };
+  explicit Annotated(const Config& fields) : fields_(fields) {}
+  std::optional<int> size() const override { return 1; }
+  SceneSpec Make(int /*index*/) override {
+    return {.base = "tabletop", .add_floor = true, .add_skybox = true};
+  }
+
+ protected:
+  std::optional<SceneAnnotations> KnownAnnotations(int /*index*/) override {
+    SceneAnnotations known;
+    known.rooms.push_back({.name = "kitchen", .floor_height = fields_.sound ? 0.5 : NAN});
+    return known;
+  }
+
+ private:
+  Config fields_;
+};
+
+// Adds a block for each room, and one for the first support.
+class InRooms final : public Task {
+ public:
+  struct Config {
+    static constexpr const char* kKind = "in_rooms_of_test";
+    static constexpr const char* kTypeName = "Config";
+    template <class V>
+    static void Fields(V&& /*v*/) {}
+  };
+  explicit InRooms(const Config& /*fields*/) {}
+  void Prepare(SceneSpec& spec, Rng& /*rng*/) override {
+    std::vector<std::string> names;
+    for (const Room& room : annotations().rooms) names.push_back("in_" + room.name);
+    if (!annotations().supports.empty())
+      names.push_back("on_" + annotations().supports.front().body);
+    for (const std::string& name : names) {
+      SceneObject block = BoxObject(name, {0, 0, 0});
+      block.pos.reset();
+      spec.objects.push_back(block);
+    }
+  }
+  TaskVerdict Judge(const Scene& /*scene*/) override { return {}; }
+  std::string instruction() const override { return "look"; }
+};
+
+TEST(TaskStartSampler, ATaskPreparesByWhatIsKnownOfTheScene) {
+  RegisterSceneSource<Annotated::Config>(
+      std::make_shared<SceneSourceKindOf<Annotated::Config, Annotated>>());
+  RegisterTask<InRooms::Config>(std::make_shared<TaskKindOf<InRooms::Config, InRooms>>());
+  RunConfig run = ExampleRun("demo.yaml");
+  run.task = InRooms::Config();
+  const auto contents = [](const RunConfig& of) {
+    SceneSpec spec;
+    Rng rng = Rng::Stream(1, "contents");
+    std::vector<std::string> names;
+    for (const SceneObject& object : TaskStartSampler(of).AddContents({}, spec, rng).objects)
+      names.push_back(object.name);
+    return names;
+  };
+  EXPECT_THAT(contents(run), ::testing::ElementsAre("on_table")) << "by its geometry";
+  run.scenes = Annotated::Config();
+  EXPECT_THAT(contents(run), ::testing::ElementsAre("in_kitchen")) << "by its source";
+  run.scenes = Annotated::Config{.sound = false};
+  ExpectThrow<HookError>([&] { contents(run); }, "annotations of scene 0");
+  InRooms alone({});
+  SceneSpec spec;
+  Rng rng = Rng::Stream(1, "contents");
+  ExpectThrow<Error>([&] { alone.Prepare(spec, rng); }, "asked for in prepare() first");
 }
 
 TEST(TaskStartSampler, WhatATaskPreparesIsCheckedBeforeItIsMeasured) {

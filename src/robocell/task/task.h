@@ -7,11 +7,13 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "robocell/base/hook_error.h"
@@ -23,6 +25,8 @@
 #include "robocell/robot/action.h"
 #include "robocell/robot/robot.h"
 #include "robocell/scene/scene.h"
+#include "robocell/scenes/scene_annotations.h"
+#include "robocell/spec/problems.h"
 #include "robocell/task/base_placement.h"
 #include "robocell/task/refusal.h"
 
@@ -61,6 +65,7 @@ class Task : public DeclaresFeatures {
  public:
   // Adds objects, sites or cameras to the scene. It may be called on another Task of the same
   // fields than the one that is bound: the names of what it adds follow from fields and `rng`.
+  // Objects without a pose get a place at each start; those with one stay there.
   virtual void Prepare(SceneSpec& /*spec*/, Rng& /*rng*/) {}
   virtual void Bind(const Scene& /*scene*/, const TaskSetting& /*setting*/) {}
 
@@ -94,10 +99,23 @@ class Task : public DeclaresFeatures {
   // out of steps counts as "timeout".
   virtual std::string why_not_done() const { return "the task was not done"; }
 
+  // What is known of the scene that Prepare adds to: what its source says, checked, else what
+  // follows from its geometry, which is compiled when this is asked. Prepare asks first; the same is
+  // there afterwards. Error when it did not.
+  const SceneAnnotations& annotations() const;
+  // How the annotations of a scene are found.
+  using KnownScene = std::function<std::shared_ptr<const SceneAnnotations>()>;
+  // Prepare, with these annotations: for those who make scenes.
+  void PrepareIn(const KnownScene& known, SceneSpec& spec, Rng& rng);
+
   // What it remembers of the episode, for going back to saved states: in the root frame, as far as
   // there are places among it, so that it holds for a rig elsewhere too.
   virtual std::vector<double> memory() const { return {}; }
   virtual void Recall(std::span<const double> /*memory*/) {}
+
+ private:
+  const KnownScene* known_scene_ = nullptr;  // while it prepares
+  mutable std::shared_ptr<const SceneAnnotations> annotations_;
 };
 
 // What is recorded of a state before an action: numbers and images, which live as long as the call
@@ -144,6 +162,9 @@ class TaskSampler : public Hooks {
  public:
   // Same request and rng state, same start.
   virtual SampleResult Sample(const SampleRequest& request, Rng& rng) = 0;
+  // Adds what is known to be wrong with its starts before the first one, at the fields of the run.
+  // `scenes`: numbers of the run's scenes, of those that are alike one.
+  virtual void ValidateStarts(std::span<const int> /*scenes*/, Problems& /*problems*/) {}
 };
 
 class Expert : public Hooks {

@@ -8,6 +8,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
+#include "robocell/scenes/scene_source.h"
 #include "robocell/task/pick_sampler.h"
 #include "robocell/task/start_sampler.h"
 
@@ -35,7 +36,11 @@ std::shared_ptr<TaskSampler> TaskKind::MakeSampler(const RunConfig& run) const {
 std::vector<SceneObject> TaskKind::Contents(const RunConfig& run) const {
   SceneSpec spec;
   Rng rng = Rng::Stream(static_cast<uint64_t>(run.seed), "task contents");
-  Make(run.task)->Prepare(spec, rng);
+  const auto known = [&] {
+    const int scene = SceneIndices(run).front();
+    return std::make_shared<const SceneAnnotations>(MakeSceneSource(run)->Annotations(scene));
+  };
+  Make(run.task)->PrepareIn(known, spec, rng);
   std::vector<SceneObject> objects;
   for (const SceneObject& object : spec.objects) objects.push_back(object);
   return objects;
@@ -73,7 +78,11 @@ std::shared_ptr<Task> MakeTask(const EnvConfig& config, const Scene& scene) {
 void PrepareTask(const EnvConfig& config, SceneSpec& spec) {
   if (!config.task) return;
   Rng rng = Rng::Stream(0, "env task contents", config.task->kind());
-  FindTaskKind(config.task->kind())->Make(*config.task)->Prepare(spec, rng);
+  const SceneSpec& so_far = spec;
+  const auto known = [&] {
+    return std::make_shared<const SceneAnnotations>(DeriveAnnotations(so_far));
+  };
+  FindTaskKind(config.task->kind())->Make(*config.task)->PrepareIn(known, spec, rng);
 }
 
 }  // namespace robocell

@@ -54,6 +54,7 @@ class SceneObject(robocell.SceneObject):
         """With fields by name."""
         given = [name for name in PRIMITIVE if fields.get(name) is not None]
         ignored = given if fields.get("mjcf_path") else []
+        fields.setdefault("pos", [0, 0, 0])  # mutable in place from the beginning
         super().__init__(**{name: fields[name] for name in fields if name not in ignored})
         self._ignore(ignored)
 

@@ -109,7 +109,7 @@ class RandomScenes {
     }
     while (spec.objects.size() < objects) {
       SceneObject object = Object(rng, "thing" + std::to_string(spec.objects.size()));
-      Pose place(ToEigen(object.pos));
+      Pose place = object.pose();
       if (rng.UniformInt(2) == 0) {
         const double robot = 3.0 * static_cast<double>(rng.UniformInt(3));
         place = Pose(Eigen::Vector3d(rng.Uniform(0.3, 0.8), robot + rng.Uniform(-0.5, 0.5),

@@ -32,6 +32,6 @@ inline EnvConfig Duo() {
 
 inline EnvObject Thing() { return {.mjcf_path = "thing.xml"}; }
 
-inline std::string Message(const EnvConfig& env) { return ValidationError(env); }
+inline std::string Message(const EnvConfig& env) { return testing::ValidationError(env); }
 
 }  // namespace robocell

@@ -1,0 +1,16 @@
+// For tests only: the run of `make demo`.
+#pragma once
+
+#include "robocell/spec/run_config.h"
+#include "robocell/testing/source_dir.h"
+
+namespace robocell {
+
+// As if it were made in code: problems have no place in a file.
+inline RunConfig Demo() {
+  RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
+  run.locations = {};
+  return run;
+}
+
+}  // namespace robocell
