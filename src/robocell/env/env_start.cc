@@ -146,7 +146,7 @@ void Env::FindPreparedObjects(bool is_first) {
   std::vector<std::string> on_support = prepared_->names_on_support();
   std::erase_if(on_support, [&](const std::string& object) { return !Contains(placed, object); });
   if (is_first && !on_support.empty())
-    LogInfo(fmt::format("{}: {}", place(), WhyPlaced(on_support)));
+    LogDebug(fmt::format("{}: {}", place(), WhyPlaced(on_support)));
   std::erase_if(placed, [&](const std::string& object) { return Contains(resting_, object); });
   resting_.insert(resting_.end(), placed.begin(), placed.end());
   PutPrepared(of_places);

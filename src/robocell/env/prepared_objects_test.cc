@@ -153,7 +153,9 @@ TEST(PreparedObjects, AreWhereTheTaskPutsThem) {
   EXPECT_TRUE(At(arranging, "second").isApprox(TwoCubes::kSecond, 1e-9));
 }
 
-TEST(PreparedObjects, ThatArePlacedAreLoggedOnce) {
+TEST(PreparedObjects, ThatArePlacedAreLoggedOnceForThoseWhoLookClosely) {
+  const LogLevel level = GetLogLevel();
+  SetLogLevel(LogLevel::kDebug);
   std::vector<std::string> lines;
   const auto keep = [&](LogLevel, std::string_view text) { lines.emplace_back(text); };
   const ScopedLogSink capture(keep);
@@ -168,6 +170,7 @@ TEST(PreparedObjects, ThatArePlacedAreLoggedOnce) {
   lines.clear();
   Env arranging(Cubes({.arranges = true}));
   EXPECT_THAT(lines, ::testing::Not(::testing::Contains(::testing::HasSubstr("without a pose"))));
+  SetLogLevel(level);
 }
 
 TEST(PreparedObjects, NeedASupportInReachUnlessTheTaskPlacesThem) {

@@ -81,7 +81,7 @@ TEST(ValidateRun, MistakesInPlacesAreNamedWithTheirLine) {
   TempDir folder;
   AtomicWrite(folder / "run.yaml", "run: mine\nrobot: " + assets::BuiltinRobotFile("rc7") +
                                        "\ntask: {kind: pick}\nstart:\n  places:\n"
-                                       "    target: {next_to: object_11}\n");
+                                       "    target: {next_to: object_11}\noutput: out\n");
   const RunConfig run = RunConfig::Load((folder / "run.yaml").string());
   const std::string text =
       ExpectThrow<SpecError>([&] { ValidateRun(run, {.on_this_machine = false}); },
