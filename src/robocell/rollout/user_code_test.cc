@@ -26,8 +26,7 @@ TEST(UserCode, IsKnownByItsContentWhereverItLies) {
   AtomicWrite(folder / "moved.py", "a = 1\n");
   AtomicWrite(folder / "other.py", "a = 2\n");
   UserCode code;
-  for (const char* file : {"task.py", "moved.py", "other.py"})
-    code.Add({(folder / file).string()});
+  for (const char* file : {"task.py", "moved.py", "other.py"}) code.Add({(folder / file).string()});
   EXPECT_THAT(code.Unknown({Sha256("a = 1\n")}), ElementsAre((folder / "other.py").string()));
   EXPECT_THAT(code.Unknown({Sha256("a = 1\n"), Sha256("a = 2\n")}), IsEmpty());
 }
