@@ -59,7 +59,7 @@ def _single(config: EnvConfig, render_mode: str | None, flat: bool) -> GymEnv:
 
 def _configured(config: EnvConfig | File | None, fields: dict[str, Any]) -> EnvConfig:
     """Returns a copy of a configuration, a file or a ready-made cell, with fields replaced."""
-    if config is None:  # Gymnasium calls without, and would tell of this module's function
+    if config is None:  # Gymnasium calls without, and would name this module's function
         raise ArgumentError(
             "robocell/Env-v0 needs a config: an EnvConfig, its file, or the name of a ready-made "
             f"cell ({', '.join(models.cells())}), as in gym.make('robocell/Env-v0', config='rc7')"

@@ -196,7 +196,7 @@ def told_as_options(named: Options) -> Iterator[None]:
 
 
 def _say_plan(job: Job, *, as_json: bool) -> None:
-    """What there is to do, and what it will take: a few episodes are made aside to know."""
+    """Prints the remaining work and an estimate, for which it makes a few episodes aside."""
     made = job.made()
     to_do = [item.index for item in job.items if item.id not in made]
     if not as_json:

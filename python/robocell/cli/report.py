@@ -104,7 +104,7 @@ def _read(dataset: Path) -> tuple[list[OnDisk], dict[str, str], dict[str, str]]:
 
 
 def _load_all(dataset: Path) -> tuple[list[RunReport], list[str]]:
-    """The reports, and what is wrong with those that are damaged."""
+    """Returns the reports, and the problems of those that are damaged."""
     reports, damaged = [], []
     for path in report_paths(dataset):
         try:
