@@ -96,8 +96,12 @@ def generate(
 ) -> None:
     """Make the episodes of a run. Repeat the command to continue a run.
 
-    Exit codes: 0 all made, 1 some could not be made, 2 wrong command or spec, 3 reading or writing
-    failed, 130 interrupted.
+    Exit codes:
+    0    all episodes are made
+    1    some could not be made
+    2    wrong command or spec
+    3    reading or writing failed
+    130  interrupted
     """
     source = RunSource(str(run), tuple(imports or ()))
     if not source.in_python:
