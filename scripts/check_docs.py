@@ -57,7 +57,7 @@ def check(root: Path) -> list[str]:
 
 def outdated_pictures(root: Path) -> list[str]:
     """Pictures that follow from rules of the repository and differ from them."""
-    command = [sys.executable, root / "docs" / "make_layers_figure.py", "--check"]
+    command = [sys.executable, str(root / "docs" / "make_layers_figure.py"), "--check"]
     done = subprocess.run(command, check=False, capture_output=True, text=True)
     return (done.stdout + done.stderr).splitlines() if done.returncode else []
 
