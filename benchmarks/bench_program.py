@@ -96,7 +96,7 @@ def turns(
 
 
 class OtherProcess:
-    """Ours of a pair in a process of its own, which takes a turn when it is told to."""
+    """Runs our side of a pair in a process of its own, which takes a turn on request."""
 
     def __init__(self, program: str, row: str, file: Path) -> None:
         """Starts it and waits until it is ready."""

@@ -44,7 +44,7 @@ def _float(scene: robocell.Scene, robot: robocell.Robot, targets: list[np.ndarra
         scene.step()
 
 
-# As control_loop_bench.cc names them.
+# The names are those of control_loop_bench.cc.
 LOOPS: dict[str, tuple[str, Part]] = {
     "joint position": ("position", _follow),
     "gravity torques": ("torque", _float),

@@ -1,4 +1,4 @@
-"""One thing to reach: a floor, an aim, and where RESULTS.md says what was measured of it."""
+"""A goal: its floor, its aim, and the place of the measured figure in RESULTS.md."""
 
 from __future__ import annotations
 

@@ -186,7 +186,7 @@ EPISODES = (
     Floor("P14", "dataset writer, beside LeRobot 0.4.4", floor=8, aim=18),
     Floor("P14", "dataset writer, beside LeRobot's streaming", floor=2, aim=4.5),
 )
-# Of kinematics with the kernels of processors without AVX-512.
+# The same rows with the kernels of processors without AVX-512.
 NARROWED = tuple(
     replace(floor, section=f"{floor.section}_avx2") for floor in KINEMATICS if floor.section
 )

@@ -38,9 +38,9 @@ ROBOTS = (
     "examples/desk6/desk6.yaml",
 )
 ROUNDS = 16  # turns of each side
-# Where two percent count.
+# Rows of small batches take part in more processes, because two percent count.
 PROCESSES_OF_SMALL, ROUNDS_OF_SMALL = 7, 16
-# What is installed for a side that is not ours, in an environment of its own.
+# Packages of each other side, installed in an environment of its own.
 PACKAGES = {
     "TRAC-IK": "pytracik==0.0.3",
     "roboplan": "roboplan==0.7.0",
@@ -50,7 +50,7 @@ PACKAGES = {
     "Pinocchio": "pin==4.1.0",
 }
 BATCH, SMALL = 20_000, 1_000  # targets
-# Of ours one by one: fifty are slower than the 99th percentile. And of peers, which take longer.
+# Single calls: fifty of ours are slower than the 99th percentile. Peers take longer.
 ONE, ONE_OF_PEERS = 5_000, 500
 
 Array = NDArray[np.float64]
@@ -173,7 +173,7 @@ class Process:
     """That of a side, on one core (on as many as it has threads); it waits for its turns."""
 
     def __init__(self, side: Side, python: Path, questions: Path, folder: Path) -> None:
-        """Starts it, with the questions that the side gets."""
+        """Starts the process of a side with its targets."""
         self.side = side
         with np.load(questions) as file:
             part = {name: file[name] for name in file.files}
@@ -196,7 +196,7 @@ class Process:
     def is_ready(self) -> bool:
         """Waits until it is; False when it has ended."""
         assert self.process.stdout is not None
-        # What a package says by itself may stand in the same line.
+        # A package may print its own text in the same line.
         return any(line.endswith(READY) for line in self.process.stdout)
 
     def turn(self) -> None:

@@ -16,7 +16,7 @@ from ik_side import TOLERANCE, Answers, one_by_one
 Array = NDArray[np.float64]
 Questions = Mapping[str, Any]
 
-# Of solvers that only take steps: what solves most of the targets soonest (tried on Panda, Gen3).
+# With these, solvers that only take steps solve most targets soonest (tried on Panda, Gen3).
 RESTARTS, STEPS = 25, 30
 LOCKED = 32  # values at which EAIK's seventh joint is held in turn
 
@@ -25,7 +25,7 @@ class Starts:
     """Where a search begins: at the seed, then anywhere in the limits."""
 
     def __init__(self, questions: Questions) -> None:
-        """Of the questions' seeds and limits."""
+        """Begins with the seeds and limits of the queries."""
         self._seeds = questions["seeds"]
         self._low, self._high = questions["limits"].T
         self.begin_pass()

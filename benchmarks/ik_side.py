@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Questions = Mapping[str, Any]
-Pass = tuple[Any, Array]  # what a package answered to all questions, the seconds of each call
+Pass = tuple[Any, Array]  # answers of a package to all queries, the seconds of each call
 
 
 class Answers(NamedTuple):
@@ -43,7 +43,7 @@ Side = Callable[[Questions], Answers | None]
 ROOT = Path(__file__).resolve().parents[1]
 # Norms, in metres and radians.
 TOLERANCE = 1e-5
-# At least, and one pass over the questions: the same for all sides, as what is short finds faster
+# At least this and one pass over the queries: the same for all sides, as what is short finds faster
 # moments of a machine. As in ik_bench.cc.
 TURN = 0.05
 READY = "ready\n"  # ends a line on stdout: the side waits for its turn
@@ -236,7 +236,7 @@ SIDES: dict[str, Side] = {
 
 
 def main() -> None:
-    """Solves the questions of the command line."""
+    """Solves the queries of the command line."""
     side, questions_file, answers_file = sys.argv[1:]
     if side not in SIDES:
         from ik_peers import PEERS

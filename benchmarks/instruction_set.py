@@ -10,7 +10,7 @@ from unittest import mock
 
 from table import Row
 
-# Of cmake/RobocellBenchmarks.cmake.
+# cmake/RobocellBenchmarks.cmake builds this library.
 _ONLY_AVX2 = Path(__file__).resolve().parents[1] / "build" / "release" / "libonly_avx2.so"
 _SSE4 = ("ssse3", "sse4_1", "sse4_2", "pclmulqdq", "aes")
 _AVX2 = (*_SSE4, "avx", "avx2", "fma", "f16c", "bmi1", "bmi2", "abm")

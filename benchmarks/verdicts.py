@@ -1,4 +1,4 @@
-"""Which floors and aims of floors.py are met, by what RESULTS.md says: the table at its top."""
+"""Makes the table at the top of RESULTS.md: which floors and aims its figures reach."""
 
 from __future__ import annotations
 

@@ -1,23 +1,24 @@
-"""Draws docs/layers.png: the layers and who may include whom, from scripts/check_includes.py.
+"""Draws docs/layers.svg: the layers and who may include whom, from scripts/check_includes.py.
 
-python docs/make_layers_figure.py
+python docs/make_layers_figure.py [--check]
+
+With --check it writes nothing and fails when the picture is not that of the rules.
 """
 
 from __future__ import annotations
 
-import io
 import sys
+from collections.abc import Iterator
+from pathlib import Path
 
-import matplotlib as mpl
-from figures import DOCS, save
-from matplotlib.figure import Figure
-from PIL import Image
-
+DOCS = Path(__file__).parent
 sys.path.insert(0, str(DOCS.parent / "scripts"))
-from check_includes import TABLE  # the rules themselves
+from check_includes import TABLE  # noqa: E402  the rules themselves
 
 SOURCES = DOCS.parent / "src" / "robocell"
-WIDE, HIGH = 1.5, 0.62  # of a box
+PICTURE = DOCS / "layers.svg"
+WIDE, HIGH = 104, 40  # of a box, pixels
+COLUMN, ROW, MARGIN = 74, 74, 14  # distance of columns and rows, white around all
 # Chosen so that no arrow crosses a box.
 COLUMNS = {
     **{"base": 0, "math": -2.2, "mujoco": 0, "media": 2.2, "spec": -3, "data": 4.4},
@@ -62,48 +63,68 @@ def depth(layer: str) -> int:
 
 
 def places(layers: list[str]) -> dict[str, tuple[float, float]]:
-    """The middle of each box. A new layer starts in the middle: give it a column."""
-    return {layer: (COLUMNS.get(layer, 1.6), 1.35 * depth(layer)) for layer in layers}
+    """The middle of each box, pixels. A new layer starts in the middle: give it a column."""
+    left = min(COLUMNS.values())
+    top = max(map(depth, layers))
+    return {
+        layer: (
+            MARGIN + WIDE / 2 + COLUMN * (COLUMNS.get(layer, 1.6) - left),
+            MARGIN + HIGH / 2 + ROW * (top - depth(layer)),
+        )
+        for layer in layers
+    }
 
 
-def main() -> None:
-    """Draws the layers that exist."""
+def colour_of(layer: str) -> str:
+    """The fill of a box."""
+    return next((colour for names, colour in COLOURS.items() if layer in names.split()), "#ffffff")
+
+
+def drawing() -> str:
+    """The picture of the layers that exist."""
     layers = [layer for layer in TABLE if (SOURCES / layer).is_dir()]
     at = places(layers)
-    mpl.rcParams["font.size"] = 10
-    figure = Figure(figsize=(7.2, 8.2), layout="constrained")
-    axes = figure.add_subplot()
-    for upper, lower in drawn_edges(layers):
+    width = max(x for x, _ in at.values()) + WIDE / 2 + MARGIN
+    height = max(y for _, y in at.values()) + HIGH / 2 + MARGIN
+    return "\n".join([*elements(at, width, height), "</svg>", ""])
+
+
+def elements(at: dict[str, tuple[float, float]], width: float, height: float) -> Iterator[str]:
+    """The lines of the picture: arrows first, so that boxes lie above them."""
+    yield (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{height:.0f}"'
+        f' viewBox="0 0 {width:.0f} {height:.0f}" font-family="sans-serif" font-size="15">'
+    )
+    yield "<title>The layers of robocell, each with arrows to those that it includes</title>"
+    yield (
+        '<defs><marker id="tip" viewBox="0 0 10 10" refX="10" refY="5" markerWidth="8"'
+        ' markerHeight="8" orient="auto"><path d="M0 1 10 5 0 9z" fill="#6b7680"/></marker></defs>'
+    )
+    yield f'<rect width="{width:.0f}" height="{height:.0f}" fill="#ffffff"/>'
+    for upper, lower in sorted(drawn_edges(list(at))):
         (x0, y0), (x1, y1) = at[upper], at[lower]
-        axes.annotate(
-            "",
-            (x1, y1 + HIGH / 2),
-            (x0, y0 - HIGH / 2),
-            arrowprops={"arrowstyle": "-|>", "color": "#6b7680", "lw": 0.9},
+        yield (
+            f'<line x1="{x0:.0f}" y1="{y0 + HIGH / 2:.0f}" x2="{x1:.0f}" y2="{y1 - HIGH / 2:.0f}"'
+            ' stroke="#6b7680" stroke-width="1.2" marker-end="url(#tip)"/>'
         )
-    for names, colour in COLOURS.items():
-        for layer in names.split():
-            if layer not in at:
-                continue
-            x, y = at[layer]
-            box = mpl.patches.FancyBboxPatch(
-                (x - WIDE / 2, y - HIGH / 2),
-                WIDE,
-                HIGH,
-                boxstyle="round,pad=0,rounding_size=0.12",
-                facecolor=colour,
-                edgecolor="#40484f",
-                linewidth=0.9,
-            )
-            axes.add_patch(box)
-            axes.text(x, y, layer, ha="center", va="center")
-    across, top = [x for x, _ in at.values()], max(y for _, y in at.values())
-    axes.set(xlim=(min(across) - WIDE, max(across) + WIDE), ylim=(-HIGH, top + HIGH))
-    axes.set_axis_off()
-    stream = io.BytesIO()
-    figure.savefig(stream, dpi=110)
-    save(Image.open(stream), "layers.png")
+    for layer, (x, y) in at.items():
+        yield (
+            f'<rect x="{x - WIDE / 2:.0f}" y="{y - HIGH / 2:.0f}" width="{WIDE}" height="{HIGH}"'
+            f' rx="8" fill="{colour_of(layer)}" stroke="#40484f"/>'
+        )
+        yield f'<text x="{x:.0f}" y="{y + 5:.0f}" text-anchor="middle">{layer}</text>'
+
+
+def main() -> int:
+    """Writes the picture, or compares it."""
+    if "--check" not in sys.argv:
+        PICTURE.write_text(drawing())
+        print(PICTURE)
+    elif not PICTURE.is_file() or PICTURE.read_text() != drawing():
+        print("docs/layers.svg is not as scripts/check_includes.py: run docs/make_layers_figure.py")
+        return 1
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

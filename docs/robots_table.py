@@ -95,7 +95,7 @@ def run_files() -> list[Path]:
 
 
 def measure(run_file: Path) -> Row | None:
-    """Makes the episodes in a scratch folder; None when the command fails, which is told."""
+    """Makes the episodes in a scratch folder. Reports a command that fails and returns None."""
     command = [sys.executable, "-m", "robocell", "generate", str(run_file), "--progress", "jsonl"]
     options = ["--workers", str(WORKERS), "--episodes", str(EPISODES)]
     for field in (f"episodes_per_scene={EPISODES}", "cameras.streams=[]"):

@@ -20,7 +20,7 @@ COLOURS = np.array([[230, 60, 50], [50, 130, 220], [250, 190, 40], [60, 170, 90]
 
 
 def build() -> rc.Scene:
-    """The built-in robot, three things before it, and a camera on the floor that looks at them."""
+    """Returns the built-in robot with three objects before it, and a camera on the floor."""
     spec = rc.SceneSpec(name="cameras", timestep=0.002, add_floor=True, add_skybox=True)
     config = rc.RobotConfig.load(rc.models.robot_file("rc7"))
     spec.robots.append(rc.RobotSpec(name="rc7", config=config))

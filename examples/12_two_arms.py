@@ -18,7 +18,7 @@ import numpy as np
 
 import robocell as rc
 
-# Where each hand holds the board, and how it gets there: pointing down, from 12 cm above.
+# Each hand points down, comes from 12 cm above, and holds the board here.
 GRASPS = {
     "left": rc.Pose(translation=[-0.17, 0, 0], quaternion=[1, 0, 0, 0]),
     "right": rc.Pose(translation=[0.17, 0, 0], quaternion=[0, 1, 0, 0]),

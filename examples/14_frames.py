@@ -27,7 +27,7 @@ def at(x: float, y: float, z: float) -> rc.Pose:
 
 
 class Steps:
-    """Builds the scene after each step, checks where things stand and draws it."""
+    """Builds the scene after each step, checks the poses and draws it."""
 
     def __init__(self, config: rc.EnvConfig, folder: Path) -> None:
         self.config = config

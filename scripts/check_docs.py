@@ -1,7 +1,8 @@
 """Check that links and pictures in the Markdown pages lead somewhere.
 
 Looks at relative links ``[text](target)`` and ``![text](target)`` of every page git knows: the file
-must exist, and for ``page.md#heading`` the heading too. Links into the web are not followed.
+must exist, and for ``page.md#heading`` the heading too. Links into the web are not followed. The
+picture of the layers must be that of the rules in check_includes.py.
 """
 
 from __future__ import annotations
@@ -54,13 +55,24 @@ def check(root: Path) -> list[str]:
     ]
 
 
+def outdated_pictures(root: Path) -> list[str]:
+    """Pictures that follow from rules of the repository and differ from them."""
+    command = [sys.executable, str(root / "docs" / "make_layers_figure.py"), "--check"]
+    done = subprocess.run(command, check=False, capture_output=True, text=True)
+    return (done.stdout + done.stderr).splitlines() if done.returncode else []
+
+
 def main() -> int:
     """Check the repository this script belongs to."""
-    findings = check(Path(__file__).resolve().parents[1])
+    root = Path(__file__).resolve().parents[1]
+    findings = check(root)
     for finding in findings:
         print(finding)
     print(f"docs: {len(findings)} broken links" if findings else "docs: every link leads somewhere")
-    return 1 if findings else 0
+    outdated = outdated_pictures(root)
+    for finding in outdated:
+        print(finding)
+    return 1 if findings or outdated else 0
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-# What each layer may include directly, beside itself. "+name": name and all that name may include.
+# Each layer may include these directly, beside itself. "+name": name and all that name may include.
 TABLE: dict[str, str] = {
     "base": "",
     "math": "base",
@@ -55,7 +55,7 @@ INTERNAL = (
     "robocell/spec/yaml_reader.h",
     "robocell/spec/yaml_writer.h",
 )
-# Of tasks and experts, what knows no concrete one: `rollout` and what stands above it know them by
+# These headers know no concrete task or expert: `rollout` and the layers above it know them by
 # their registries only.
 BY_REGISTRY = {
     "task": {
@@ -71,7 +71,7 @@ BY_REGISTRY = {
 }
 KNOW_NO_TASK = ("rollout", "diagnose", "viewer")
 KDL_LAYERS = ("kinematics", "bindings")
-# What these reach is installed.
+# Headers that these reach are installed.
 ROOTS = ("robocell/robocell.h", "robocell/kinematics/kdl_bridge.h")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 # In C++, what is not code, or is none of the compiler's own.

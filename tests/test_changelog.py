@@ -1,4 +1,4 @@
-"""The changelog names only what is there."""
+"""The changelog names only what exists."""
 
 from __future__ import annotations
 

@@ -17,6 +17,7 @@ import cpp_reference  # noqa: E402
 import markdown_dialect  # noqa: E402
 import notebook_pages  # noqa: E402
 import python_reference  # noqa: E402
+import search_words  # noqa: E402
 
 HEADER = """// A thing that turns. Angles are radians.
 //
@@ -163,3 +164,18 @@ def test_the_navigation_names_each_notebook():
     navigation = (ROOT / "mkdocs.yml").read_text()
     for notebook in (ROOT / "docs" / "notebooks").glob("*.ipynb"):
         assert f"notebooks/{notebook.stem}.md" in navigation
+
+
+def test_search_words_are_of_pages_that_exist():
+    pages = [ROOT / "docs" / uri for uri in search_words.WORDS]
+    assert [page for page in pages if not page.is_file()] == []
+    folders = {uri for uri in search_words.BOOST if "." not in uri} - {"reference", "files"}
+    assert [name for name in folders if not (ROOT / "docs" / name).is_dir()] == []
+
+
+def test_small_words_separate_words_and_names_stay_whole():
+    config = (ROOT / "mkdocs.yml").read_text()
+    separator = re.compile(re.search(r"separator: '(.*)'", config)[1])
+    words = [word for word in separator.split("How do I write a task") if word]
+    assert words == ["write", "task"]
+    assert separator.split("max_relative_movement") == ["max_relative_movement"]

@@ -25,9 +25,14 @@ void BindAssets(nb::module_& m) {
         "Returns the names of the ready-made environments.");
   m.def("builtin_cell_file", &assets::BuiltinCellFile, nb::arg("name"),
         "Returns the path of the YAML file of a ready-made environment, for EnvConfig.load.");
-  m.def("menagerie_model_path", &menagerie::ModelPath, nb::arg("name"));
-  m.def("menagerie_robot_folder", &menagerie::RobotFolder, nb::arg("robot"));
-  m.def("menagerie_robot_folders", &menagerie::RobotFolders);
+  m.def("menagerie_model_path", &menagerie::ModelPath, nb::arg("name"),
+        "Returns the absolute path of a model of the MuJoCo Menagerie, \"dir/file.xml\". Raises "
+        "NotFoundError with the places searched and the command that fetches the model.");
+  m.def("menagerie_robot_folder", &menagerie::RobotFolder, nb::arg("robot"),
+        "Returns the folder of a robot of the Menagerie on this machine. Raises NotFoundError with "
+        "the command that fetches it.");
+  m.def("menagerie_robot_folders", &menagerie::RobotFolders,
+        "Returns the robots of the Menagerie on this machine: {name: folder}.");
 }
 
 }  // namespace robocell::python

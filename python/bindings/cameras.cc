@@ -49,9 +49,15 @@ CameraView ViewOf(const mjModel* model, nb::handle camera, std::string_view plac
 }
 
 void BindCameras(nb::module_& m) {
-  nb::class_<OrbitCamera>(m, "OrbitCamera",
-                          "A camera that looks at a point: degrees and metres; azimuth 90 looks "
-                          "along +y, negative elevation down.")
+  nb::class_<OrbitCamera>(
+      m, "OrbitCamera",
+      "A camera that looks at a point: degrees and metres; azimuth 90 looks "
+      "along +y, negative elevation down."
+      "\n\nExamples:\n"
+      "    >>> view = rc.render.OrbitCamera(lookat=(0, 0, 0.3), distance=1.5, azimuth=140, "
+      "elevation=-20)\n"
+      "    >>> rc.render.Renderer(scene, backend=\"soft\").render(view, 160, 120)[\"rgb\"].shape\n"
+      "    (120, 160, 3)")
       .def(
           "__init__",
           [](OrbitCamera* self, nb::handle lookat, double distance, double azimuth,

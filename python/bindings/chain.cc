@@ -189,7 +189,12 @@ void DefIk(nb::class_<Chain>& c) {
         "Finds joint values within the limits that put the tip at `target`, a Pose, PyKDL.Frame or "
         "4x4 matrix in the base frame. The search starts at `seed` (n,), by default in the middle "
         "of the limits. `locked_joints`, by name, stay at the seed. The other arguments are those "
-        "of Kinematics.ik.")
+        "of Kinematics.ik."
+        "\n\nExamples:\n"
+        "    >>> chain = robot.chain\n"
+        "    >>> target = chain.fk([0.1, 0.4, 0, 1.5, 0, 1.2, 0])\n"
+        "    >>> chain.ik(target, seed=robot.jnt_pos_msr).success\n"
+        "    True")
       .def("ik_solver", &IkSolverOf, "tolerance"_a = 1e-5, "position_only"_a = false,
            "max_restarts"_a = 100, "max_iterations"_a = 40, nb::kw_only(), "locked_joints"_a = none,
            "position_weights"_a = nb::none(), "rotation_weights"_a = nb::none(),
@@ -263,7 +268,11 @@ void BindChain(nb::module_& m) {
       "ArgumentError.\n\nfk, jacobian, manipulability, mass_matrix, gravity_torques, "
       "coriolis_torques and inverse_dynamics also take (B, n) joint values, and return B in front "
       "of the shape. They write into the array `out` if it is given. Arguments with one row apply "
-      "to all configurations.");
+      "to all configurations."
+      "\n\nExamples:\n"
+      "    >>> chain = robot.chain\n"
+      "    >>> chain.n_joints, chain.base_body\n"
+      "    (7, 'base_link')");
   c.def_static(
        "from_scene", &FromScene, "scene"_a, "base_body"_a, "tip_body"_a = "", "tip_site"_a = "",
        "Makes a chain of the joints between two bodies, or a body and a site, by their full names.")
@@ -279,22 +288,28 @@ void BindChain(nb::module_& m) {
           "Returns a PyKDL.Chain with its masses. This chain and its robot keep it alive, because "
           "PyKDL's solvers do not keep their chain. Raises ImportError with the install command if "
           "PyKDL is missing.")
-      .def_prop_ro("n_joints", &Chain::n_joints)
+      .def_prop_ro("n_joints", &Chain::n_joints, "Number of joints, n.")
       .def_prop_ro("joint_names", &Chain::joint_names, "Names of the joints, in chain order.")
       .def_prop_ro("joint_limits", &Limits,
                    "Limits (n, 2), rad or m; infinite for joints without limits.")
-      .def_prop_ro("base_body", &Chain::base_body)
+      .def_prop_ro("base_body", &Chain::base_body,
+                   "Name of the body whose frame is the base frame.")
       .def_prop_ro(
           "tip", [](const Chain& chain) { return chain.tip().name; },
           "Name of the body or site at the end of the chain.")
       .def("fk", &FkOf, "q"_a, "out"_a = nb::none(), nb::sig(kFk),
            "Returns the pose of the tip in the base frame, or matrices (B, 4, 4) for a batch, "
-           "which differ by rounding.")
-      .def(
-          "jacobian", &JacobianOf, "q"_a, "out"_a = nb::none(), "tips"_a = nb::none(),
-          nb::sig(kJacobian),
-          "Returns the Jacobian (6, n) at the tip, linear rows first. If `tips` is given, (4, 4) "
-          "or (B, 4, 4), the poses of fk are written into it too, which is faster than two calls.");
+           "which differ by rounding."
+           "\n\nExamples:\n"
+           "    >>> robot.chain.fk(robot.jnt_pos_msr).translation.shape\n"
+           "    (3,)")
+      .def("jacobian", &JacobianOf, "q"_a, "out"_a = nb::none(), "tips"_a = nb::none(),
+           nb::sig(kJacobian),
+           "Returns the Jacobian (6, n) at the tip, linear rows first. If `tips` is given, (4, 4) "
+           "or (B, 4, 4), the poses of fk are written into it too, which is faster than two calls."
+           "\n\nExamples:\n"
+           "    >>> robot.chain.jacobian(np.zeros(7)).shape\n"
+           "    (6, 7)");
   DefIk(c);
   DefMotion(c);
   c.def("__repr__", [](const Chain& chain) { return "<" + chain.description() + ">"; });

@@ -212,7 +212,10 @@ void BindControllers(nb::module_& m) {
       "Turns the state and a target into the controls of one move group. robot.update() runs the "
       "controller.",
       nb::type_slots(kHandleSlots<Controller, &VisitController, HandleIs::kShared>));
-  controller.def_prop_ro("kind", [](const Controller& c) { return std::string(c.kind()); })
+  controller
+      .def_prop_ro(
+          "kind", [](const Controller& c) { return std::string(c.kind()); },
+          "Kind of the controller, as in ControlKind: \"joint_position\", \"joint_torque\", ...")
       .def_prop_ro("mode", &Controller::mode, "The CtrlMode that the controller drives.")
       .def_prop_rw(
           "target", [](const Controller& c) { return Copy(c.target()); },
@@ -244,7 +247,9 @@ void DefControl(nb::class_<Robot>& robot) {
           "Joint position targets of the arm, rad or m: a view that you can write in place, and "
           "that stays valid when the mode changes. It drives the arm in position mode; values "
           "written in another mode count after the switch. Values beyond a joint's limits drive it "
-          "to the limit, and the log reports this once.")
+          "to the limit, and the log reports this once."
+          "\n\nExamples:\n"
+          "    >>> robot.jnt_pos_cmd[0] += 0.3")
       .def_prop_rw(
           "jnt_vel_cmd", [](const Robot& r) { return PortView(r, r.jnt_vel_cmd()); },
           [](Robot& r, nb::handle v) { r.SetJntVelCmd(ToRow(v, "jnt_vel_cmd")); },
@@ -258,7 +263,11 @@ void DefControl(nb::class_<Robot>& robot) {
           nb::rv_policy::automatic, nb::for_setter(nb::arg("t").none()),
           nb::for_setter(nb::sig("def jnt_trq_cmd(self, t: object, /) -> None")),
           "Joint torque commands of the arm, Nm or N: a view like jnt_pos_cmd. It drives the arm "
-          "in torque mode.")
+          "in torque mode."
+          "\n\nExamples:\n"
+          "    >>> robot.ctrl_mode = rc.control.CtrlMode.TORQUE\n"
+          "    >>> robot.jnt_trq_cmd[:] = robot.gravity_torques()\n"
+          "    >>> robot.update()")
       .def_prop_rw(
           "ctrl_mode", &Robot::ctrl_mode,
           [](Robot& r, nb::handle mode) { r.set_ctrl_mode(ToCtrlMode(mode)); },
@@ -267,7 +276,11 @@ void DefControl(nb::class_<Robot>& robot) {
           "The mode that drives the arm in the scene, the same for all robots made of this arm. "
           "Setting it switches at once, and installs the controller of that port: joint_position, "
           "joint_velocity or joint_torque. The forces of an arm at rest that carries only itself "
-          "do not jump.")
+          "do not jump."
+          "\n\nExamples:\n"
+          "    >>> robot.ctrl_mode = rc.control.CtrlMode.TORQUE\n"
+          "    >>> robot.ctrl_mode\n"
+          "    CtrlMode.TORQUE")
       .def("controller", &ControllerObject, "group"_a = "arm",
            nb::sig("def controller(self, group: str = 'arm') -> Controller"),
            "Returns a group's controller. For a group without one it raises NotFoundError with the "
@@ -280,7 +293,11 @@ void DefControl(nb::class_<Robot>& robot) {
           },
           "group"_a, "kind"_a,
           nb::sig("def set_controller(self, group: str, kind: str) -> Controller"),
-          "Installs a controller, switches the group to the mode that it drives, and returns it.");
+          "Installs a controller, switches the group to the mode that it drives, and returns it."
+          "\n\nExamples:\n"
+          "    >>> controller = robot.set_controller(\"arm\", \"joint_impedance\")\n"
+          "    >>> controller.target.shape\n"
+          "    (7,)");
 }
 
 }  // namespace robocell::python

@@ -92,13 +92,13 @@ void BindVerify(nb::module_& m) {
         "Returns the name of a report's run if it differs from the run in dataset.json; None if it "
         "is the same or unknown.");
   nb::class_<VerifyProblem>(m, "VerifyProblem", "A problem with one file of a dataset.")
-      .def_ro("episode", &VerifyProblem::episode)
-      .def_ro("file", &VerifyProblem::file)
-      .def_ro("reason", &VerifyProblem::reason)
+      .def_ro("episode", &VerifyProblem::episode, "Id of the episode; \"\" for the dataset itself.")
+      .def_ro("file", &VerifyProblem::file, "The file, relative to the episode or to the dataset.")
+      .def_ro("reason", &VerifyProblem::reason, "What is wrong with the file, in words.")
       .def("__str__", &VerifyProblem::Text);
   nb::class_<VerifyResult>(m, "VerifyResult", "The state of a dataset on disk.")
-      .def_ro("good", &VerifyResult::good)
-      .def_ro("bad", &VerifyResult::bad)
+      .def_ro("good", &VerifyResult::good, "Ids of the intact episodes.")
+      .def_ro("bad", &VerifyResult::bad, "Ids of the damaged episodes.")
       .def_ro("unjudged", &VerifyResult::unjudged,
               "Ids of episodes that cannot be judged here: no access, another format version, no "
               "decoder. Repair leaves them alone.")
@@ -106,18 +106,21 @@ void BindVerify(nb::module_& m) {
               "Foreign files and folders in intact episodes or the dataset.")
       .def_prop_ro("only_unreadable", &VerifyResult::only_unreadable,
                    "Whether all problems, if any, come from this machine or version.")
-      .def_ro("problems", &VerifyResult::problems)
+      .def_ro("problems", &VerifyResult::problems,
+              "The problems of damaged episodes and of the dataset.")
       .def_ro("leftovers", &VerifyResult::leftovers, "Remains of a crash.")
       .def_ro("being_written", &VerifyResult::being_written, "Episodes that are being written.")
-      .def_ro("others", &VerifyResult::others)
-      .def_prop_ro("ok", &VerifyResult::ok)
+      .def_ro(
+          "others", &VerifyResult::others,
+          "Files and folders that are no part of a dataset, such as notes; they are no problem.")
+      .def_prop_ro("ok", &VerifyResult::ok, "True if there are no problems.")
       .def("__str__", &VerifyResult::Text)
       .def("__repr__", [](const VerifyResult& r) {
         return fmt::format("<VerifyResult: {} good, {} bad, {} unfinished>", r.good.size(),
                            r.bad.size(), r.leftovers.size() + r.being_written.size());
       });
   nb::class_<RepairResult>(m, "RepairResult", "Result of a repair: what it found and moved aside.")
-      .def_ro("found", &RepairResult::found)
+      .def_ro("found", &RepairResult::found, "The state before the repair.")
       .def_ro("moved", &RepairResult::moved, "Names of the entries now in <dataset>/.quarantine.")
       .def_ro("remaining", &RepairResult::remaining,
               "Problems that repair could not fix; their texts say how to fix them.")
@@ -130,7 +133,10 @@ void BindVerify(nb::module_& m) {
         return Verify(dataset, {.decode_videos = decode_videos, .progress = {}});
       },
       "dataset"_a, "decode_videos"_a = false, nb::call_guard<nb::gil_scoped_release>(),
-      "Checks every episode of a dataset: sizes, hashes, rows and frame counts.");
+      "Checks every episode of a dataset: sizes, hashes, rows and frame counts."
+      "\n\nExamples:\n"
+      "    >>> rc.data.verify(\"experiment_output/demo\").ok\n"
+      "    True");
   m.def(
       "repair",
       [](const std::filesystem::path& dataset, bool decode_videos) {

@@ -41,13 +41,22 @@ void BindDataset(nb::module_& m) {
   nb::class_<Dataset>(m, "Dataset",
                       "The committed episodes of a folder, in the order of their ids.\n\nEpisodes "
                       "and their contents are read on demand. Datasets and episodes can be "
-                      "pickled: other processes, forked or spawned, open the files again.")
+                      "pickled: other processes, forked or spawned, open the files again."
+                      "\n\nExamples:\n"
+                      "    >>> dataset = rc.Dataset(\"experiment_output/demo\")\n"
+                      "    >>> episode = dataset[0]\n"
+                      "    >>> episode.success\n"
+                      "    True")
       .def(
           "__init__",
           [](Dataset* self, const std::filesystem::path& folder) { new (self) Dataset(folder); },
           "folder"_a, nb::call_guard<nb::gil_scoped_release>())
-      .def_prop_ro("folder", &Dataset::folder)
-      .def_prop_ro("ids", &Dataset::ids)
+      .def_prop_ro("folder", &Dataset::folder, "The folder that was opened.")
+      .def_prop_ro("ids", &Dataset::ids,
+                   "Ids of the episodes, sorted, or in the order of the selection."
+                   "\n\nExamples:\n"
+                   "    >>> dataset.ids[0]\n"
+                   "    's0000_e0000'")
       .def("__len__", &Dataset::size)
       .def(
           "__iter__", [](nb::handle self) { return nb::steal(PySeqIter_New(self.ptr())); },

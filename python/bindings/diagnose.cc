@@ -24,7 +24,7 @@ void BindFinding(nb::module_& m) {
       .value("WARNING", Severity::kWarning, "Valid, but probably unintended.");
   nb::class_<Finding>(m, "Finding", "A finding of a check.")
       .def_ro("subject", &Finding::subject, "'robot 'left''.")
-      .def_ro("severity", &Finding::severity)
+      .def_ro("severity", &Finding::severity, "NOTE or WARNING.")
       .def_ro("place", &Finding::place,
               "Place: 'arm.yaml:9:14' or 'arm.xml:12'; '' without a file.")
       .def_ro("text", &Finding::text, "The finding, its reason, and the next step.")
@@ -48,7 +48,10 @@ void BindDiagnose(nb::module_& m) {
       "Tries a robot out in its scene, which is reset and stepped: contacts at home, whether its "
       "arms stay there and follow a small step of each joint, and groups and actuators that "
       "nothing commands. Returns a Finding for each problem; with `beside_warnings` without those "
-      "that are already warnings of the scene.");
+      "that are already warnings of the scene."
+      "\n\nExamples:\n"
+      "    >>> [finding.text for finding in rc.diagnose.check_robot(robot)]\n"
+      "    []");
   m.def(
       "validate_robot",
       [](const Robot& robot) {

@@ -349,7 +349,11 @@ void BindEnv(nb::module_& m) {
       "{'features': {name: (n,)}}, with streams "
       "{'frames': {stream: {'rgb' |\n"
       "'depth' | 'segmentation': {'data', 'intrinsics', 'extrinsics'}, 'time': (1,)}}};\n"
-      "metres, radians, quaternions xyzw, grippers 0 closed ... 1 open. Arrays are copies.",
+      "metres, radians, quaternions xyzw, grippers 0 closed ... 1 open. Arrays are copies."
+      "\n\nExamples:\n"
+      "    >>> observation, info = env.reset(seed=0)\n"
+      "    >>> lower, upper = env.action_range\n"
+      "    >>> observation, reward, terminated, truncated, info = env.step(lower)",
       nb::type_slots(env_slots), nb::is_weak_referenceable());
   GuardHandle<Env>(
       env,
@@ -370,7 +374,11 @@ void BindEnv(nb::module_& m) {
                    "typing.Any], dict[str, typing.Any]]"),
            "Resets to a start and returns (observation, info). Without a seed it is the next start "
            "of the last seed. With a keyframe (see Scene.reset) robots start there instead of at "
-           "home.")
+           "home."
+           "\n\nExamples:\n"
+           "    >>> observation, info = env.reset(seed=0)\n"
+           "    >>> sorted(observation)\n"
+           "    ['robot']")
       .def(
           "step", &StepEnv, "action"_a,
           nb::sig("def step(self, action: collections.abc.Mapping[str, typing.Any]) -> "
@@ -388,7 +396,13 @@ void BindEnv(nb::module_& m) {
           "task there are info['is_success'], which terminates, and info['instruction'].\n\nWrong "
           "keys, sizes and numbers that are not finite raise ArgumentError before anything moves; "
           "numbers beyond their range are clipped. While another thread steps the environment, "
-          "every call is an Error. Ctrl-C ends a step halfway; then only reset helps.")
+          "every call is an Error. Ctrl-C ends a step halfway; then only reset helps."
+          "\n\nExamples:\n"
+          "    >>> observation, info = env.reset(seed=0)\n"
+          "    >>> action = {\"robot\": {\"tquat\": [0, 0, -0.02, 0, 0, 0, 1], \"gripper\": 1}}\n"
+          "    >>> observation, reward, terminated, truncated, info = env.step(action)\n"
+          "    >>> terminated, truncated\n"
+          "    (False, False)")
       .def("save", &Env::Save, "name"_a,
            "Keeps the present state under a name; restore(name) returns to it.")
       .def(
@@ -434,7 +448,9 @@ void BindEnv(nb::module_& m) {
           "action_range", [](const Env& e) { return RangeParts(e, e.layout().action, false); },
           nb::sig("def action_range(self, /) -> tuple[dict[str, typing.Any], "
                   "dict[str, typing.Any]]"),
-          "Range of actions: (lower, upper), each like an action.")
+          "Range of actions: (lower, upper), each like an action."
+          "\n\nExamples:\n"
+          "    >>> lower, upper = env.action_range")
       .def_prop_ro(
           "observation_range",
           [](const Env& e) { return RangeParts(e, e.layout().observation, true); },
@@ -442,7 +458,11 @@ void BindEnv(nb::module_& m) {
                   "dict[str, typing.Any]]"),
           "Range of observations: (lower, upper), each like an observation.")
       .def_prop_ro(
-          "scene", [](const Env& e) { return e.scene(); }, "The simulation.")
+          "scene", [](const Env& e) { return e.scene(); },
+          "The simulation."
+          "\n\nExamples:\n"
+          "    >>> env.scene.timestep()\n"
+          "    0.002")
       .def_prop_ro(
           "config", [](const Env& e) { return EnvConfig(e.config()); },
           "A copy of the environment's configuration.")

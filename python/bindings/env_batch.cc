@@ -165,7 +165,11 @@ PyType_Slot batch_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&TraverseB
 void BindEnvBatch(nb::module_& m) {
   nb::class_<EnvBatch> batches(
       m, "EnvBatch",
-      "Copies of one environment on one model, stepped together on threads, with flat arrays.",
+      "Copies of one environment on one model, stepped together on threads, with flat arrays."
+      "\n\nExamples:\n"
+      "    >>> batch = rc.envs.EnvBatch(rc.EnvConfig.load(rc.models.cell_file(\"rc7\")), count=4)\n"
+      "    >>> batch.reset(seeds=[0, 1, 2, 3]).shape[0]\n"
+      "    4",
       nb::type_slots(batch_slots), nb::is_weak_referenceable());
   // Its threads claim the scenes of the copies that they work on.
   GuardHandle<EnvBatch>(

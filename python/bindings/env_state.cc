@@ -55,7 +55,12 @@ void BindState(nb::module_& m) {
 void BindEnvState(nb::module_& m) { BindState(m); }
 
 void DefEnvState(nb::class_<Env>& env) {
-  env.def("get_state", &Env::state, "Returns the present state as a value.")
+  env.def("get_state", &Env::state,
+          "Returns the present state as a value."
+          "\n\nExamples:\n"
+          "    >>> observation, info = env.reset(seed=0)\n"
+          "    >>> state = env.get_state()\n"
+          "    >>> observation = env.set_state(state)")
       .def(
           "set_state",
           [](Env& e, const EnvState& state, const std::string& frame) {

@@ -141,18 +141,31 @@ void BindEpisode(nb::module_& m) {
   m.attr("NO_SEGMENT") = kNoSegment;
   nb::class_<Episode>(
       m, "Episode",
-      "One committed episode: a folder with steps.h5, one mp4 per camera and episode.json.")
+      "One committed episode: a folder with steps.h5, one mp4 per camera and episode.json."
+      "\n\nExamples:\n"
+      "    >>> episode = dataset[\"s0000_e0000\"]\n"
+      "    >>> episode[\"robots/rc7/arm/qpos\"].shape == (len(episode), 7)\n"
+      "    True")
       .def(
           "__init__",
           [](Episode* self, const std::filesystem::path& folder) { new (self) Episode(folder); },
           "folder"_a, "Opens the episode in a folder. IoError names a missing or damaged file.")
-      .def_prop_ro("folder", &Episode::folder)
-      .def_prop_ro("id", &Episode::id)
-      .def_prop_ro("success", &Episode::success)
-      .def_prop_ro("terminated", &Episode::terminated)
-      .def_prop_ro("truncated", &Episode::truncated)
-      .def_prop_ro("end_reason", &Episode::end_reason)
-      .def_prop_ro("warnings", &Episode::warnings)
+      .def_prop_ro("folder", &Episode::folder, "The folder of the episode.")
+      .def_prop_ro("id", &Episode::id,
+                   "Id of the episode, the name of its folder: \"s0000_e0017\".")
+      .def_prop_ro("success", &Episode::success,
+                   "True if the task was done."
+                   "\n\nExamples:\n"
+                   "    >>> [each.id for each in dataset if each.success][0]\n"
+                   "    's0000_e0000'")
+      .def_prop_ro("terminated", &Episode::terminated,
+                   "True if the task ended the episode, with success or failure.")
+      .def_prop_ro("truncated", &Episode::truncated,
+                   "True if the episode was cut off, as by the largest number of steps.")
+      .def_prop_ro("end_reason", &Episode::end_reason,
+                   "Why the episode ended, in words: \"success\", \"timeout\".")
+      .def_prop_ro("warnings", &Episode::warnings,
+                   "Warnings of the scene that the episode was recorded in.")
       .def_prop_ro(
           "json", [](const Episode& e) { return Json(e.json()); }, "The content of episode.json.")
       .def_prop_ro(
@@ -161,7 +174,10 @@ void BindEpisode(nb::module_& m) {
           "Results at the end of the episode, from `json`; EnvRecorder adds `final_observation`.")
       .def_prop_ro(
           "metadata", [](const Episode& e) { return Json(e.metadata_json()); },
-          "Seeds, scene, task and whatever else describes the episode.")
+          "Seeds, scene, task and whatever else describes the episode."
+          "\n\nExamples:\n"
+          "    >>> episode.metadata[\"seed\"]\n"
+          "    0")
       .def_prop_ro(
           "features", [](const Episode& e) { return FeatureList(e.features()); },
           nb::sig("def features(self) -> list[Feature]"),
@@ -169,8 +185,13 @@ void BindEpisode(nb::module_& m) {
           "recorded without features.")
       .def("rows", &Episode::rows, "table"_a = "steps", "Returns the number of rows of a table.")
       .def("__len__", [](const Episode& e) { return e.rows(); })
-      .def_prop_ro("tables", &Episode::tables)
-      .def_prop_ro("columns", &ColumnNames, "Names of all columns and constants.")
+      .def_prop_ro("tables", &Episode::tables,
+                   "Names of the tables of steps.h5: \"steps\", \"control\".")
+      .def_prop_ro("columns", &ColumnNames,
+                   "Names of all columns and constants."
+                   "\n\nExamples:\n"
+                   "    >>> \"reward\" in episode.columns\n"
+                   "    True")
       .def(
           "column",
           [](const Episode& e, const std::string& name) {
@@ -178,7 +199,11 @@ void BindEpisode(nb::module_& m) {
           },
           "name"_a, nb::keep_alive<0, 1>(),
           "Returns a column without reading it; `column[10:20]` reads ten rows. NotFoundError has "
-          "the nearest names.")
+          "the nearest names."
+          "\n\nExamples:\n"
+          "    >>> column = episode.column(\"robots/rc7/arm/qpos\")\n"
+          "    >>> column.units, column[10:20].shape\n"
+          "    ('rad', (10, 7))")
       .def(
           "__getitem__",
           [](const Episode& e, const std::string& name) {
@@ -196,12 +221,14 @@ void BindEpisode(nb::module_& m) {
           nb::sig("def read(self, name: str, first: int = 0, count: int | None = None) -> "
                   "numpy.typing.NDArray[typing.Any]"),
           "Reads a range of rows of a column as an array.")
-      .def_prop_ro("cameras",
-                   [](const Episode& e) {
-                     std::vector<std::string> names;
-                     for (const CameraInfo& info : e.cameras()) names.push_back(info.name);
-                     return names;
-                   })
+      .def_prop_ro(
+          "cameras",
+          [](const Episode& e) {
+            std::vector<std::string> names;
+            for (const CameraInfo& info : e.cameras()) names.push_back(info.name);
+            return names;
+          },
+          "Names of the cameras that have colour images.")
       .def_prop_ro(
           "depth_cameras",
           [](const Episode& e) {
@@ -232,7 +259,10 @@ void BindEpisode(nb::module_& m) {
             return names;
           },
           "Names of all image streams: 'wrist' for the colour images of a camera, 'wrist.depth' "
-          "and 'wrist.segmentation' if it has those.")
+          "and 'wrist.segmentation' if it has those."
+          "\n\nExamples:\n"
+          "    >>> episode.streams\n"
+          "    ['wrist', 'exo']")
       .def("frame", &FrameAt, "stream"_a, "index"_a, "kind"_a = nb::none(),
            nb::sig("def frame(self, stream: str, index: int, kind: str | None = None) -> "
                    "numpy.typing.NDArray[typing.Any]"),
@@ -240,7 +270,10 @@ void BindEpisode(nb::module_& m) {
            "one of `streams`, or a camera with its `kind`: 'rgb', 'depth', 'segmentation'. "
            "Negative indices count from the end. A decoder stays alive between calls, so images in "
            "order are cheap; another image is found from the key frame before it. IndexError names "
-           "the number of frames, NotFoundError the nearest streams.")
+           "the number of frames, NotFoundError the nearest streams."
+           "\n\nExamples:\n"
+           "    >>> episode.frame(\"wrist\", 0).dtype\n"
+           "    dtype('uint8')")
       .def("frames", &AllFramesOf, "stream"_a, "kind"_a = nb::none(),
            nb::sig("def frames(self, stream: str, kind: str | None = None) -> "
                    "numpy.typing.NDArray[typing.Any]"),
@@ -248,7 +281,10 @@ void BindEpisode(nb::module_& m) {
            "height, width, 3). 'depth': uint16 (frames, height, width), millimetres along the "
            "camera's axis, 0 for no hit, 65535 for that and more; exactly as rendered. "
            "'segmentation': uint16 (frames, height, width), indices of segment_labels, NO_SEGMENT "
-           "for none. Raises NotFoundError if the camera has no such images.")
+           "for none. Raises NotFoundError if the camera has no such images."
+           "\n\nExamples:\n"
+           "    >>> len(episode.frames(\"wrist\")) == len(episode)\n"
+           "    True")
       .def(
           "frames_of_rows",
           [](const Episode& e, const std::string& camera, const std::string& table) {
@@ -261,7 +297,8 @@ void BindEpisode(nb::module_& m) {
           "Returns the index of the camera's frame at each row of a table: the last one that is "
           "not newer, -1 before the first. Frame i belongs to row i of the camera's own table; for "
           "other tables the column `time` of both is compared.")
-      .def_prop_ro("files", &Episode::files)
+      .def_prop_ro("files", &Episode::files,
+                   "Names of the files in the folder, as episode.json lists them.")
       .def_prop_ro("models", &Episode::models,
                    "Models of the episode: name in the metadata -> path in the dataset.")
       .def("__getstate__",

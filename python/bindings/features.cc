@@ -165,11 +165,15 @@ void BindFeatures(nb::module_& m) {
           "lower"_a = std::vector<double>(), "upper"_a = std::vector<double>(),
           "description"_a = "",
           "For the signals() of a task; the arguments are those of register_feature.")
-      .def_prop_ro("name", [](const Feature& f) { return f.column.name; })
+      .def_prop_ro(
+          "name", [](const Feature& f) { return f.column.name; },
+          "Name of the feature, which is that of its column in episodes.")
       .def_prop_ro(
           "role", [](const Feature& f) { return std::string(NameOf(f.role)); },
           "\"observation\", \"privileged\" (only simulation knows it), \"action\" or \"label\".")
-      .def_prop_ro("dtype", [](const Feature& f) { return std::string(NameOf(f.column.type)); })
+      .def_prop_ro(
+          "dtype", [](const Feature& f) { return std::string(NameOf(f.column.type)); },
+          "Type of the numbers in NumPy's terms: \"float64\", \"bool\".")
       .def_prop_ro(
           "shape",
           [](const Feature& f) {
@@ -179,15 +183,21 @@ void BindFeatures(nb::module_& m) {
           },
           nb::sig("def shape(self) -> tuple[int, ...]"),
           "Shape of one row; () for a single number.")
-      .def_prop_ro("unit", [](const Feature& f) { return f.column.units; })
-      .def_prop_ro("frame", [](const Feature& f) { return f.column.frame; })
+      .def_prop_ro(
+          "unit", [](const Feature& f) { return f.column.units; },
+          "Unit, \"rad\", or one for each component, \"m, 1\".")
+      .def_prop_ro(
+          "frame", [](const Feature& f) { return f.column.frame; },
+          "Frame that the numbers are expressed in: \"world\"; \"\" if they have none.")
       .def_prop_ro(
           "names", [](const Feature& f) { return f.column.names; },
           "Names of the numbers along the last axis.")
       .def_prop_ro(
           "values", [](const Feature& f) { return f.column.values; },
           "Meaning of 0, 1, ... for an integer.")
-      .def_prop_ro("description", [](const Feature& f) { return f.column.description; })
+      .def_prop_ro(
+          "description", [](const Feature& f) { return f.column.description; },
+          "A sentence, if the name is not enough.")
       .def_prop_ro(
           "lower", [](const Feature& f) { return f.lower; },
           "Smallest value of each number; empty without a range.")
@@ -195,7 +205,7 @@ void BindFeatures(nb::module_& m) {
           "upper", [](const Feature& f) { return f.upper; },
           "Largest value of each number; empty without a range.")
       .def_prop_ro(
-          "source", [](const Feature& f) { return f.source; }, "Who makes it.")
+          "source", [](const Feature& f) { return f.source; }, "What the feature comes from.")
       .def(
           "difference_from",
           [](const Feature& own, const Feature& other) {
@@ -226,10 +236,12 @@ void BindFeatures(nb::module_& m) {
           "all of the scene.")
       .def_prop_ro(
           "observed", [](const CellFeatures& f) { return FeatureList(f.observed()); },
-          nb::sig("def observed(self) -> list[Feature]"))
+          nb::sig("def observed(self) -> list[Feature]"),
+          "Features that are observed and recorded.")
       .def_prop_ro(
           "commanded", [](const CellFeatures& f) { return FeatureList(f.commanded()); },
-          nb::sig("def commanded(self) -> list[Feature]"))
+          nb::sig("def commanded(self) -> list[Feature]"),
+          "Features of the commands: what an action consists of.")
       .def(
           "read",
           [](CellFeatures& f) {

@@ -259,7 +259,11 @@ void DefRobotIk(nb::class_<Robot>& robot) {
   robot.def("ik", &SolveIk<Robot>, "pose"_a, ROBOCELL_IK_ARGS,
             nb::sig("def ik(self, pose: " ROBOCELL_IK_SIG),
             "Finds joint values that put the TCP at `pose` (in the robot base frame): a Pose, "
-            "PyKDL.Frame or 4x4 matrix. The other arguments are those of kinematics.ik.");
+            "PyKDL.Frame or 4x4 matrix. The other arguments are those of kinematics.ik."
+            "\n\nExamples:\n"
+            "    >>> result = robot.ik(robot.fk_frame() * rc.Pose(translation=[0, 0, 0.05]))\n"
+            "    >>> result.success\n"
+            "    True");
   robot.def("ik_solver", &MakeSolver<Robot>, ROBOCELL_IK_SOLVER_ARGS,
             nb::sig(ROBOCELL_IK_SOLVER_SIG), ROBOCELL_IK_SOLVER_DOC);
 }
@@ -302,8 +306,15 @@ void BindKinematics(nb::module_& m) {
           },
           nb::for_getter(nb::sig("def q(self) -> numpy.typing.NDArray[numpy.float64]")),
           "Joint values in chain order, rad or m. Without a solution, the nearest configuration "
-          "found.")
-      .def_ro("success", &IkResult::success)
+          "found."
+          "\n\nExamples:\n"
+          "    >>> robot.ik(robot.fk_frame()).q.shape\n"
+          "    (7,)")
+      .def_ro("success", &IkResult::success,
+              "True if the errors are within the tolerances and the joints within their limits."
+              "\n\nExamples:\n"
+              "    >>> robot.ik(rc.Pose(translation=[9, 0, 0])).success\n"
+              "    False")
       .def_ro("position_error", &IkResult::position_error, "Norm of the position error, metres.")
       .def_ro("rotation_error", &IkResult::rotation_error, "Norm of the rotation error, radians.")
       .def_ro("iterations", &IkResult::iterations,
@@ -332,8 +343,9 @@ void BindKinematics(nb::module_& m) {
       [](const Kinematics& k) { k.robot.RequireOpen(); });
   DefDynamics(kinematics);
   kinematics
-      .def_prop_ro("joint_names",
-                   [](const Kinematics& k) { return SteadyChain(k.robot).joint_names(); })
+      .def_prop_ro(
+          "joint_names", [](const Kinematics& k) { return SteadyChain(k.robot).joint_names(); },
+          "Names of the arm's joints, in chain order.")
       .def("ik", &SolveIk<Kinematics>, "target"_a, ROBOCELL_IK_ARGS,
            nb::sig("def ik(self, target: " ROBOCELL_IK_SIG),
            "Finds joint values that put the TCP at `target` (in the robot base frame): a Pose, a "
@@ -348,7 +360,11 @@ void BindKinematics(nb::module_& m) {
            "redundant joints move accordingly. Without redundant joints, starts continue beyond "
            "max_restarts until 256 in a row found nothing better; a max_restarts below 47 returns "
            "a near solution in a seventh of the time. filter: a CollisionFilter, or a function of "
-           "joint values (k, n) that returns (k,) booleans; a rejected solution does not count.")
+           "joint values (k, n) that returns (k,) booleans; a rejected solution does not count."
+           "\n\nExamples:\n"
+           "    >>> result = robot.kinematics.ik(robot.fk_frame())\n"
+           "    >>> result.position_error < 1e-5\n"
+           "    True")
       .def("ik_solver", &MakeSolver<Kinematics>, ROBOCELL_IK_SOLVER_ARGS,
            nb::sig(ROBOCELL_IK_SOLVER_SIG), ROBOCELL_IK_SOLVER_DOC)
       .def("ik_batch", &SolveBatch, "targets"_a, "seeds"_a = nb::none(),
@@ -369,7 +385,11 @@ void BindKinematics(nb::module_& m) {
            "success (B,), position_error (B,) in m, rotation_error (B,) in rad and iterations "
            "(B,). Solutions are within the limits and do not depend on the batch; processors with "
            "other instruction sets may find another solution. A filter gets the solutions of many "
-           "targets at once. The other arguments are those of ik.")
+           "targets at once. The other arguments are those of ik."
+           "\n\nExamples:\n"
+           "    >>> target = robot.fk_frame()\n"
+           "    >>> robot.kinematics.ik_batch([target, target]).q.shape\n"
+           "    (2, 7)")
       .def("ik_solutions", &SolveAll, "target"_a, "seed"_a = nb::none(),
            "locked_groups"_a = std::vector<std::string>{}, "tolerance"_a = 1e-5,
            "position_only"_a = false, "starts"_a = 200, "separation"_a = 0.05, nb::kw_only(),

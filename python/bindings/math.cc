@@ -120,7 +120,12 @@ Metres and radians; quaternions are xyzw. The quaternion is kept at unit length 
     Pose(matrix)                               4x4; also a PyKDL.Frame
 
 Raises ArgumentError for a quaternion whose length is not 1 within 1e-6, a matrix that is no
-rigid transform, and numbers that are not finite.)";
+rigid transform, and numbers that are not finite.
+
+Examples:
+    >>> pose = rc.Pose(translation=[0.4, 0, 0.3], rpy=[0, np.pi, 0])
+    >>> (pose * pose.inverse()).is_close(rc.Pose())
+    True)";
 
 constexpr const char* kInitSignature =
     "def __init__(self, matrix: numpy.typing.ArrayLike | Pose | None = None, *, "
@@ -140,31 +145,51 @@ void DefArray(nb::class_<Pose>& c, const char* name, F getter, const char* doc) 
 void DefReaders(nb::class_<Pose>& c) {
   DefArray(
       c, "translation", [](const Pose& p) { return Vector(p.translation()); },
-      "Translation (3,) in metres, a copy.");
+      "Translation (3,) in metres, a copy."
+      "\n\nExamples:\n"
+      "    >>> rc.Pose(translation=[0.4, 0, 0.3]).translation\n"
+      "    array([0.4, 0. , 0.3])");
   DefArray(
       c, "quaternion", [](const Pose& p) { return NumberCopy(p.quaternion()); },
-      "Quaternion (4,) xyzw, w >= 0, a copy.");
+      "Quaternion (4,) xyzw, w >= 0, a copy."
+      "\n\nExamples:\n"
+      "    >>> rc.Pose().quaternion\n"
+      "    array([0., 0., 0., 1.])");
   DefArray(
       c, "quaternion_wxyz", [](const Pose& p) { return NumberCopy(p.quaternion_wxyz()); },
       "Returns the quaternion (4,) in MuJoCo's order.");
   DefArray(
-      c, "rotation", [](const Pose& p) { return Matrix<3>(p.rotation()); }, "(3, 3).");
+      c, "rotation", [](const Pose& p) { return Matrix<3>(p.rotation()); },
+      "Rotation matrix (3, 3)."
+      "\n\nExamples:\n"
+      "    >>> rc.Pose().rotation.shape\n"
+      "    (3, 3)");
   DefArray(
       c, "rpy", [](const Pose& p) { return Vector(p.rpy()); },
-      "Returns roll, pitch, yaw (3,) in rad, extrinsic xyz; at gimbal lock roll is 0.");
+      "Returns roll, pitch, yaw (3,) in rad, extrinsic xyz; at gimbal lock roll is 0."
+      "\n\nExamples:\n"
+      "    >>> bool(np.allclose(rc.Pose(rpy=[0, 0, 0.5]).rpy, [0, 0, 0.5]))\n"
+      "    True");
   DefArray(
       c, "rotvec", [](const Pose& p) { return Vector(p.rotvec()); },
       "Returns the rotation vector (3,): axis times angle, rad, angle in [0, pi].");
   DefArray(
       c, "matrix", [](const Pose& p) { return Matrix<4>(p.matrix()); },
-      "Returns the homogeneous matrix (4, 4).");
+      "Returns the homogeneous matrix (4, 4)."
+      "\n\nExamples:\n"
+      "    >>> rc.Pose(translation=[0.4, 0, 0.3]).matrix.shape\n"
+      "    (4, 4)");
   DefArray(
-      c, "xyzrpy", [](const Pose& p) { return NumberCopy(p.xyzrpy()); }, "(6,) metres and rad.");
+      c, "xyzrpy", [](const Pose& p) { return NumberCopy(p.xyzrpy()); },
+      "Position and roll, pitch, yaw (6,), metres and rad.");
   c.def_prop_ro("angle", &Pose::angle, "Angle of the rotation in [0, pi], rad.");
 }
 
 void DefOperations(nb::class_<Pose>& c) {
-  c.def("inverse", &Pose::inverse, "X_BA of X_AB.")
+  c.def("inverse", &Pose::inverse,
+        "Returns the inverse: X_BA of X_AB."
+        "\n\nExamples:\n"
+        "    >>> tcp_to_base = robot.fk_frame().inverse()")
       .def(nb::self * nb::self, "Composes poses: X_AC = X_AB * X_BC.")
       .def(
           "__matmul__", [](const Pose& a, const Pose& b) { return a * b; }, nb::is_operator(),
@@ -175,10 +200,17 @@ void DefOperations(nb::class_<Pose>& c) {
           nb::arg("point"),
           nb::sig("def transform(self, point: numpy.typing.ArrayLike) -> "
                   "numpy.typing.NDArray[numpy.float64]"),
-          "Transforms a point (3,), metres, from B to A.")
+          "Transforms a point (3,), metres, from B to A."
+          "\n\nExamples:\n"
+          "    >>> rc.Pose(translation=[0, 0, 1]).transform([0.5, 0, 0])\n"
+          "    array([0.5, 0. , 1. ])")
       .def("interpolate", &Pose::interpolate, nb::arg("to"), nb::arg("s"),
            "Interpolates on a straight line and the shortest arc: s = 0 gives this pose, s = 1 "
-           "gives `to`.")
+           "gives `to`."
+           "\n\nExamples:\n"
+           "    >>> goal = rc.Pose(translation=[0, 0, 0.2])\n"
+           "    >>> rc.Pose().interpolate(goal, 0.5).translation\n"
+           "    array([0. , 0. , 0.1])")
       .def("limit_translation", &Pose::limit_translation, nb::arg("metres"),
            "Returns the pose with its translation shortened to at most this length.")
       .def("limit_rotation", &Pose::limit_rotation, nb::arg("radians"),
@@ -186,7 +218,10 @@ void DefOperations(nb::class_<Pose>& c) {
       .def("is_close", &Pose::is_close, nb::arg("other"), nb::arg("rotation_tolerance") = 1e-8,
            nb::arg("translation_tolerance") = 1e-8,
            "Returns True if the distance (m) and the angle between the rotations (rad) are within "
-           "their tolerances.")
+           "their tolerances."
+           "\n\nExamples:\n"
+           "    >>> rc.Pose().is_close(rc.Pose(translation=[0, 0, 0.1]))\n"
+           "    False")
       .def(
           "to_kdl", &ToKdl, nb::sig("def to_kdl(self) -> typing.Any"),
           "Returns a PyKDL.Frame. Raises ImportError with the install command if PyKDL is missing.")
@@ -198,8 +233,10 @@ void DefOperations(nb::class_<Pose>& c) {
 void BindMotions(nb::module_& m) {
   nb::class_<CoordinateState>(m, "CoordinateState",
                               "State of one coordinate of a motion at one time.")
-      .def_ro("position", &CoordinateState::position)
-      .def_ro("velocity", &CoordinateState::velocity, "Per second.")
+      .def_ro(
+          "position", &CoordinateState::position,
+          "Position, in the unit of the coordinate; of minimum_jerk the share of the way, 0 to 1.")
+      .def_ro("velocity", &CoordinateState::velocity, "Velocity, per second.")
       .def_ro("acceleration", &CoordinateState::acceleration, "Acceleration, per second squared.")
       .def("__repr__", [](const CoordinateState& s) {
         return fmt::format("CoordinateState(position={}, velocity={}, acceleration={})", s.position,
@@ -208,7 +245,10 @@ void BindMotions(nb::module_& m) {
   m.def("minimum_jerk", &MinimumJerk, nb::arg("time"), nb::arg("duration"),
         "Returns the CoordinateState of a minimum-jerk motion from 0 at time 0 to 1 at `duration`, "
         "at rest before, after and at both ends. Use its position as the `s` of Pose.interpolate, "
-        "or of start + s * (goal - start). Raises ArgumentError for a negative duration.");
+        "or of start + s * (goal - start). Raises ArgumentError for a negative duration."
+        "\n\nExamples:\n"
+        "    >>> rc.control.minimum_jerk(0.5, duration=1).position\n"
+        "    0.5");
   m.def("minimum_jerk_duration", &MinimumJerkDuration, nb::arg("distance"), nb::arg("max_velocity"),
         nb::arg("max_acceleration"),
         "Returns the shortest duration (s) in which a minimum-jerk motion over `distance` keeps "
@@ -226,7 +266,10 @@ void BindMotions(nb::module_& m) {
               "max_acceleration: object) -> float"),
       "Returns the shortest duration (s) in which minimum-jerk motions of all joints, which start "
       "and arrive together, keep their limits: (n,) each, rad/s and rad/s^2, or m. Raises "
-      "ArgumentError for different sizes.");
+      "ArgumentError for different sizes."
+      "\n\nExamples:\n"
+      "    >>> rc.control.joint_move_duration([0, 0], [0.5, 1], [1, 1], [4, 4]) > 1\n"
+      "    True");
   m.def(
       "pose_move_duration",
       [](const PoseOrFrame& start, const PoseOrFrame& goal, double linear_velocity,

@@ -142,23 +142,29 @@ void BindPickTask(nb::module_& m) {
           [](PickTask& t, const Scene& scene, const TaskSetting& setting) {
             t.PickTask::Bind(scene, setting);
           },
-          "scene"_a, "setting"_a)
+          "scene"_a, "setting"_a, "Looks up the objects and the robots in the compiled scene.")
       .def(
           "begin", [](PickTask& t, const Scene& scene) { t.PickTask::Begin(scene); }, "scene"_a,
           Unlocked(), "Binds a task that is not bound yet, with all robots of the scene.")
       .def(
           "judge", [](PickTask& t, const Scene& scene) { return t.PickTask::Judge(scene); },
-          "scene"_a, Unlocked())
+          "scene"_a, Unlocked(), "Returns the TaskVerdict of the present state.")
       .def(
           "reward", [](PickTask& t, const Scene& scene) { return t.PickTask::Judge(scene).reward; },
-          "scene"_a, Unlocked())
+          "scene"_a, Unlocked(), "Returns the reward of the present state, 0 to 1.")
       .def(
           "success",
           [](PickTask& t, const Scene& scene) { return t.PickTask::Judge(scene).success; },
-          "scene"_a, Unlocked())
-      .def("instruction", [](const PickTask& t) { return t.PickTask::instruction(); })
-      .def("objects", [](const PickTask& t) { return t.PickTask::objects(); })
-      .def("resting_objects", [](const PickTask& t) { return t.PickTask::resting_objects(); })
+          "scene"_a, Unlocked(), "Returns True if the object is lifted in the present state.")
+      .def(
+          "instruction", [](const PickTask& t) { return t.PickTask::instruction(); },
+          "Returns the instruction in words: \"pick up the mug\".")
+      .def(
+          "objects", [](const PickTask& t) { return t.PickTask::objects(); },
+          "Returns the names of the objects, the target first.")
+      .def(
+          "resting_objects", [](const PickTask& t) { return t.PickTask::resting_objects(); },
+          "Returns the names of the objects that must lie still when an episode begins.")
       .def(
           "starts",
           [](PickTask& t, PythonRng& rng) {
@@ -167,10 +173,12 @@ void BindPickTask(nb::module_& m) {
               poses[body.c_str()] = pose;
             return poses;
           },
-          "rng"_a, nb::sig("def starts(self, rng: Rng) -> collections.abc.Mapping[str, Pose]"))
+          "rng"_a, nb::sig("def starts(self, rng: Rng) -> collections.abc.Mapping[str, Pose]"),
+          "Returns starts of the objects: {name in the scene: pose in the world}.")
       .def(
           "memory", [](const PickTask& t) { return MemoryArray(t.PickTask::memory()); },
-          nb::sig("def memory(self) -> numpy.typing.ArrayLike"))
+          nb::sig("def memory(self) -> numpy.typing.ArrayLike"),
+          "Returns the task's memory of the episode, for saved states.")
       .def(
           "recall",
           [](PickTask& t, nb::handle memory) {
@@ -178,7 +186,8 @@ void BindPickTask(nb::module_& m) {
             t.PickTask::Recall(numbers.span());
           },
           "memory"_a,
-          nb::sig("def recall(self, memory: numpy.typing.NDArray[numpy.float64]) -> None"));
+          nb::sig("def recall(self, memory: numpy.typing.NDArray[numpy.float64]) -> None"),
+          "Restores the result of memory().");
 }
 
 // What every scripted planner has.
@@ -192,7 +201,7 @@ auto BindPlanner(nb::module_& m, const char* name, const char* doc) {
             const nb::gil_scoped_release release;
             e.Planner::Begin(s, rng.get());
           },
-          "scene"_a, "rng"_a)
+          "scene"_a, "rng"_a, "Plans from the start state of an episode.")
       .def(
           "act",
           [](Planner& e, const Scene& s, PythonRng& rng) {
@@ -200,10 +209,18 @@ auto BindPlanner(nb::module_& m, const char* name, const char* doc) {
             return e.Planner::Act(s, rng.get());
           },
           "scene"_a, "rng"_a, "Returns {robot: {group: GroupCommand}} until the next policy tick.")
-      .def("done", [](const Planner& e) { return e.Planner::done(); })
-      .def("failure", [](const Planner& e) { return e.Planner::failure(); })
-      .def("phase", [](const Planner& e) { return e.Planner::phase(); })
-      .def("phase_names", [](const Planner& e) { return e.Planner::phase_names(); });
+      .def(
+          "done", [](const Planner& e) { return e.Planner::done(); },
+          "Returns True when the plan is carried out or given up.")
+      .def(
+          "failure", [](const Planner& e) { return e.Planner::failure(); },
+          "Returns why the expert gave up, \"\" otherwise.")
+      .def(
+          "phase", [](const Planner& e) { return e.Planner::phase(); },
+          "Returns the index of the present phase in phase_names().")
+      .def(
+          "phase_names", [](const Planner& e) { return e.Planner::phase_names(); },
+          "Returns the names of the phases, which episodes record as labels.");
 }
 
 void BindPlanners(nb::module_& m) {
@@ -254,7 +271,7 @@ void BindPickSampler(nb::module_& m) {
       "propose_base_pose, validate_base_pose, validate_cameras, make_task.")
       .def(nb::init<RunConfig>(), "run"_a)
       .def_prop_ro(
-          "run", [](const PickTaskSampler& s) { return s.run(); }, "A copy.")
+          "run", [](const PickTaskSampler& s) { return s.run(); }, "A copy of the run.")
       .def(
           "sample",
           [](PickTaskSampler& s, const SampleRequest& request, PythonRng& rng) {
@@ -263,7 +280,8 @@ void BindPickSampler(nb::module_& m) {
             });
           },
           "request"_a, "rng"_a,
-          nb::sig("def sample(self, request: SampleRequest, rng: Rng) -> EpisodeStart | Refusal"))
+          nb::sig("def sample(self, request: SampleRequest, rng: Rng) -> EpisodeStart | Refusal"),
+          "Returns a start, or a Refusal with its stage and reason.")
       .def(
           "make_base_scene",
           [](PickTaskSampler& s, int scene) { return s.PickTaskSampler::MakeBaseScene(scene); },
@@ -284,7 +302,7 @@ void BindPickSampler(nb::module_& m) {
           [](PickTaskSampler& s, const SampleRequest& request, PythonRng& rng) {
             return s.PickTaskSampler::ChooseBasePlacement(request, rng.get());
           },
-          "request"_a, "rng"_a)
+          "request"_a, "rng"_a, "Returns a place of the base relative to the target.")
       .def(
           "place_objects",
           [](PickTaskSampler& s, const Support& support, const nb::list& list, PythonRng& rng) {

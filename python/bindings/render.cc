@@ -113,10 +113,16 @@ RgbImage ToImage(nb::handle value) {
 
 void BindRender(nb::module_& m) {
   BindCameras(m);
-  nb::class_<SceneRenderer> renderer(m, "Renderer",
-                                     "Renders images of a scene: colour, depth in metres, body "
-                                     "ids, with the camera of each image.",
-                                     nb::type_slots(kHandleSlots<SceneRenderer>));
+  nb::class_<SceneRenderer> renderer(
+      m, "Renderer",
+      "Renders images of a scene: colour, depth in metres, body "
+      "ids, with the camera of each image."
+      "\n\nExamples:\n"
+      "    >>> renderer = rc.render.Renderer(scene, backend=\"soft\")\n"
+      "    >>> images = renderer.render(\"wrist_camera\", 160, 120, depth=True)\n"
+      "    >>> images[\"rgb\"].shape, images[\"depth\"].dtype\n"
+      "    ((120, 160, 3), dtype('float32'))",
+      nb::type_slots(kHandleSlots<SceneRenderer>));
   GuardHandle<SceneRenderer>(
       renderer, [](const SceneRenderer& r, SceneClaims& claims) { claims.Add(r.scene()); },
       [](const SceneRenderer& r) { RequireOpen(r.scene(), "renderer"); });
@@ -159,7 +165,8 @@ void BindRender(nb::module_& m) {
            "is a view of the whole model), an OrbitCamera, a FreeCamera or a TrackingCamera; "
            "`frames` are (text, pose in the world)\n"
            "drawn as axes.")
-      .def_prop_ro("description", &SceneRenderer::description);
+      .def_prop_ro("description", &SceneRenderer::description,
+                   "The back end and what it draws with, in words.");
   m.def(
       "write_png",
       [](const std::filesystem::path& path, nb::handle rgb) {
@@ -171,7 +178,11 @@ void BindRender(nb::module_& m) {
       nb::sig("def write_png(path: str | os.PathLike, rgb: numpy.typing.NDArray[numpy.uint8]) -> "
               "None"),
       "Writes a colour image, uint8 (H, W, 3). TypeError for any other array says how to convert "
-      "it.");
+      "it."
+      "\n\nExamples:\n"
+      "    >>> view = rc.render.OrbitCamera(distance=1.5)\n"
+      "    >>> rc.render.write_png(\"view.png\", rc.render.Renderer(scene).render(view, 160, "
+      "120)[\"rgb\"])");
   m.def(
       "describe_gl", [] { return DescribeGl(); }, nb::call_guard<nb::gil_scoped_release>(),
       "Returns what draws on this machine. Raises Error with everything that was tried if nothing "

@@ -84,18 +84,30 @@ void BindGroups(nb::module_& m) {
       "get_pose, set_pose and get_is_mobile.",
       nb::type_slots(kHandleSlots<MoveGroup, &VisitMoveGroup, HandleIs::kShared>));
   group.def(nb::init<>())
-      .def_prop_ro("name", [](const MoveGroup& g) { return g.name(); })
-      .def_prop_ro("kind", [](const MoveGroup& g) { return std::string(ToString(g.kind())); })
-      .def_prop_ro("nq", [](const MoveGroup& g) { return g.nq(); })
-      .def_prop_ro("nv", [](const MoveGroup& g) { return g.nv(); })
-      .def_prop_ro("nu", [](const MoveGroup& g) { return g.nu(); })
-      .def_prop_ro("joint_names", [](const MoveGroup& g) { return g.joint_names(); })
-      .def_prop_ro("actuator_names", [](const MoveGroup& g) { return g.actuator_names(); })
+      .def_prop_ro(
+          "name", [](const MoveGroup& g) { return g.name(); }, "Name of the group in its robot.")
+      .def_prop_ro(
+          "kind", [](const MoveGroup& g) { return std::string(ToString(g.kind())); },
+          "Kind of the group: \"arm\", \"gripper\", \"base\" or \"generic\".")
+      .def_prop_ro(
+          "nq", [](const MoveGroup& g) { return g.nq(); }, "Number of joint positions.")
+      .def_prop_ro(
+          "nv", [](const MoveGroup& g) { return g.nv(); }, "Number of joint velocities.")
+      .def_prop_ro(
+          "nu", [](const MoveGroup& g) { return g.nu(); }, "Number of actuator controls.")
+      .def_prop_ro(
+          "joint_names", [](const MoveGroup& g) { return g.joint_names(); },
+          "Names of the joints in the model.")
+      .def_prop_ro(
+          "actuator_names", [](const MoveGroup& g) { return g.actuator_names(); },
+          "Names of the actuators in the model.")
       .def_prop_rw(
           "joint_pos", [](const MoveGroup& g) { return NewArray(g.joint_pos()); },
           [](MoveGroup& g, nb::handle q) { g.SetJointPos(ToRow(q, "joint_pos")); },
           nb::for_getter(nb::sig("def joint_pos(self) -> numpy.typing.NDArray[numpy.float64]")),
-          "Joint positions (nq,), rad or m. Setting them teleports the joints.")
+          "Joint positions (nq,), rad or m. Setting them teleports the joints."
+          "\n\nExamples:\n"
+          "    >>> robot.arm.joint_pos = [0, 0.25, 0, 1.65, 0, 1.24, 0]")
       .def_prop_rw(
           "joint_vel", [](const MoveGroup& g) { return NewArray(g.joint_vel()); },
           [](MoveGroup& g, nb::handle v) { g.SetJointVel(ToRow(v, "joint_vel")); },
@@ -123,11 +135,15 @@ void BindGroups(nb::module_& m) {
       .def_prop_ro(
           "ctrl_limits", [](const MoveGroup& g) { return IntervalArray(g.ctrl_limits()); },
           nb::for_getter(nb::sig("def ctrl_limits(self) -> numpy.typing.NDArray[numpy.float64]")),
-          "(nu, 2).")
-      .def_prop_ro("leaf_frame_to_world", &MoveGroup::leaf_frame_to_world)
-      .def_prop_ro("root_frame_to_world", &MoveGroup::root_frame_to_world)
-      .def_prop_ro("leaf_frame_to_robot", &MoveGroup::leaf_frame_to_robot)
-      .def_prop_ro("leaf_frame_to_root", &MoveGroup::leaf_frame_to_root)
+          "Limits of the controls (nu, 2).")
+      .def_prop_ro("leaf_frame_to_world", &MoveGroup::leaf_frame_to_world,
+                   "Pose of the leaf frame in the world: of an arm the TCP.")
+      .def_prop_ro("root_frame_to_world", &MoveGroup::root_frame_to_world,
+                   "Pose of the group's root frame in the world.")
+      .def_prop_ro("leaf_frame_to_robot", &MoveGroup::leaf_frame_to_robot,
+                   "Pose of the leaf frame in the robot base frame.")
+      .def_prop_ro("leaf_frame_to_root", &MoveGroup::leaf_frame_to_root,
+                   "Pose of the leaf frame in the group's root frame.")
       .def(
           "integrate",
           [](const MoveGroup& g, nb::handle q, nb::handle v) {
@@ -161,7 +177,9 @@ void BindGroups(nb::module_& m) {
           nb::for_setter(nb::arg("value").none()),
           nb::for_setter(nb::sig("def opening(self, value: float, /) -> None")),
           "Measured opening. Setting it commands the actuator, and the robot's update holds it. "
-          "Values beyond 0 ... 1 are clipped, which is logged once.")
+          "Values beyond 0 ... 1 are clipped, which is logged once."
+          "\n\nExamples:\n"
+          "    >>> robot.gripper.opening = 0.5")
       .def(
           "raw_ctrl", [](const GripperGroup& g, double o) { return g.ctrl_for_opening(o); },
           "opening"_a, Unlocked(),
@@ -174,9 +192,12 @@ void BindGroups(nb::module_& m) {
             return ctrl;
           },
           "opening"_a, Unlocked(), "Returns the raw controls (nu,) for an opening, 0 ... 1.")
-      .def("open", &GripperGroup::Open, Unlocked())
-      .def("close", &GripperGroup::Close, Unlocked())
-      .def_prop_ro("inter_finger_dist", &GripperGroup::inter_finger_dist, "Metres.")
+      .def("open", &GripperGroup::Open, Unlocked(),
+           "Commands the gripper to open, as `opening = 1`.")
+      .def("close", &GripperGroup::Close, Unlocked(),
+           "Commands the gripper to close, as `opening = 0`.")
+      .def_prop_ro("inter_finger_dist", &GripperGroup::inter_finger_dist,
+                   "Distance between the fingers, metres.")
       .def_prop_ro(
           "inter_finger_dist_range",
           [](const GripperGroup& g) {
@@ -186,15 +207,20 @@ void BindGroups(nb::module_& m) {
           Unlocked(),
           "Finger distance (closed, open) in metres; measured once unless the robot's "
           "configuration gives it.")
-      .def_prop_ro("is_open", &GripperGroup::is_open)
+      .def_prop_ro("is_open", &GripperGroup::is_open,
+                   "True if the measured opening is at least 0.9.")
       .def("is_grasping", &GripperGroup::is_grasping, "body"_a = "",
-           "Returns True if both fingers touch `body`, or any body that is not the robot's.");
+           "Returns True if both fingers touch `body`, or any body that is not the robot's."
+           "\n\nExamples:\n"
+           "    >>> robot.gripper.is_grasping(\"cube\")\n"
+           "    False");
   nb::class_<BaseGroup, MoveGroup, PyBaseGroup> base(m, "BaseGroup", "The base of a robot.");
   base.def(nb::init<>())
       .def_prop_rw("pose", &BaseGroup::pose, &BaseGroup::SetPose,
                    "Pose in the world. Setting it teleports a mocap, free, planar or driven base, "
                    "and leaves behind what the robot holds; a fixed base raises ArgumentError.")
-      .def_prop_ro("is_mobile", &BaseGroup::is_mobile)
+      .def_prop_ro("is_mobile", &BaseGroup::is_mobile,
+                   "True for a free, planar or driven base, which moves while the simulation runs.")
       .def_prop_ro("is_driven", &BaseGroup::is_driven,
                    "Whether `update` moves the base to `target`, as a driven base.")
       .def_prop_rw(
@@ -222,7 +248,9 @@ void BindAction(nb::module_& m) {
                            "The command of one group until the next policy tick.")
       .def_static(
           "joints", [](nb::handle q) { return GroupCommand::Joints(ToRow(q, "joints")); }, "q"_a,
-          "Commands absolute joint positions, rad or m.")
+          "Commands absolute joint positions, rad or m."
+          "\n\nExamples:\n"
+          "    >>> command = rc.control.GroupCommand.joints([0, 0.25, 0, 1.65, 0, 1.24, 0])")
       .def_static(
           "relative_joints",
           [](nb::handle dq) { return GroupCommand::RelativeJoints(ToRow(dq, "relative_joints")); },
@@ -230,11 +258,16 @@ void BindAction(nb::module_& m) {
       .def_static(
           "leaf_pose", [](const PoseOrFrame& p) { return GroupCommand::LeafPose(p.get()); },
           "leaf_in_robot"_a,
-          "Commands a pose of the leaf frame in the robot base frame, through IK.")
+          "Commands a pose of the leaf frame in the robot base frame, through IK."
+          "\n\nExamples:\n"
+          "    >>> command = rc.control.GroupCommand.leaf_pose(robot.fk_frame())")
       .def_static("base_pose", &GroupCommand::BasePose, "base_in_world"_a,
                   "Commands a pose of a driven base in the world, to which `update` moves it.")
       .def_static("opening", &GroupCommand::Opening, "opening"_a,
-                  "Commands the opening of a gripper, 0 closed ... 1 open.")
+                  "Commands the opening of a gripper, 0 closed ... 1 open."
+                  "\n\nExamples:\n"
+                  "    >>> robot.apply({\"gripper\": rc.control.GroupCommand.opening(1)})\n"
+                  "    (True, '')")
       .def_static(
           "velocities",
           [](nb::handle v) { return GroupCommand::Velocities(ToRow(v, "velocities")); }, "v"_a,
@@ -242,8 +275,10 @@ void BindAction(nb::module_& m) {
       .def_static(
           "torques", [](nb::handle t) { return GroupCommand::Torques(ToRow(t, "torques")); }, "t"_a,
           "Commands joint torques, for a controller that takes them.")
-      .def_prop_ro("values", [](const GroupCommand& c) { return NewArray(c.values); })
-      .def_ro("pose", &GroupCommand::pose);
+      .def_prop_ro(
+          "values", [](const GroupCommand& c) { return NewArray(c.values); },
+          "The numbers of the command (n,), a copy; empty for poses.")
+      .def_ro("pose", &GroupCommand::pose, "The pose of the command; the identity for others.");
 }
 
 nb::object Values(std::span<const double> values) {
@@ -264,7 +299,15 @@ void BindRobotClass(nb::module_& m) {
   nb::class_<Robot> robot(
       m, "Robot",
       "A robot of a scene: its move groups, kinematics and controllers.\n\nAll "
-      "handles to one robot of one scene share their state, which the scene keeps.",
+      "handles to one robot of one scene share their state, which the scene keeps."
+      "\n\nExamples:\n"
+      "    >>> robot = rc.Robot.of(scene, \"arm\")\n"
+      "    >>> robot.jnt_pos_cmd[0] += 0.3\n"
+      "    >>> for _ in range(500):\n"
+      "    ...     robot.update()\n"
+      "    ...     result = scene.step()\n"
+      "    >>> bool(abs(robot.jnt_pos_msr[0] - 0.3) < 0.01)\n"
+      "    True",
       nb::type_slots(kHandleSlots<Robot, &VisitRobot>));
   GuardHandle<Robot>(
       robot, [](const Robot& r, SceneClaims& claims) { claims.Add(r.use()); },
@@ -272,7 +315,10 @@ void BindRobotClass(nb::module_& m) {
   DefRobotIk(robot);
   robot.def(nb::init<const Robot&>(), "robot"_a, "Makes another handle to the same robot.")
       .def_static("of", &Robot::Of, "scene"_a, "name"_a, Unlocked(),
-                  "Returns a configured robot by its name in the scene.")
+                  "Returns a configured robot by its name in the scene."
+                  "\n\nExamples:\n"
+                  "    >>> rc.Robot.of(scene, \"arm\").group_names\n"
+                  "    ['arm', 'gripper', 'base']")
       .def_static(
           "from_scene",
           [](const Scene& scene, const std::string& base, const std::string& tip,
@@ -287,16 +333,23 @@ void BindRobotClass(nb::module_& m) {
           "same joints and actuators, configured or not, share its mode, controller and command "
           "ports; making one does not change these. A robot that has only some of the actuators of "
           "a driven arm, or others too, can only be measured; its ports say which arm has the "
-          "actuators.")
-      .def_prop_ro("name", &Robot::name)
-      .def_prop_ro("prefix", &Robot::prefix)
-      .def_prop_ro("scene", &Robot::scene)
-      .def_prop_ro("group_names", &Robot::group_names)
+          "actuators."
+          "\n\nExamples:\n"
+          "    >>> chain_only = rc.Robot.from_scene(scene, \"base_link\", \"link7\")\n"
+          "    >>> chain_only.n_joints\n"
+          "    7")
+      .def_prop_ro("name", &Robot::name, "Name of the robot in its scene.")
+      .def_prop_ro("prefix", &Robot::prefix, "Prefix of the robot's names in the model.")
+      .def_prop_ro("scene", &Robot::scene, "The scene that the robot is in.")
+      .def_prop_ro("group_names", &Robot::group_names, "Names of the move groups.")
       .def(
           "group",
           [](const Robot& r, const std::string& name) { return GroupObject(r, r.group(name)); },
           "name"_a, nb::sig("def group(self, name: str) -> MoveGroup"),
-          "Returns a group by name: a GripperGroup, a BaseGroup or a plain MoveGroup.")
+          "Returns a group by name: a GripperGroup, a BaseGroup or a plain MoveGroup."
+          "\n\nExamples:\n"
+          "    >>> robot.group(\"gripper\").nu\n"
+          "    1")
       .def_prop_ro(
           "groups",
           [](const Robot& r) {
@@ -306,14 +359,21 @@ void BindRobotClass(nb::module_& m) {
             }
             return groups;
           },
-          nb::sig("def groups(self, /) -> dict[str, MoveGroup]"))
+          nb::sig("def groups(self, /) -> dict[str, MoveGroup]"), "The move groups by name.")
       .def_prop_ro(
           "arm", [](const Robot& r) { return GroupObject(r, r.arm()); },
-          nb::sig("def arm(self, /) -> MoveGroup"))
+          nb::sig("def arm(self, /) -> MoveGroup"),
+          "The first arm. Raises NotFoundError for a robot without one."
+          "\n\nExamples:\n"
+          "    >>> robot.arm.joint_pos.shape\n"
+          "    (7,)")
       .def_prop_ro(
           "gripper", [](const Robot& r) { return GroupObject(r, r.gripper()); },
-          nb::sig("def gripper(self, /) -> GripperGroup"))
-      .def_prop_ro("has_gripper", &Robot::has_gripper)
+          nb::sig("def gripper(self, /) -> GripperGroup"),
+          "The first arm's gripper. Raises NotFoundError for a robot without one."
+          "\n\nExamples:\n"
+          "    >>> robot.gripper.opening = 1")
+      .def_prop_ro("has_gripper", &Robot::has_gripper, "True if the robot has a gripper.")
       .def(
           "gripper_of",
           [](const Robot& r, const std::string& arm) -> std::optional<std::string> {
@@ -326,7 +386,8 @@ void BindRobotClass(nb::module_& m) {
           "is that of the first arm. Raises ArgumentError for a group that is not an arm.")
       .def_prop_ro(
           "base", [](const Robot& r) { return GroupObject(r, r.base()); },
-          nb::sig("def base(self, /) -> BaseGroup"))
+          nb::sig("def base(self, /) -> BaseGroup"),
+          "The group of the base. Raises NotFoundError for a robot without one.")
       .def(
           "set_group",
           [](Robot& r, nb::handle_t<MoveGroup> group) {
@@ -343,9 +404,15 @@ void BindRobotClass(nb::module_& m) {
           },
           "action"_a, Unlocked(),
           "Sets the targets of the groups named: {group: GroupCommand}. Returns (ok, failed "
-          "group).")
+          "group)."
+          "\n\nExamples:\n"
+          "    >>> robot.apply({\"arm\": rc.control.GroupCommand.relative_joints([0.1, 0, 0, 0, 0, "
+          "0, 0])})\n"
+          "    (True, '')")
       .def("update", &Robot::Update, Unlocked(),
-           "Reads the state into the ports and runs every group's controller once.")
+           "Reads the state into the ports and runs every group's controller once."
+           "\n\nExamples:\n"
+           "    >>> robot.update()")
       .def(
           "step", [](Robot& r) { return r.Step(); }, nb::call_guard<nb::gil_scoped_release>(),
           "Makes one step of the whole scene.")
@@ -356,12 +423,28 @@ void BindRobotClass(nb::module_& m) {
           "paused", &Robot::paused, &Robot::set_paused,
           "While True, step() and step_n() of this robot do nothing; those of the scene and of "
           "other robots work, and so does update(). The value survives resets and rebuilds.")
-      .def_prop_ro("n_joints", &Robot::n_joints)
-      .def_prop_ro("joint_names", &Robot::joint_names)
-      .def_prop_ro("joint_limits", [](const Robot& r) { return IntervalArray(r.joint_limits()); })
-      .def_prop_ro("jnt_pos_msr", [](const Robot& r) { return Values(r.jnt_pos_msr()); })
-      .def_prop_ro("jnt_vel_msr", [](const Robot& r) { return Values(r.jnt_vel_msr()); })
-      .def_prop_ro("jnt_trq_msr", [](const Robot& r) { return Values(r.jnt_trq_msr()); })
+      .def_prop_ro("n_joints", &Robot::n_joints, "Number of joints of the arm, n.")
+      .def_prop_ro("joint_names", &Robot::joint_names,
+                   "Names of the arm's joints in the model, in chain order.")
+      .def_prop_ro(
+          "joint_limits", [](const Robot& r) { return IntervalArray(r.joint_limits()); },
+          "Joint limits (n, 2), rad or m; infinite for joints without limits."
+          "\n\nExamples:\n"
+          "    >>> robot.joint_limits.shape\n"
+          "    (7, 2)")
+      .def_prop_ro(
+          "jnt_pos_msr", [](const Robot& r) { return Values(r.jnt_pos_msr()); },
+          "Joint positions (n,) at the last update(), rad or m; a copy."
+          "\n\nExamples:\n"
+          "    >>> robot.update()\n"
+          "    >>> robot.jnt_pos_msr.shape\n"
+          "    (7,)")
+      .def_prop_ro(
+          "jnt_vel_msr", [](const Robot& r) { return Values(r.jnt_vel_msr()); },
+          "Joint velocities (n,) at the last update(), rad/s or m/s; a copy.")
+      .def_prop_ro(
+          "jnt_trq_msr", [](const Robot& r) { return Values(r.jnt_trq_msr()); },
+          "Torques of the actuators (n,) at the last update(), Nm or N; a copy.")
       .def(
           "set_joint_pos",
           [](Robot& r, nb::handle q, bool call_forward) {
@@ -371,22 +454,43 @@ void BindRobotClass(nb::module_& m) {
           "Teleports the arm, resets its port and lets its actuators hold it there; velocities "
           "stay. Positions beyond the limits are accepted, and the limits push back, which is "
           "logged once. Without `call_forward` poses are updated on demand, and everything else by "
-          "the next step.")
+          "the next step."
+          "\n\nExamples:\n"
+          "    >>> robot.set_joint_pos([0, 0.25, 0, 1.65, 0, 1.24, 0])")
       .def(
           "fk_frame",
           [](const Robot& r, nb::handle q) {
             return q.is_none() ? r.FkFrame() : r.FkFrame(ToRow(q, "q"));
           },
-          "q"_a = nb::none(), "Returns the pose of the TCP in the robot base frame.")
+          "q"_a = nb::none(),
+          "Returns the pose of the TCP in the robot base frame."
+          "\n\nExamples:\n"
+          "    >>> robot.fk_frame().is_close(robot.base_in_world.inverse() * robot.tcp_in_world)\n"
+          "    True")
       .def(
           "copy_config", [](const Robot& r) { return RobotConfig(r.config()); },
           "Returns a copy of the robot's configuration: that of its file or spec, or an empty one "
           "(name and model at most). Changing the copy changes no robot; build a scene with it.")
-      .def_prop_ro("kinematics", [](const Robot& r) { return Kinematics{r}; })
-      .def_prop_ro("base_in_world", &Robot::base_in_world)
-      .def_prop_ro("tcp_in_world", &Robot::tcp_in_world)
-      .def_prop_ro("reach", &Robot::reach, Unlocked())
-      .def_prop_ro("ft_sensor_names", &Robot::ft_sensor_names)
+      .def_prop_ro(
+          "kinematics", [](const Robot& r) { return Kinematics{r}; },
+          "Kinematics of the arm, single and in batches."
+          "\n\nExamples:\n"
+          "    >>> poses = robot.kinematics.fk(np.zeros((100, 7)))\n"
+          "    >>> poses.shape\n"
+          "    (100, 4, 4)")
+      .def_prop_ro("base_in_world", &Robot::base_in_world,
+                   "Pose of the robot base frame in the world."
+                   "\n\nExamples:\n"
+                   "    >>> robot.base_in_world.translation.shape\n"
+                   "    (3,)")
+      .def_prop_ro("tcp_in_world", &Robot::tcp_in_world,
+                   "Pose of the TCP in the world."
+                   "\n\nExamples:\n"
+                   "    >>> robot.tcp_in_world.translation.shape\n"
+                   "    (3,)")
+      .def_prop_ro("reach", &Robot::reach, Unlocked(),
+                   "Farthest distance of the TCP from the root body, metres.")
+      .def_prop_ro("ft_sensor_names", &Robot::ft_sensor_names, "Names of the force-torque sensors.")
       .def(
           "ft_sensor",
           [](const Robot& r, const std::string& name) { return ToPyKdl(r.ft_sensor(name)); },
@@ -421,7 +525,10 @@ void BindRobotClass(nb::module_& m) {
       .def_prop_ro(
           "chain", [](const Robot& r) { return Chain(r.chain()); },
           "A copy of the arm's present kinematics and dynamics, from the robot base frame to the "
-          "TCP.")
+          "TCP."
+          "\n\nExamples:\n"
+          "    >>> robot.chain.jacobian(robot.jnt_pos_msr).shape\n"
+          "    (6, 7)")
       .def(
           "gravity_torques",
           [](const Robot& r, std::optional<double> gravity_z) {
@@ -433,7 +540,10 @@ void BindRobotClass(nb::module_& m) {
           "gravity_z"_a = nb::none(),
           "Returns the torques (n,) that hold the arm where it is against the scene's gravity, or "
           "against `gravity_z` along the world's z axis, m/s^2. Bodies with gravcomp count less. "
-          "The scene's gravity is zero if its options disable it.")
+          "The scene's gravity is zero if its options disable it."
+          "\n\nExamples:\n"
+          "    >>> robot.gravity_torques().shape\n"
+          "    (7,)")
       .def(
           "gravity_in_base",
           [](const Robot& r, std::optional<double> gravity_z) {
@@ -456,15 +566,21 @@ void BindRobotClass(nb::module_& m) {
            "Returns True if the group has a controller, which `update` runs.")
       .def("__repr__", [](const Robot& r) { return "<Robot '" + r.name() + "'>"; });
   DefControl(robot);
-  m.def("robots_of", &RobotsOf, "scene"_a, Unlocked(), "Returns all configured robots of a scene.");
+  m.def("robots_of", &RobotsOf, "scene"_a, Unlocked(),
+        "Returns all configured robots of a scene."
+        "\n\nExamples:\n"
+        "    >>> [robot.name for robot in rc.robots.robots_of(scene)]\n"
+        "    ['arm']");
 }
 
 void BindStepper(nb::module_& m) {
   nb::class_<StepOutcome>(m, "StepOutcome", "Result of a policy tick.")
-      .def_ro("step", &StepOutcome::step)
-      .def_ro("failed_robot", &StepOutcome::failed_robot)
-      .def_ro("failed_group", &StepOutcome::failed_group)
-      .def_prop_ro("ok", &StepOutcome::ok);
+      .def_ro("step", &StepOutcome::step, "StepResult of the whole policy tick.")
+      .def_ro("failed_robot", &StepOutcome::failed_robot,
+              "First robot whose pose command had no IK solution; \"\" without one. It keeps its "
+              "target.")
+      .def_ro("failed_group", &StepOutcome::failed_group, "The group of that robot.")
+      .def_prop_ro("ok", &StepOutcome::ok, "True if the simulation did not diverge.");
   nb::class_<Stepper> stepper(m, "Stepper",
                               "Drives robots and engine: in each control tick every robot's "
                               "update, then the engine's steps.",
@@ -484,7 +600,7 @@ void BindStepper(nb::module_& m) {
           "scene"_a, "robots"_a, "control_ticks"_a = 33, "sim_steps"_a = 1)
       .def("advance", &Stepper::Advance, "action"_a, nb::call_guard<nb::gil_scoped_release>(),
            "Applies {robot: {group: GroupCommand}} and advances by one policy tick.")
-      .def_prop_ro("policy_ticks", &Stepper::policy_ticks);
+      .def_prop_ro("policy_ticks", &Stepper::policy_ticks, "Number of policy ticks so far.");
 }
 
 }  // namespace

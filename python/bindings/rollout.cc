@@ -36,10 +36,10 @@ struct StopFlag {
 
 void BindItemResult(nb::module_& m) {
   nb::class_<ItemResult>(m, "ItemResult", "Result of one item of a plan.")
-      .def_ro("item", &ItemResult::item)
+      .def_ro("item", &ItemResult::item, "The item of the plan.")
       .def_ro("committed", &ItemResult::committed, "Whether an episode is on the disk.")
       .def_ro("complete", &ItemResult::complete, "Whether nothing of the item is missing.")
-      .def_ro("success", &ItemResult::success)
+      .def_ro("success", &ItemResult::success, "True if an attempt succeeded.")
       .def_ro("stopped", &ItemResult::stopped,
               "Whether the stop flag ended it; nothing was kept then.")
       .def_ro("resumed", &ItemResult::resumed, "Whether it was complete before.")
@@ -57,16 +57,19 @@ void BindItemResult(nb::module_& m) {
               "Reason -> count, of places for objects and robot that were rejected within the "
               "attempts; the sampler tried attempts + these.")
       .def_ro("failures", &ItemResult::failures, "Reason -> count, of failed rollouts.")
-      .def_ro("robot", &ItemResult::robot, "Its name.")
+      .def_ro("robot", &ItemResult::robot, "Name of the robot.")
       .def_ro("object_kind", &ItemResult::object_kind,
               "Kind of the last attempt's target; '' if the sampler does not report it.")
       .def_ro("kinds", &ItemResult::kinds, "Object kind -> attempts.")
       .def_ro("rollouts", &ItemResult::rollouts, "Object kind -> rollouts.")
-      .def_ro("rows", &ItemResult::rows)
-      .def_ro("seconds_sampling", &ItemResult::seconds_sampling)
-      .def_ro("seconds_acting", &ItemResult::seconds_acting)
-      .def_ro("seconds_rendering", &ItemResult::seconds_rendering)
-      .def_ro("seconds_writing", &ItemResult::seconds_writing)
+      .def_ro("rows", &ItemResult::rows, "Number of rows of the episode that was written.")
+      .def_ro("seconds_sampling", &ItemResult::seconds_sampling, "Time for starts, seconds.")
+      .def_ro("seconds_acting", &ItemResult::seconds_acting,
+              "Time of expert, simulation and task, seconds.")
+      .def_ro("seconds_rendering", &ItemResult::seconds_rendering,
+              "Time for images and for waiting on encoders, seconds.")
+      .def_ro("seconds_writing", &ItemResult::seconds_writing,
+              "Time for writing rows and committing, seconds.")
       .def("__repr__", [](const ItemResult& r) {
         const char* end = r.stopped     ? "stopped"
                           : r.success   ? "success"
@@ -82,22 +85,22 @@ void BindReplay(nb::module_& m) {
                                "A difference between a replay and its record.")
       .def_ro("row", &ReplayDifference::row, "Row of the table steps.")
       .def_ro("tick", &ReplayDifference::tick, "Row of the table control.")
-      .def_ro("time", &ReplayDifference::time, "Recorded, s.")
+      .def_ro("time", &ReplayDifference::time, "Recorded time, seconds.")
       .def_ro("what", &ReplayDifference::what,
               "Description: joint 'robot_0/joint3' of rc7/arm, object 'target' z.")
       .def_ro("column", &ReplayDifference::column, "The recorded column.")
-      .def_ro("recorded", &ReplayDifference::recorded)
-      .def_ro("replayed", &ReplayDifference::replayed)
-      .def_ro("units", &ReplayDifference::units)
+      .def_ro("recorded", &ReplayDifference::recorded, "The recorded value, in `units`.")
+      .def_ro("replayed", &ReplayDifference::replayed, "The value of the replay, in `units`.")
+      .def_ro("units", &ReplayDifference::units, "Unit of both values.")
       .def_ro("others", &ReplayDifference::others,
               "Number of further values of the row that differ.");
   nb::class_<ReplayResult>(m, "ReplayResult", "Result of replaying an episode.")
-      .def_ro("episode", &ReplayResult::episode)
+      .def_ro("episode", &ReplayResult::episode, "Id of the episode.")
       .def_ro("rows", &ReplayResult::rows, "Number of rows without a difference.")
       .def_ro("ticks", &ReplayResult::ticks, "The same for the control table.")
       .def_ro("first", &ReplayResult::first, "The first difference, or None.")
       .def_ro("versions", &ReplayResult::versions, "Versions that changed since, or ''.")
-      .def_prop_ro("ok", &ReplayResult::ok)
+      .def_prop_ro("ok", &ReplayResult::ok, "True if nothing differs.")
       .def("__str__", &ReplayResult::Text)
       .def("__repr__", [](const ReplayResult& r) { return "<ReplayResult " + r.Text() + ">"; });
   m.def("recorded_scene", &RecordedScene, "episode"_a, nb::call_guard<nb::gil_scoped_release>(),
@@ -184,13 +187,16 @@ PyType_Slot runner_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&PythonRu
 
 void BindRollout(nb::module_& m) {
   nb::class_<PlanItem>(m, "PlanItem", "One episode of a plan.")
-      .def_ro("index", &PlanItem::index, "In the plan.")
-      .def_ro("scene", &PlanItem::scene)
-      .def_ro("episode", &PlanItem::episode, "In its scene.")
+      .def_ro("index", &PlanItem::index, "Place in the plan.")
+      .def_ro("scene", &PlanItem::scene, "Number of the scene in the source.")
+      .def_ro("episode", &PlanItem::episode, "Number of the episode in its scene.")
       .def_ro("id", &PlanItem::id, "Name of the episode's folder.")
       .def("__repr__", [](const PlanItem& item) { return "<PlanItem " + item.id + ">"; });
   m.def("make_plan", &MakePlan, "run"_a,
-        "Returns the episodes of a run: the same file gives the same plan and the same seeds.");
+        "Returns the episodes of a run: the same file gives the same plan and the same seeds."
+        "\n\nExamples:\n"
+        "    >>> rc.generate.make_plan(run)[0].id\n"
+        "    's0000_e0000'");
   m.def("shard_plan", &Shard, "plan"_a, "shard"_a, "count"_a,
         "Returns the items of shard `shard` of `count`.");
   m.def("changed_code", &ChangedCode, "dataset"_a, "run"_a,
@@ -232,12 +238,20 @@ void BindRollout(nb::module_& m) {
         "Returns True if an item's episode is on the disk.");
   nb::class_<StopFlag>(m, "StopFlag", "Asks a running Runner to stop at the next action.")
       .def(nb::init<>())
-      .def("set", [](StopFlag& flag) { flag.value = true; })
-      .def_prop_ro("is_set", [](const StopFlag& flag) { return flag.value.load(); });
+      .def(
+          "set", [](StopFlag& flag) { flag.value = true; },
+          "Ends the run after its present control tick.")
+      .def_prop_ro(
+          "is_set", [](const StopFlag& flag) { return flag.value.load(); }, "True after set().");
   BindItemResult(m);
   BindReplay(m);
   nb::class_<PythonRunner>(m, "Runner",
-                           "Makes the episodes of a plan in this process, one after the other.",
+                           "Makes the episodes of a plan in this process, one after the other."
+                           "\n\nExamples:\n"
+                           "    >>> rc.generate.prepare_dataset(run)\n"
+                           "    >>> runner = rc.generate.Runner(run)\n"
+                           "    >>> runner.run(rc.generate.make_plan(run)[0]).success\n"
+                           "    True",
                            nb::type_slots(runner_slots))
       .def(
           "__init__",

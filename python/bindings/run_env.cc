@@ -81,10 +81,12 @@ void BindRunEnv(nb::module_& m) {
            "terminated, truncated, info).")
       .def_prop_ro(
           "observed", [](const RunEnv& env) { return FeatureList(env.observed()); },
-          nb::sig("def observed(self) -> list[Feature]"))
+          nb::sig("def observed(self) -> list[Feature]"),
+          "Features that are observed, by their names in the dataset.")
       .def_prop_ro(
           "commanded", [](const RunEnv& env) { return FeatureList(env.commanded()); },
-          nb::sig("def commanded(self) -> list[Feature]"))
+          nb::sig("def commanded(self) -> list[Feature]"),
+          "Features of the actions, by their names in the dataset.")
       .def_prop_ro(
           "instruction", [](const RunEnv& env) { return env.start().task->instruction(); },
           "The instruction of this episode, in words.")

@@ -59,11 +59,15 @@ void BindStart(nb::module_& m) {
                   "None"),
           "`target_object`: its name in the scene; `object_kinds`: names in the catalogue, the "
           "target's first.")
-      .def_ro("scene", &EpisodeStart::scene, nb::rv_policy::copy)
-      .def_ro("task", &EpisodeStart::task)
-      .def_ro("target_object", &EpisodeStart::target_object)
-      .def_ro("object_kinds", &EpisodeStart::object_kinds)
-      .def_ro("base_in_world", &EpisodeStart::base_in_world)
+      .def_ro("scene", &EpisodeStart::scene, nb::rv_policy::copy,
+              "The built scene at its start state.")
+      .def_ro("task", &EpisodeStart::task, "The task of the episode.")
+      .def_ro("target_object", &EpisodeStart::target_object,
+              "Name of the target in the scene; \"\" without one.")
+      .def_ro("object_kinds", &EpisodeStart::object_kinds,
+              "Names of the objects in the catalogue, the target's first.")
+      .def_ro("base_in_world", &EpisodeStart::base_in_world,
+              "Pose of the robot's base in the world.")
       .def_rw("redrawn", &EpisodeStart::redrawn,
               "Reason -> count, of places that were tried and rejected.");
 }
@@ -93,8 +97,8 @@ void BindRefusal(nb::module_& m) {
           "reason"_a, "detail"_a = "",
           "`reason`: a few words, one of RefusalReason or of your own, by which refusals are "
           "counted; `detail`: a text for people.")
-      .def_ro("reason", &Refusal::reason)
-      .def_ro("detail", &Refusal::detail, "For reading.")
+      .def_ro("reason", &Refusal::reason, "A few words by which refusals are counted.")
+      .def_ro("detail", &Refusal::detail, "Details, as a text for people.")
       .def_ro("stage", &Refusal::stage,
               "Stage that refused: objects, task, base, cameras or settling; '' for a sampler "
               "without stages. Refusals are counted as 'stage: reason'.")
@@ -177,7 +181,8 @@ void BindSampler(nb::module_& m) {
             });
           },
           "request"_a, "rng"_a,
-          nb::sig("def sample(self, request: SampleRequest, rng: Rng) -> EpisodeStart | Refusal"));
+          nb::sig("def sample(self, request: SampleRequest, rng: Rng) -> EpisodeStart | Refusal"),
+          "Returns a start, or a Refusal with its reason.");
 }
 
 }  // namespace robocell::python

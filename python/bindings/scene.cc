@@ -118,8 +118,10 @@ void BindStepResult(nb::module_& m) {
   nb::class_<StepResult>(
       m, "StepResult",
       "Result of engine steps. True if they did not diverge; divergence raises no exception.")
-      .def_prop_ro("ok", &StepResult::ok)
-      .def_prop_ro("diverged", [](const StepResult& r) { return !r.ok(); })
+      .def_prop_ro("ok", &StepResult::ok, "True if no step diverged.")
+      .def_prop_ro(
+          "diverged", [](const StepResult& r) { return !r.ok(); },
+          "True if a step diverged; `message` describes how.")
       .def_ro("steps", &StepResult::steps, "Number of engine steps made, including a diverged one.")
       .def_ro("time", &StepResult::time, "Simulated seconds after the last good step.")
       .def_ro("joint", &StepResult::joint, "Id of the first joint that diverged, else -1.")
@@ -245,8 +247,8 @@ void BindRecords(nb::module_& m) {
   nb::class_<ObjectRecord>(
       m, "ObjectRecord",
       "An object of a SceneSpec in the compiled model. Names are full names in the model.")
-      .def_ro("name", &ObjectRecord::name)
-      .def_ro("root_body", &ObjectRecord::root_body)
+      .def_ro("name", &ObjectRecord::name, "Name of the object, as in SceneSpec.objects.")
+      .def_ro("root_body", &ObjectRecord::root_body, "The root body of the object.")
       .def_ro("free_joint", &ObjectRecord::free_joint, "The free joint; None for a fixed object.")
       .def_prop_ro(
           "parked",
@@ -269,7 +271,7 @@ void BindCompiled(nb::module_& m) {
           "read-only. Changes of an earlier scene to its pool and control modes are undone; raises "
           "Error while a scene lives that changed these.\n\nmujoco's scalars (model.opt.timestep) "
           "and access by name (model.geom('g').rgba) cannot be locked; do not write to them.")
-      .def_prop_ro("frozen", &CompiledScene::frozen)
+      .def_prop_ro("frozen", &CompiledScene::frozen, "True after freeze().")
       .def_prop_ro("model", &ModelOf, nb::sig("def model(self, /) -> mujoco.MjModel"),
                    "The mujoco.MjModel, shared without a copy.")
       .def_prop_ro("warnings", &CompiledScene::warnings,
@@ -304,19 +306,38 @@ void BindCompiled(nb::module_& m) {
         "Compiles a scene once, for several Scene.from_compiled. Raises SpecError, NotFoundError "
         "and EngineError as Scene.build.\n\ncache: keeps the compiled scene on disk, so that the "
         "next process with the same spec, files and versions reads it in milliseconds. A folder, "
-        "or True for ROBOCELL_CACHE_DIR/scenes, else ~/.cache/robocell/scenes.");
+        "or True for ROBOCELL_CACHE_DIR/scenes, else ~/.cache/robocell/scenes."
+        "\n\nExamples:\n"
+        "    >>> compiled = rc.scene.compile_scene(spec)\n"
+        "    >>> compiled.freeze()\n"
+        "    >>> scenes = [rc.Scene.from_compiled(compiled) for _ in range(4)]");
 }
 
 void DefStepping(nb::class_<Scene>& c) {
-  c.def("time", &Scene::time, "Returns the simulated time, seconds.")
-      .def("timestep", &Scene::timestep, "Returns the timestep of the engine, seconds.")
+  c.def("time", &Scene::time,
+        "Returns the simulated time, seconds."
+        "\n\nExamples:\n"
+        "    >>> scene.time()\n"
+        "    0.0")
+      .def("timestep", &Scene::timestep,
+           "Returns the timestep of the engine, seconds."
+           "\n\nExamples:\n"
+           "    >>> scene.timestep()\n"
+           "    0.002")
       .def("keyframes", &Scene::keyframes,
            "Returns the names of the scene's keyframes by their numbers: 'home', then those of the "
            "parts' models, each with its part's prefix.")
-      .def("step", &Scene::Step, Unlocked(), "Makes one engine step.")
+      .def("step", &Scene::Step, Unlocked(),
+           "Makes one engine step."
+           "\n\nExamples:\n"
+           "    >>> scene.step().ok\n"
+           "    True")
       .def("step_n", &StepN, nb::arg("n"), Unlocked(),
            "Makes n engine steps. Ends early if the state diverges, and at Ctrl-C. Raises "
-           "ArgumentError for a negative n.")
+           "ArgumentError for a negative n."
+           "\n\nExamples:\n"
+           "    >>> scene.step_n(500).diverged\n"
+           "    False")
       .def("forward", &Scene::Forward, Unlocked(),
            "Recomputes everything that follows from qpos, qvel and ctrl. Call it after writing to "
            "`data`, and after writing to `model` to update poses and `robot.chain`.")
@@ -332,7 +353,11 @@ void DefStepping(nb::class_<Scene>& c) {
            "hooks, clears stale forces.\n\nkeyframe: a number, a full name, or {robot or object: "
            "keyframe of its own model} (see `keyframes()`). The trajectory after a reset does not "
            "depend on anything before. An exception of a hook is raised after the reset ended as "
-           "if there were no hooks; reset() in a hook is an Error.")
+           "if there were no hooks; reset() in a hook is an Error."
+           "\n\nExamples:\n"
+           "    >>> info = scene.reset()\n"
+           "    >>> scene.time()\n"
+           "    0.0")
       .def(
           "on_reset",
           [](Scene& s, nb::callable hook) {
@@ -393,19 +418,39 @@ void DefObjects(nb::class_<Scene>& c) {
        "leaves the scene as it was.\n\nObjects of the pool (`parked` is set in the spec) are added "
        "and removed within microseconds; nothing is compiled, and `model` and `data` stay. Give a "
        "name, with the pose of the root body in the world (a Pose, or position and quaternion "
-       "xyzw) unless it is the spec's, or a SceneObject. A reset restores the pool of the spec.")
+       "xyzw) unless it is the spec's, or a SceneObject. A reset restores the pool of the spec."
+       "\n\nExamples:\n"
+       "    >>> scene.add_object(rc.SceneObject(name=\"nut\", mjcf_path=\"nut\", pos=[0.4, 0.2, "
+       "0.05]))\n"
+       "    >>> scene.object_names\n"
+       "    ['cube', 'nut']")
       .def("remove_object", &Scene::RemoveObject, nb::arg("name"), Unlocked(),
            "Removes an object, as add_object adds one. NotFoundError lists the objects; "
-           "ArgumentError names what is attached to it.")
-      .def_prop_ro("object_names", &Scene::object_names, "Names of the objects in the scene.")
+           "ArgumentError names what is attached to it."
+           "\n\nExamples:\n"
+           "    >>> scene.remove_object(\"cube\")\n"
+           "    >>> scene.object_names\n"
+           "    []")
+      .def_prop_ro("object_names", &Scene::object_names,
+                   "Names of the objects in the scene."
+                   "\n\nExamples:\n"
+                   "    >>> scene.object_names\n"
+                   "    ['cube']")
       .def_prop_ro("parked_objects", &Scene::parked_objects,
                    "Names of the objects of the pool that are not in the scene.");
 }
 
 void DefFrames(nb::class_<Scene>& c) {
-  c.def("body_pose", &Scene::body_pose, nb::arg("name"), "Returns the pose of a body in the world.")
+  c.def("body_pose", &Scene::body_pose, nb::arg("name"),
+        "Returns the pose of a body in the world."
+        "\n\nExamples:\n"
+        "    >>> scene.body_pose(\"cube\").translation\n"
+        "    array([0.5 , 0.  , 0.02])")
       .def("site_pose", &Scene::site_pose, nb::arg("name"),
-           "Returns the pose of a site in the world.")
+           "Returns the pose of a site in the world."
+           "\n\nExamples:\n"
+           "    >>> scene.site_pose(\"tcp\").translation.shape\n"
+           "    (3,)")
       .def("camera_pose", &Scene::camera_pose, nb::arg("name"),
            "Returns the pose of a camera in the world, in MuJoCo's axes: x right, y up, looking "
            "along -z.")
@@ -426,19 +471,39 @@ void DefFrames(nb::class_<Scene>& c) {
           nb::sig("def set_body_pose(self, name: str, pos: Pose | numpy.typing.ArrayLike, quat: "
                   "numpy.typing.ArrayLike | None = None) -> None"),
           "Moves a free or mocap body (a Pose or PyKDL.Frame, or position and quaternion xyzw) and "
-          "stops it.")
-      .def_prop_ro("root_frame_to_world", &Scene::root_frame_to_world)
-      .def_prop_ro("shared_base_frame_to_world", &Scene::shared_base_frame_to_world)
-      .def("body_names", &Scene::body_names)
-      .def("joint_names", &Scene::joint_names)
-      .def("camera_names", &Scene::camera_names)
+          "stops it."
+          "\n\nExamples:\n"
+          "    >>> scene.set_body_pose(\"cube\", rc.Pose(translation=[0.4, 0.1, 0.02]))")
+      .def_prop_ro("root_frame_to_world", &Scene::root_frame_to_world,
+                   "Pose of the root frame, that of the rig, in the world.")
+      .def_prop_ro("shared_base_frame_to_world", &Scene::shared_base_frame_to_world,
+                   "Pose of the shared base frame in the world.")
+      .def("body_names", &Scene::body_names,
+           "Returns the names of all bodies."
+           "\n\nExamples:\n"
+           "    >>> \"cube\" in scene.body_names()\n"
+           "    True")
+      .def("joint_names", &Scene::joint_names,
+           "Returns the names of all joints."
+           "\n\nExamples:\n"
+           "    >>> scene.joint_names()[:2]\n"
+           "    ['cube_joint', 'joint1']")
+      .def("camera_names", &Scene::camera_names,
+           "Returns the names of all cameras."
+           "\n\nExamples:\n"
+           "    >>> scene.camera_names()\n"
+           "    ['exo_camera', 'wrist_camera']")
       .def("joint_pos", &Scene::joint_pos, nb::arg("name"),
            "Returns the position of any hinge (rad) or slide (m) in the scene. Raises "
-           "ArgumentError for free and ball joints.");
+           "ArgumentError for free and ball joints."
+           "\n\nExamples:\n"
+           "    >>> scene.joint_pos(\"joint1\")\n"
+           "    0.0");
 }
 
 void DefActuation(nb::class_<Scene>& c) {
-  c.def("has_actuator", &Scene::has_actuator, nb::arg("name"))
+  c.def("has_actuator", &Scene::has_actuator, nb::arg("name"),
+        "Returns True if there is an actuator of this name.")
       .def("actuator_ctrl", &Scene::actuator_ctrl, nb::arg("name"),
            "Returns the raw control value. ArgumentError for an actuator of several inputs says "
            "where its controls are in `data.ctrl`.")
@@ -453,11 +518,23 @@ void DefActuation(nb::class_<Scene>& c) {
            "for the world and for parked objects.")
       .def("contacts", &Scene::contacts, nb::arg("of") = "",
            "Returns active contacts, or those of one body's subtree, of the last step or "
-           "forward(). The poses that other functions return are one step newer.")
+           "forward(). The poses that other functions return are one step newer."
+           "\n\nExamples:\n"
+           "    >>> [scene.step_n(10) for _ in range(10)][-1].ok\n"
+           "    True\n"
+           "    >>> scene.contacts(\"cube\")[0].distance < 0.001\n"
+           "    True")
       .def(
           "state", [](const Scene& s) { return NumberCopy(s.state()); },
           nb::sig("def state(self) -> numpy.typing.NDArray[numpy.float64]"),
-          "Returns a copy of everything that the engine needs to continue to the bit.")
+          "Returns a copy of everything that the engine needs to continue to the bit."
+          "\n\nExamples:\n"
+          "    >>> saved = scene.state()\n"
+          "    >>> scene.step_n(100).ok\n"
+          "    True\n"
+          "    >>> scene.set_state(saved)\n"
+          "    >>> scene.time()\n"
+          "    0.0")
       .def(
           "set_state",
           [](Scene& s, nb::handle state) { s.SetState(Numbers(state, FieldPath("state"))); },
@@ -470,11 +547,19 @@ void DefSharing(nb::class_<Scene>& c) {
   c.def_prop_ro(
        "model", [](const Scene& s) { return ModelOf(*s.compiled()); },
        nb::sig("def model(self, /) -> mujoco.MjModel"),
-       "The simulated mujoco.MjModel, not a copy. Call forward() after writing to it.")
+       "The simulated mujoco.MjModel, not a copy. Call forward() after writing to it."
+       "\n\nExamples:\n"
+       "    >>> scene.model.nq\n"
+       "    16")
       .def_prop_ro("data", &DataOf, nb::sig("def data(self, /) -> mujoco.MjData"),
                    "The simulated mujoco.MjData, not a copy. If you keep it after the scene was "
-                   "rebuilt or closed, it is the old data. Call forward() after writing to it.")
-      .def_prop_ro("compiled", [](const Scene& s) { return s.compiled(); })
+                   "rebuilt or closed, it is the old data. Call forward() after writing to it."
+                   "\n\nExamples:\n"
+                   "    >>> scene.data.qpos.shape\n"
+                   "    (16,)")
+      .def_prop_ro(
+          "compiled", [](const Scene& s) { return s.compiled(); },
+          "The CompiledScene that the scene runs at present.")
       .def_prop_ro(
           "spec",
           [](const Scene&) -> nb::object {
@@ -488,8 +573,11 @@ void DefSharing(nb::class_<Scene>& c) {
       .def(
           "copy_spec", [](const Scene& s) { return SceneSpec(s.spec()); },
           "Returns a copy of the scene's spec, with the objects added and removed since. Changing "
-          "the copy changes no scene; build a new one with Scene.build.")
-      .def_prop_ro("name", [](const Scene& s) { return s.name(); })
+          "the copy changes no scene; build a new one with Scene.build."
+          "\n\nExamples:\n"
+          "    >>> other = rc.Scene.build(scene.copy_spec())")
+      .def_prop_ro(
+          "name", [](const Scene& s) { return s.name(); }, "Name of the scene in messages.")
       .def_prop_ro(
           "warnings", [](const Scene& s) { return s.compiled()->warnings(); },
           "Requests of the parts that were not met, and the engine's warnings.")
@@ -514,7 +602,10 @@ void DefRobots(nb::class_<Scene>& c) {
   c.def(
        "robot", [](const Scene& s, const std::string& name) { return Robot::Of(s, name); },
        nb::arg("name"), Unlocked(), nb::sig("def robot(self, name: str) -> Robot"),
-       "Returns a configured robot by its name; NotFoundError lists the robots.")
+       "Returns a configured robot by its name; NotFoundError lists the robots."
+       "\n\nExamples:\n"
+       "    >>> scene.robot(\"arm\").arm.nq\n"
+       "    7")
       .def_prop_ro(
           "robots", [](const Scene& s) { return RobotsOf(s); }, Unlocked(),
           nb::sig("def robots(self, /) -> list[Robot]"),
@@ -537,7 +628,13 @@ void BindScene(nb::module_& m) {
       "any of them.\n\nPoses are world poses; metres, seconds, radians, quaternions xyzw. One "
       "thread at a time uses a scene with its robots, renderers and everything else that belongs "
       "to it; a second thread gets an Error during a call. Raises NotFoundError for unknown names "
-      "and ClosedError after close().",
+      "and ClosedError after close()."
+      "\n\nExamples:\n"
+      "    >>> scene = rc.Scene.build(spec)\n"
+      "    >>> scene.step_n(500)\n"
+      "    <StepResult ok, t=1 s>\n"
+      "    >>> round(scene.time(), 3)\n"
+      "    1.0",
       nb::type_slots(kHandleSlots<Scene, &VisitScene>), nb::is_weak_referenceable());
   // By a call that every scene that is open answers.
   GuardHandle<Scene>(
@@ -547,7 +644,11 @@ void BindScene(nb::module_& m) {
        .closed = {"close", "closed", "__exit__"}});
   c.def_static("build", &Build, nb::arg("spec"),
                "Compiles a SceneSpec and resets the scene. SpecError lists all problems of the "
-               "spec; EngineError has the engine's message.");
+               "spec; EngineError has the engine's message."
+               "\n\nExamples:\n"
+               "    >>> with rc.Scene.build(spec) as scene:\n"
+               "    ...     print(scene.object_names)\n"
+               "    ['cube']");
   c.def_static("from_compiled", &FromCompiled, nb::arg("compiled"),
                "Makes a simulation on a compiled model. Raises Error if another scene uses the "
                "model and it is not frozen.");
@@ -558,7 +659,7 @@ void BindScene(nb::module_& m) {
   DefSharing(c);
   DefRobots(c);
   c.def("close", &Scene::Close, "Frees model and data now. Calling it is optional.")
-      .def_prop_ro("closed", &Scene::closed)
+      .def_prop_ro("closed", &Scene::closed, "True after close().")
       .def(nb::self == nb::self, "Handles to the same simulation are equal.")
       .def("__hash__", [](const Scene& s) { return s.id(); })
       .def("__enter__", [](nb::handle_t<Scene> self) { return nb::borrow(self); })

@@ -58,10 +58,10 @@ void BindSupportFace(nb::module_& m) {
             new (self) SupportFace{face, body, free_area, room};
           },
           "face"_a, "body"_a = "", "free_area"_a = 0.0, "room"_a = "")
-      .def_ro("face", &SupportFace::face)
-      .def_ro("body", &SupportFace::body)
+      .def_ro("face", &SupportFace::face, "The rectangle, a Support.")
+      .def_ro("body", &SupportFace::body, "The body that the face belongs to.")
       .def_ro("free_area", &SupportFace::free_area, "Area with free space above it, square metres.")
-      .def_ro("room", &SupportFace::room);
+      .def_ro("room", &SupportFace::room, "Name of its room; \"\" outside houses.");
 }
 
 void BindContainer(nb::module_& m) {
@@ -74,14 +74,14 @@ void BindContainer(nb::module_& m) {
        },
        "body"_a, "frame_to_world"_a, "half_extents"_a, "opening"_a = Vec3{0, 0, 1},
        "moved_by"_a = "", "room"_a = "")
-      .def_ro("body", &Container::body)
+      .def_ro("body", &Container::body, "The body that has the hollow.")
       .def_ro("frame_to_world", &Container::frame_to_world, "Pose of the middle of the hollow.")
       .def_prop_ro(
           "half_extents", [](const Container& value) { return value.half_extents; },
           "Size of the hollow along the axes of its frame, metres.",
           nb::sig("def half_extents(self) -> list[float]"))
       .def_ro("moved_by", &Container::moved_by, "The joint of a drawer; '' for a fixed hollow.")
-      .def_ro("room", &Container::room);
+      .def_ro("room", &Container::room, "Name of its room; \"\" outside houses.");
   DefVector(c, "opening", &Container::opening, "Direction out of the hollow, in the world.");
 }
 
@@ -103,16 +103,16 @@ void BindArticulation(nb::module_& m) {
        "joint"_a, "body"_a, "kind"_a = ArticulationKind::kHinge, "range"_a = Vec2{0, 0},
        "start"_a = 0.0, "axis"_a = Vec3{0, 0, 1}, "anchor"_a = Vec3{0, 0, 0},
        "handle_geoms"_a = std::vector<std::string>())
-      .def_ro("joint", &Articulation::joint)
-      .def_ro("body", &Articulation::body, "That it moves.")
-      .def_ro("kind", &Articulation::kind)
+      .def_ro("joint", &Articulation::joint, "Name of the joint.")
+      .def_ro("body", &Articulation::body, "The body that the joint moves.")
+      .def_ro("kind", &Articulation::kind, "HINGE or SLIDE.")
       .def_prop_ro(
           "range", [](const Articulation& value) { return value.range; },
           "Limits of its value, rad or m; infinite without limits.",
           nb::sig("def range(self) -> list[float]"))
       .def_ro("start", &Articulation::start, "Its value in the scene as compiled.")
       .def_ro("handle_geoms", &Articulation::handle_geoms, "Geoms that open it; empty if unknown.");
-  DefVector(c, "axis", &Articulation::axis, "In the world.");
+  DefVector(c, "axis", &Articulation::axis, "Axis of the joint, in the world.");
   DefVector(c, "anchor", &Articulation::anchor, "A point of the axis, in the world.");
 }
 
@@ -125,11 +125,11 @@ void BindRooms(nb::module_& m) {
             new (self) Room{name, category, outline, floor_height};
           },
           "name"_a, "category"_a = "", "outline"_a = std::vector<Vec2>(), "floor_height"_a = 0.0)
-      .def_ro("name", &Room::name)
-      .def_ro("category", &Room::category, "'kitchen'")
+      .def_ro("name", &Room::name, "Name of the room.")
+      .def_ro("category", &Room::category, "Category, such as 'kitchen'.")
       .def_ro("outline", &Room::outline,
               "Corners of the room on the floor, counter-clockwise, in the world.")
-      .def_ro("floor_height", &Room::floor_height, "Metres.");
+      .def_ro("floor_height", &Room::floor_height, "Height of the floor, metres.");
   nb::class_<FloorArea>(m, "FloorArea", "A free level rectangle of the floor.")
       .def(
           "__init__",
@@ -141,7 +141,7 @@ void BindRooms(nb::module_& m) {
       .def_ro("frame_to_world", &FloorArea::frame_to_world, "Pose of its middle, z up.")
       .def_ro("half_x", &FloorArea::half_x, "Half extent along its x axis, metres.")
       .def_ro("half_y", &FloorArea::half_y, "Half extent along its y axis, metres.")
-      .def_ro("room", &FloorArea::room)
+      .def_ro("room", &FloorArea::room, "Name of its room; \"\" outside houses.")
       .def_ro("floor", &FloorArea::floor,
               "The geom of the floor, or its body when the geom has no name.");
 }
@@ -156,9 +156,9 @@ void BindWords(nb::module_& m) {
           },
           "object"_a, "category"_a = "", "words"_a = std::vector<std::string>(), "room"_a = "")
       .def_ro("object", &ObjectWords::object, "Its name in the scene.")
-      .def_ro("category", &ObjectWords::category, "'mug'")
+      .def_ro("category", &ObjectWords::category, "Category, such as 'mug'.")
       .def_ro("words", &ObjectWords::words, "Words for instructions: 'the blue cup'.")
-      .def_ro("room", &ObjectWords::room);
+      .def_ro("room", &ObjectWords::room, "Name of its room; \"\" outside houses.");
   nb::class_<SceneLight> light(m, "SceneLight", "A light of a scene.");
   light
       .def(
@@ -169,10 +169,10 @@ void BindWords(nb::module_& m) {
           },
           "name"_a = "", "position"_a = Vec3{0, 0, 0}, "direction"_a = Vec3{0, 0, -1},
           "directional"_a = false)
-      .def_ro("name", &SceneLight::name)
-      .def_ro("directional", &SceneLight::directional);
+      .def_ro("name", &SceneLight::name, "Name of the light; \"\" without one.")
+      .def_ro("directional", &SceneLight::directional, "True for parallel light, as of the sun.");
   DefVector(light, "position", &SceneLight::position, "Position in the world, metres.");
-  DefVector(light, "direction", &SceneLight::direction, "In the world.");
+  DefVector(light, "direction", &SceneLight::direction, "Direction of the light, in the world.");
 }
 
 void BindRelations(nb::module_& m) {
@@ -183,7 +183,11 @@ void BindRelations(nb::module_& m) {
       "on_top_of: it touches the reference from above. inside: its middle is over a hollow of the "
       "reference and it reaches below the rim. next_to: at most most_gap metres are free between "
       "them, and it is neither on nor in it. Names are those of objects and bodies. NotFoundError "
-      "for unknown names, ArgumentError for a reference without a hollow or a shape that collides.",
+      "for unknown names, ArgumentError for a reference without a hollow or a shape that collides."
+      "\n\nExamples:\n"
+      "    >>> near = rc.scenes.SpatialRelation(scene, \"cube\", \"next_to\", \"base_link\")\n"
+      "    >>> near.holds()\n"
+      "    False",
       nb::type_slots(kHandleSlots<SpatialRelation>))
       .def(
           "__init__",
@@ -234,13 +238,13 @@ void BindAnnotations(nb::module_& m) {
       .def_ro("supports", &A::supports, "Faces to put objects on.")
       .def_ro("containers", &A::containers, "Hollows to put objects into.")
       .def_ro("articulations", &A::articulations, "Doors, drawers, lids, knobs.")
-      .def_ro("rooms", &A::rooms)
+      .def_ro("rooms", &A::rooms, "Rooms of a house; empty for other scenes.")
       .def_ro("free_floor", &A::free_floor, "Free floor of all levels.")
       .def("free_floor_of", &FreeFloorOf, "name"_a,
            "Returns the free areas of one floor, by the name of the floor or of a room, largest "
            "first. NotFoundError lists the names.")
       .def_ro("objects", &A::objects, "Names of the objects.")
-      .def_ro("lights", &A::lights);
+      .def_ro("lights", &A::lights, "Lights of the scene.");
   m.def("derive_annotations", &DeriveAnnotations, "spec"_a,
         nb::call_guard<nb::gil_scoped_release>(),
         "Derives annotations from the geometry of a SceneSpec, which is compiled: level faces, "

@@ -16,7 +16,12 @@ void BindEnvSpecs(nb::module_& m) {
   BindSpecClass<SimSettings>(m, "Settings of an environment's simulation.");
   BindSpecClass<WrapperConfig>(m, "Wrappers of the robots' actions and observations.");
   auto env = BindSpecClass<EnvConfig>(
-      m, "A cell of one or several robots as an environment: robots, frames, objects, cameras.");
+      m,
+      "A cell of one or several robots as an environment: robots, frames, objects, cameras."
+      "\n\nExamples:\n"
+      "    >>> cell = rc.EnvConfig.load(rc.models.cell_file(\"rc7\"))\n"
+      "    >>> cell.control_mode = \"cartesian_tquat\"\n"
+      "    >>> env = rc.Env(cell)");
   DefYamlFile(env);
 }
 

@@ -23,10 +23,23 @@ void BindRobotSpecs(nb::module_& m) {
   BindSpecClass<ToolFrameSpec>(m, "The tool frame of a robot.");
   auto camera = BindSpecClass<CameraSpec>(
       m,
-      "A camera added to a scene or robot. MuJoCo's camera axes: x right, y up, looking along -z.");
+      "A camera added to a scene or robot. MuJoCo's camera axes: x right, y up, looking along -z."
+      "\n\nExamples:\n"
+      "    >>> spec.cameras.append(rc.render.CameraSpec(name=\"above\", pos=[0.5, 0, 1.5], "
+      "fovy=60))\n"
+      "    >>> \"above\" in rc.Scene.build(spec).camera_names()\n"
+      "    True");
   DefYamlFile(camera);
   auto config = BindSpecClass<RobotConfig>(
-      m, "The configuration of a robot: model, move groups, home, base. Usually a YAML file.");
+      m,
+      "The configuration of a robot: model, move groups, home, base. Usually a YAML file."
+      "\n\nExamples:\n"
+      "    >>> config = rc.RobotConfig.load(rc.models.robot_file(\"rc7\"))\n"
+      "    >>> list(config.move_groups)\n"
+      "    ['arm', 'gripper']\n"
+      "    >>> config.home[\"arm\"] = [0, 0.25, 0, 1.65, 0, 1.24, 0]\n"
+      "    >>> config.edits.append(rc.robots.Edit(body=\"hand\", add_camera=\"palm\", pos=[0, 0, "
+      "0.05]))");
   config.def_prop_ro(
       "source_dir", [](const RobotConfig& c) { return c.source_dir; },
       "Folder of the robot file, which its relative paths start at; '' without one.");
@@ -41,7 +54,12 @@ void BindRobotSpecs(nb::module_& m) {
       nb::sig("def used_modes(self) -> list[CtrlMode]"),
       "Returns the modes that its `control` needs, including position: what a scene must declare "
       "(RobotSpec.control_modes) without switching.");
-  auto robot = BindSpecClass<RobotSpec>(m, "A robot in a scene, with its name and place.");
+  auto robot = BindSpecClass<RobotSpec>(m,
+                                        "A robot in a scene, with its name and place."
+                                        "\n\nExamples:\n"
+                                        "    >>> left = rc.RobotSpec(name=\"left\", config=config, "
+                                        "prefix=\"left_\", pos=[0, 0.5, 0])\n"
+                                        "    >>> spec.robots.append(left)");
   DefYamlFile(robot);
 }
 

@@ -29,7 +29,12 @@ void BindRunSpecs(nb::module_& m) {
           nb::sig("def policy_rate(self) -> tuple[int, int]"),
           "Actions and rows per second, exact: numerator and denominator.");
   auto run = BindSpecClass<RunConfig>(
-      m, "A run that generates episodes: robot, task, scenes, cameras, rates.");
+      m,
+      "A run that generates episodes: robot, task, scenes, cameras, rates."
+      "\n\nExamples:\n"
+      "    >>> run = rc.RunConfig.load(\"examples/demo.yaml\", [\"episodes=2\", \"workers=1\"])\n"
+      "    >>> run.episodes\n"
+      "    2");
   DefYamlFile(run);
   run.def_prop_ro(
       "source_dir", [](const RunConfig& r) { return r.source_dir; },

@@ -125,7 +125,11 @@ nb::object MemoryArray(std::span<const double> memory) { return NumberCopy(memor
 namespace {
 
 void BindTaskParts(nb::module_& m) {
-  nb::class_<TaskVerdict>(m, "TaskVerdict", "A task's judgement of a state.")
+  nb::class_<TaskVerdict>(m, "TaskVerdict",
+                          "A task's judgement of a state."
+                          "\n\nExamples:\n"
+                          "    >>> rc.tasks.TaskVerdict(reward=0.5, success=False)\n"
+                          "    TaskVerdict(reward=0.5, success=False, progress=0, subtask=0)")
       .def(
           "__init__",
           [](TaskVerdict* self, double reward, nb::handle success, double progress, int subtask) {
@@ -137,8 +141,8 @@ void BindTaskParts(nb::module_& m) {
           nb::sig(
               "def __init__(self, reward: float = 0.0, success: bool = False, progress: float = "
               "0.0, subtask: int = 0) -> None"))
-      .def_rw("reward", &TaskVerdict::reward)
-      .def_rw("success", &TaskVerdict::success)
+      .def_rw("reward", &TaskVerdict::reward, "Reward of the state.")
+      .def_rw("success", &TaskVerdict::success, "True if the task is done.")
       .def_rw("progress", &TaskVerdict::progress, "Progress from 0 at the start to 1 at success.")
       .def_rw("subtask", &TaskVerdict::subtask, "Index into the task's subtasks().")
       .def("__repr__", [](const TaskVerdict& v) {
@@ -170,9 +174,12 @@ void BindTaskParts(nb::module_& m) {
           "height_noise"_a = BaseRange().height_noise,
           "`distance`: horizontal, smallest and largest, metres; `height_offset`: of the base's "
           "bottom above the object, metres; `height_noise`: added to it, smallest and largest.")
-      .def_ro("distance", &BaseRange::distance)
-      .def_ro("height_offset", &BaseRange::height_offset)
-      .def_ro("height_noise", &BaseRange::height_noise);
+      .def_ro("distance", &BaseRange::distance,
+              "Horizontal distance from the object, smallest and largest, metres.")
+      .def_ro("height_offset", &BaseRange::height_offset,
+              "Height of the base's bottom above the object, metres.")
+      .def_ro("height_noise", &BaseRange::height_noise,
+              "Smallest and largest height that is added, metres.");
 }
 
 // Methods that a subclass need not define call the base class's own.
@@ -183,7 +190,16 @@ void BindTaskClass(nb::module_& m) {
       "or\nreward(scene) and success(scene); all other methods are optional.\n\nprepare adds what "
       "the task needs to the scene, bind follows once the scene\nis compiled. An episode begins "
       "with starts, a reset, arrange and begin. After each step\ncome judge and observe. "
-      "`@register_task('stack')` registers a subclass by name.")
+      "`@register_task('stack')` registers a subclass by name."
+      "\n\nExamples:\n"
+      "    >>> class Lift(rc.tasks.Task):\n"
+      "    ...     def instruction(self):\n"
+      "    ...         return \"lift the cube\"\n"
+      "    ...     def judge(self, scene):\n"
+      "    ...         height = scene.body_pose(\"cube\").translation[2]\n"
+      "    ...         return rc.tasks.TaskVerdict(reward=height, success=height > 0.1)\n"
+      "    >>> Lift().judge(scene).success\n"
+      "    False")
       .def(nb::init<>())
       .def(
           "prepare", [](Task&, SceneSpec&, PythonRng&) {}, "spec"_a, "rng"_a,
@@ -225,9 +241,12 @@ void BindTaskClass(nb::module_& m) {
           "judge", [](Task& t, const Scene& scene) { return t.Judge(scene); }, "scene"_a,
           "Returns the TaskVerdict of the present state.")
       .def(
-          "reward", [](Task& t, const Scene& scene) { return t.Judge(scene).reward; }, "scene"_a)
+          "reward", [](Task& t, const Scene& scene) { return t.Judge(scene).reward; }, "scene"_a,
+          "Returns the reward of the present state. judge() calls it in tasks that do not define "
+          "judge().")
       .def(
-          "success", [](Task& t, const Scene& scene) { return t.Judge(scene).success; }, "scene"_a)
+          "success", [](Task& t, const Scene& scene) { return t.Judge(scene).success; }, "scene"_a,
+          "Returns True if the task is done in the present state.")
       .def("instruction", &Task::instruction, "Returns the instruction in words.")
       .def(
           "objects", [](const Task&) { return std::vector<std::string>(); },
@@ -286,21 +305,28 @@ void BindTask(nb::module_& m) {
   nb::class_<PythonRng>(
       m, "Rng",
       "A keyed random stream: the same keys give the same numbers on every machine.\n\nA stream "
-      "passed to your function is valid for that call only; fork it to keep one.")
+      "passed to your function is valid for that call only; fork it to keep one."
+      "\n\nExamples:\n"
+      "    >>> rng = rc.tasks.Rng.stream(0, \"start\")\n"
+      "    >>> 0.1 <= rng.uniform(0.1, 0.2) < 0.2\n"
+      "    True")
       .def_static(
           "stream",
           [](uint64_t seed, const std::string& purpose) {
             return PythonRng(Rng::Stream(seed, purpose));
           },
-          "seed"_a, "purpose"_a)
+          "seed"_a, "purpose"_a,
+          "Makes the stream of a seed and a purpose; other purposes give independent streams.")
       .def(
           "uniform",
           [](PythonRng& r, double lower, double upper) { return r.get().Uniform(lower, upper); },
-          "lower"_a = 0.0, "upper"_a = 1.0)
+          "lower"_a = 0.0, "upper"_a = 1.0, "Draws from [lower, upper).")
       .def(
           "integer", [](PythonRng& r, uint64_t count) { return r.get().UniformInt(count); },
           "count"_a, "Draws one of 0 ... count - 1.")
-      .def("normal", [](PythonRng& r) { return r.get().Normal(); })
+      .def(
+          "normal", [](PythonRng& r) { return r.get().Normal(); },
+          "Draws from the normal distribution with mean 0 and deviation 1.")
       .def(
           "fork",
           [](PythonRng& r, const std::string& purpose) { return PythonRng(r.get().Fork(purpose)); },
@@ -314,7 +340,7 @@ void BindTask(nb::module_& m) {
       .def(nb::init<>())
       .def(
           "begin", [](Expert& e, const Scene& s, PythonRng& rng) { e.Begin(s, rng.get()); },
-          "scene"_a, "rng"_a)
+          "scene"_a, "rng"_a, "Plans from the start state of an episode.")
       .def(
           "act", [](Expert& e, const Scene& s, PythonRng& rng) { return e.Act(s, rng.get()); },
           "scene"_a, "rng"_a, "Returns {robot: {group: GroupCommand}} until the next policy tick.")
@@ -323,7 +349,8 @@ void BindTask(nb::module_& m) {
           nb::sig("def see(self, row: dict[str, numpy.typing.NDArray[typing.Any]]) -> None"),
           "Called before each act() with the recorded row of the state, for experts that act from "
           "that alone: columns and images by their names in a dataset.")
-      .def("done", &Expert::done)
+      .def("done", &Expert::done,
+           "Returns True when the expert has finished; the rollout then ends.")
       .def("failure", &Expert::failure,
            "Returns why the expert gave up, \"\" otherwise. A rollout that ends with a failure is "
            "not a success, whatever its task judges.")
@@ -331,8 +358,9 @@ void BindTask(nb::module_& m) {
           "ends_at_success", [](const Expert&) { return false; },
           "Returns True if a rollout ends as soon as the task succeeds, for policies, which do not "
           "know it.")
-      .def("phase", &Expert::phase)
-      .def("phase_names", &Expert::phase_names);
+      .def("phase", &Expert::phase, "Returns the index of the present phase in phase_names().")
+      .def("phase_names", &Expert::phase_names,
+           "Returns the names of the phases, which episodes record as labels.");
   m.def("object_kinds", &ObjectKinds, "Returns the kinds of objects that tasks can use.");
 }
 

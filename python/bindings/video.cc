@@ -47,7 +47,14 @@ void BindVideo(nb::module_& m) {
       "Records a scene as an mp4 of exact length, without a display: one frame for each "
       "record_frame(). The camera is free until another one is chosen, and shows the whole model "
       "until it is set. Cameras, and the bodies that they track, are found again by name after "
-      "objects were added or removed.",
+      "objects were added or removed."
+      "\n\nExamples:\n"
+      "    >>> with rc.VideoRecorder(scene, \"arm.mp4\", 320, 240, fps=25) as video:\n"
+      "    ...     for _ in range(10):\n"
+      "    ...         result = scene.step_n(20)\n"
+      "    ...         video.record_frame()\n"
+      "    >>> video.frames\n"
+      "    10",
       nb::type_slots(kHandleSlots<SceneRecorder>));
   GuardHandle<SceneRecorder>(
       recorder, [](const SceneRecorder& r, SceneClaims& claims) { claims.Add(r.scene()); },
@@ -74,7 +81,8 @@ void BindVideo(nb::module_& m) {
                 VideoRecorderOptions{.width = size.width, .height = size.height, .fps_num = fps});
           },
           "scene"_a, "path"_a, "resolution"_a = VideoResolution::kR720p, "fps"_a = 60,
-          nb::call_guard<nb::gil_scoped_release>())
+          nb::call_guard<nb::gil_scoped_release>(),
+          "Makes a recorder of a usual size: R720p is 1280 x 720 pixels. fps: frames per second.")
       .def("camera_names", &SceneRecorder::camera_names,
            "Names that use_camera accepts: 'Current', 'Free', 'Tracking', then the cameras of "
            "robots and objects, then those of SceneSpec.cameras.")
@@ -104,7 +112,7 @@ void BindVideo(nb::module_& m) {
            "Records the present state of the scene as one frame.")
       .def("finish", &SceneRecorder::Finish, nb::call_guard<nb::gil_scoped_release>(),
            "Completes the file. Without this call there is no file.")
-      .def_prop_ro("frames", &SceneRecorder::frames)
+      .def_prop_ro("frames", &SceneRecorder::frames, "Number of frames recorded.")
       .def(
           "__enter__", [](nb::object self) { return self; },
           nb::sig("def __enter__(self) -> VideoRecorder"))

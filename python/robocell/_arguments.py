@@ -32,7 +32,7 @@ WORDS = {
     "numpy.typing.ArrayLike": "numbers",
     "os.PathLike": "a path",
 }
-# Words for the same thing, one of which a function uses.
+# Words with the same meaning, one of which a function uses.
 SYNONYMS = (
     {"translation", "pos", "position", "xyz"},
     {"quaternion", "quat", "orientation"},
@@ -291,7 +291,7 @@ def negative_problem(
 
 
 def value_problem(name: str, value: object, kind: ast.expr) -> str:
-    """What is wrong with a value, or with one in it: "`action['arm']` must be a GroupCommand"."""
+    """Describes a wrong value, or one in it: "`action['arm']` must be a GroupCommand"."""
     if isinstance(value, Mapping) and (inner := value_kind(kind)):
         key = next(key for key, item in value.items() if fits(item, inner) is False)
         return value_problem(f"{name}[{key!r}]", value[key], inner)

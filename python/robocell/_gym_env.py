@@ -37,6 +37,10 @@ class GymEnv(gymnasium.Env[Any, Any]):
     "human" logs one warning and opens no window. Pictures show the robots from the side and in
     front, or the view of ``render_camera``: a camera of the scene, "" for the whole model, or an
     OrbitCamera and similar.
+
+    Examples:
+        >>> gym_env = rc.gym.GymEnv(rc.gym.pick_cube_config())
+        >>> observation, info = gym_env.reset(seed=0)
     """
 
     metadata = {  # noqa: RUF012  (as in Gymnasium)

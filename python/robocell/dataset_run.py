@@ -21,7 +21,7 @@ from robocell._core import (
     recorded_scene,
 )
 
-# What is said of a kind that nobody registered, and what is to be done of the run of a dataset.
+# The remedy in the message about an unregistered kind, and the one for the run of a dataset.
 OWN_KIND = re.compile(r"of your own is registered before: .*")
 BY_NAME = (
     "of your own is in a module, and a dataset imports none by itself: name it with --import "

@@ -1,9 +1,9 @@
 """What robocell says about robots, runs, machines and engines: checks, trials and advice.
 
-    robocell.diagnose.validate_robot(robot)  # raises what is wrong with its configuration
+    robocell.diagnose.validate_robot(robot)  # raises all problems of its configuration
     for finding in robocell.diagnose.check_robot(robot):  # what its arms do when they are moved
         print(finding)
-    robocell.diagnose.check_run(run)  # raises what is wrong with it, returns warnings
+    robocell.diagnose.check_run(run)  # raises its problems, returns warnings
     robocell.diagnose.describe_gl()  # what draws pictures on this machine
 
 `robocell check`, `robocell generate` and `robocell doctor` print the same.

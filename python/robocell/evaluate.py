@@ -46,7 +46,12 @@ SEED = 1_000_003
 
 
 def wilson_interval(successes: int, trials: int, z: float = 1.959964) -> tuple[float, float]:
-    """The 95 % score interval of a success rate (Wilson 1927): (low, high), each 0 to 1."""
+    """The 95 % score interval of a success rate (Wilson 1927): (low, high), each 0 to 1.
+
+    Examples:
+        >>> [round(bound, 2) for bound in rc.evaluate.wilson_interval(18, 20)]
+        [0.7, 0.97]
+    """
     if trials == 0:
         return 0.0, 1.0
     rate = successes / trials

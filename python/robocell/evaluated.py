@@ -32,7 +32,7 @@ from robocell._core import (
     SpecError,
 )
 
-# What the reason of a rollout begins with that an error of a policy or an expert ended.
+# The reason of a rollout that an error of a policy or an expert ended begins with this.
 POLICY_ERROR = "policy error: "
 LONGEST_MESSAGE = 300  # characters; where it happened comes after it
 

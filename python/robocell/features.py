@@ -57,6 +57,13 @@ def register_feature(
 
     `function(scene)` is called for each recorded row and returns finite numbers of that shape.
     Registering a name again replaces it; a name registered in C++ raises ArgumentError.
+
+    Examples:
+        >>> @rc.register_feature("cube_height", shape=(1,), unit="m", frame="world")
+        ... def cube_height(scene):
+        ...     return [scene.body_pose("cube").translation[2]]
+        >>> "cube_height" in rc.features.feature_names()
+        True
     """
     if not isinstance(name, str) or not name:
         raise ArgumentError("register_feature: `name` must be a name that is not empty")

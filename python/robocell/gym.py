@@ -59,7 +59,7 @@ def _single(config: EnvConfig, render_mode: str | None, flat: bool) -> GymEnv:
 
 def _configured(config: EnvConfig | File | None, fields: dict[str, Any]) -> EnvConfig:
     """Returns a copy of a configuration, a file or a ready-made cell, with fields replaced."""
-    if config is None:  # Gymnasium calls without, and would tell of this module's function
+    if config is None:  # Gymnasium calls without, and would name this module's function
         raise ArgumentError(
             "robocell/Env-v0 needs a config: an EnvConfig, its file, or the name of a ready-made "
             f"cell ({', '.join(models.cells())}), as in gym.make('robocell/Env-v0', config='rc7')"
@@ -114,6 +114,10 @@ def pick_cube_config(robot: RobotConfig | File = "rc7", **fields: Any) -> EnvCon
         robot: the name of a built-in robot, the name of a ready-made cell (``models.cells()``),
             whose robots and their equipment are used, a robot file, or a configuration.
         fields: fields of EnvConfig that replace those chosen here.
+
+    Examples:
+        >>> rc.Env(rc.gym.pick_cube_config()).instruction
+        'pick up the cube'
     """
     chosen: dict[str, Any] = {
         "name": "pick_cube",
@@ -158,6 +162,12 @@ def pick_cube(
     """Makes the environment ``robocell/PickCube-v0``; the other arguments as ``pick_cube_config``.
 
     With ``flat=True`` observations and actions are vectors (``FlatGymEnv``).
+
+    Examples:
+        >>> gym_env = rc.gym.pick_cube()
+        >>> observation, info = gym_env.reset(seed=0)
+        >>> action = gym_env.action_space.sample()
+        >>> observation, reward, terminated, truncated, info = gym_env.step(action)
     """
     return _single(pick_cube_config(robot, **fields), render_mode, flat)
 
@@ -175,6 +185,12 @@ def pick_cube_vector(
     """Makes ``gym.make_vec("robocell/PickCube-v0", num_envs=64)``.
 
     With ``flat=True`` observations and actions are vectors (``FlatVectorGymEnv``).
+
+    Examples:
+        >>> vector = rc.gym.pick_cube_vector(4)
+        >>> observations, infos = vector.reset(seed=0)
+        >>> vector.num_envs
+        4
     """
     config = pick_cube_config(robot, **fields)
     kind = FlatVectorGymEnv if flat else VectorGymEnv

@@ -67,6 +67,11 @@ class Policy:
         files: Files that the policy uses beside its code, such as weights, relative to the module.
             Their content is part of an evaluation: with other files it does not continue in the
             same folder.
+
+    Examples:
+        >>> class Wait(rc.policy.Policy):
+        ...     def act(self, observation):
+        ...         return {}
     """
 
     files: ClassVar[Sequence[str | Path]] = ()

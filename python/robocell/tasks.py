@@ -121,6 +121,17 @@ def register_task(
     The task is made as `cls(fields)`, or `cls()` without fields. Registering a name again replaces
     it, for example when a notebook's cell is run again. Replacing one of robocell's own kinds
     raises ArgumentError. A function that returns a Task may stand in place of the class.
+
+    Examples:
+        >>> @rc.register_task("lift_it")
+        ... class Lift(rc.tasks.Task):
+        ...     def instruction(self):
+        ...         return "lift the cube"
+        ...     def judge(self, scene):
+        ...         height = scene.body_pose("cube").translation[2]
+        ...         return rc.tasks.TaskVerdict(reward=height, success=height > 0.1)
+        >>> "lift_it" in rc.tasks.task_kinds()
+        True
     """
     call = f"register_task({kind!r})"
     _require_name("register_task", kind)

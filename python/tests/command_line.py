@@ -36,7 +36,7 @@ RUN = {
     "scenes": {"source": "tabletop"},
     "episodes_per_scene": 2,
     "cameras": {"resolution": [64, 48], "streams": [{"name": "wrist", "camera": "wrist_camera"}]},
-    # Few images: what is drawn is hardly ever the question.
+    # Few images: tests hardly ever look at them.
     "rates": {"policy_ms": 198, "control_ms": 2, "sim_ms": 2, "max_steps": 500},
 }
 
@@ -75,7 +75,7 @@ def environment_with(changes: Mapping[str, object]) -> dict[str, str]:
 class CommandServer:
     """Forks of a process that has the command line loaded, see `command_server`."""
 
-    # What is read while a process starts or a module is loaded.
+    # Files that a process reads while it starts or loads a module.
     READ_AT_START = ("PYTHON", "LD_", "MUJOCO_", "ROBOCELL_", "OPENBLAS_", "MALLOC_")
 
     def __init__(self) -> None:

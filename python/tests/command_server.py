@@ -21,7 +21,7 @@ from typing import Any, NoReturn
 
 from robocell.cli import load, main
 
-# What the commands load when they need it; nothing of it starts a thread.
+# The commands load these modules when they need them; none starts a thread.
 LOADED_LATER = ("numpy", "mujoco", "rich.table", "rich.progress", "typer.rich_utils")
 
 
@@ -57,7 +57,7 @@ def be_the_command(request: dict[str, Any]) -> NoReturn:
 
 
 def exit_code() -> int:
-    """Of the command, which tells what it has to tell."""
+    """Runs the command, which prints its own messages, and returns its exit code."""
     try:
         main()
     except SystemExit as end:
@@ -83,4 +83,4 @@ def serve() -> None:
 if __name__ == "__main__":
     preload()
     serve()
-    os._exit(0)  # what is frozen is still alive, and nanobind would tell so
+    os._exit(0)  # what is frozen is still alive, and nanobind would report it

@@ -77,7 +77,7 @@ class Maker:
                 raise IoError(f"'{item.id}' is in place, but a power cut may still undo that")
             case "hang":
                 time.sleep(1000)
-            case "patient":  # works until it is told to stop
+            case "patient":  # works until it is stopped
                 self.stop.event.wait(1000)
                 failures = {"dropped": 3}
                 return ItemResult(

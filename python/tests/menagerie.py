@@ -50,7 +50,7 @@ def find_model(name: str) -> Path | None:
 
 
 def missing_text(names: tuple[str, ...]) -> str:
-    """Empty when every model is there; else what is missing and a remedy."""
+    """Returns the missing models and a remedy; empty when every model is there."""
     missing = [name for name in names if find_model(name) is None]
     if not missing:
         return ""

@@ -1,4 +1,4 @@
-"""A checkout's package finds the extension in its build folder; what is missing says what to do."""
+"""A checkout's package finds the extension in its build folder; a missing one names the command."""
 
 from __future__ import annotations
 

@@ -151,7 +151,7 @@ def test_an_unwritable_output_is_refused_with_its_path(tmp_path: Path):
 
 
 def test_an_empty_output_is_not_the_working_folder(tmp_path: Path):
-    # What a shell makes of --output "$OUT" without OUT.
+    # A shell makes this of --output "$OUT" without OUT.
     text = refused("generate", write_run(tmp_path), "--output", "", code=2)
     assert "--output '': output: is required: the folder the dataset goes to" in text
 

@@ -1,4 +1,4 @@
-"""What people often get wrong is told with the thing, its place, what there is and what to do."""
+"""Messages about frequent mistakes name the element, its place, alternatives and next step."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ import pytest
 
 import robocell as rc
 
-# What says what the object is, or ends its use.
+# These members name the object, or end its use.
 ALWAYS = {
     "Scene": {"name", "close", "closed"},
     "Robot": {"name", "prefix", "scene"},

@@ -49,7 +49,7 @@ class Engine:
         root = m.body_rootid[m.body("link1").id]
         self.own = {g for g in range(m.ngeom) if m.body_rootid[m.geom_bodyid[g]] == root}
         colliding = np.flatnonzero(m.geom_contype | m.geom_conaffinity)
-        # What no joint moves stands where it stands, whatever the configuration.
+        # Bodies that no joint moves stay in place, whatever the configuration.
         moved = m.body_dofnum[m.body_weldid[m.geom_bodyid]] > 0
         arm = [g for g in colliding if g in self.own and moved[g]]
         around = [g for g in colliding if g not in self.own]

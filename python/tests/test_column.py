@@ -201,7 +201,7 @@ def test_many_episodes_keep_few_files_open(dataset: robocell.Dataset, tmp_path: 
         assert len(episode["time"]) == len(source)
     for episode in episodes[:20]:
         episode.frame("exo", 0)
-    # Of the eight decoders of a kind: what they say, and what they decode.
+    # Each of the eight decoders of a kind keeps two files open: its messages and its images.
     assert open_files() - before <= 40 + 2 * 8
     robocell.data.release_idle_files()
     assert open_files() == before

@@ -12,7 +12,7 @@ from compat_guide_code import BLOCKS, IMPORT
 from test_kdl_chain import needs_pykdl
 
 GUIDE = Path(__file__).resolve().parents[3] / "shared/reference/seeds/python-bindings-guide.txt"
-# What a line of code looks like; prose ends with a full stop or has neither of these.
+# A line of code looks like this; prose ends with a full stop or has neither of these.
 CODE = re.compile(
     r"^(import |def |for |while |if |assert |print\(|[a-z_][\w.\[\]]* = "
     r"|[a-z_]+\.[\w.]+\(.*\)$|fps=|scene,$|\"sim|mjk\.|\)$|q\[)"

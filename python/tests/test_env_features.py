@@ -37,7 +37,7 @@ def number(scene: rc.Scene) -> float:
 
 @pytest.fixture
 def config(tmp_path: Path) -> rc.EnvConfig:
-    """The cube, and a plate that feels what lies on it."""
+    """A cube, and a plate that weighs what lies on it."""
     (tmp_path / "pad.xml").write_text(
         """<mujoco><worldbody><body name="plate"><geom size="0.05 0.05 0.01" type="box"/>
         <site name="top" size="0.06"/></body></worldbody>

@@ -45,7 +45,7 @@ PUSHED_ON = {"max_target_lead": (1, 3)}
 
 
 def test_a_step_ends_where_a_robot_runs_into_something():
-    # The gripper, which may touch things, meets the wall first: the arm is pushed on.
+    # The gripper, which may touch objects, meets the wall first: the arm is pushed on.
     env = make(world_frame_objects={"wall": WALL}, sim={"on_collision": "stop"}, **PUSHED_ON)
     reasons = []
     while len(reasons) < 30 and reasons[-1:] != ["collision"]:
@@ -73,7 +73,7 @@ def test_collisions_are_reported_or_looked_at_ahead():
     assert hit["other_body"] == "wall"
     assert np.array_equal(arm.jnt_pos_cmd, sent), "it was not carried out"
     touching = [{contact.body1, contact.body2} for contact in env.scene.contacts()]
-    assert {hit["body"], "wall"} not in touching, "of the arm, grippers may touch things"
+    assert {hit["body"], "wall"} not in touching, "of the arm, grippers may touch objects"
     away = [move(env, [0, 0.05, 0])[1]["reason"] for _ in range(6)]
     assert "collision" not in away
     assert away[-1] == "arrived"

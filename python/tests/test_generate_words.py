@@ -1,4 +1,4 @@
-"""What `generate` says around a run: too little room, things in the way, an early Ctrl-C."""
+"""What `generate` says around a run: too little space, files in the way, an early Ctrl-C."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What draws on this machine, and how one is told when nothing does."""
+"""The renderers of this machine, and the message when there is none."""
 
 from __future__ import annotations
 

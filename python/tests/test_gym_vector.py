@@ -22,7 +22,7 @@ COPIES, LIMIT, STEPS = 3, 4, 11
 
 
 def only_one_may_use(step: Callable[[], Any], message: str) -> None:
-    """Two threads step until one of them is told that the other one does."""
+    """Two threads step until one of them raises because the other one steps."""
     told: list[str] = []
     deadline = time.monotonic() + 20
 

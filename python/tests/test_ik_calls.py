@@ -377,7 +377,7 @@ class TestRobots:
 
 
 class TestForms:
-    """`ik` answers the same whatever form a question has."""
+    """`ik` gives the same answer to all forms of a query."""
 
     def test_of_poses_and_seeds(self, robot):
         low, high = np.array(robot.joint_limits).T

@@ -1,4 +1,4 @@
-"""One scene is used by one thread at a time: a second one is told so, whatever it asks for."""
+"""One thread at a time uses a scene: any call of a second one raises."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from test_task import Idle, load
 
 IN_USE = "scene 'cell' is in use by another thread ({}): a scene, with its robots, renderers"
 WAIT_S = 60
-# What never changes.
+# These never change.
 ALWAYS = {
     "Scene": {"name"},
     "Robot": {"name", "prefix", "scene"},

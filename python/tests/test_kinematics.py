@@ -231,5 +231,5 @@ def test_reachable_poses_are_solved(robot: str, least: int):
     assert np.all((found.q >= low) & (found.q <= high))
     off = kinematics.fk(found.q)[found.success] - targets[found.success]
     assert np.linalg.norm(off[:, :3, 3], axis=1).max() <= NEAR
-    # Of a small angle: the norm of what the rotations differ by, over the root of 2.
+    # A small angle is the norm of the difference of the rotations, over the root of 2.
     assert np.linalg.norm(off[:, :3, :3], axis=(1, 2)).max() <= np.sqrt(2) * NEAR

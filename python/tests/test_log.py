@@ -25,7 +25,7 @@ def lines() -> Iterator[Lines]:
 
 
 def command_beyond_limits(scene: rc.Scene) -> None:
-    """Which the log is told of, once in a scene."""
+    """Does what the log warns of once in a scene."""
     robot = scene.robot("a")
     robot.jnt_pos_cmd[0] = 100
     robot.update()

@@ -1,4 +1,4 @@
-"""`robocell replay`: equal episodes pass, a changed one is told by its first difference."""
+"""`robocell replay`: equal episodes pass, a changed one shows its first difference."""
 
 from __future__ import annotations
 

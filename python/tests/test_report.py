@@ -211,7 +211,7 @@ def test_what_cannot_be_reported_is_told(dataset: Path, tmp_path: Path):
     assert "report.json' is damaged: " in result.stderr
     assert "The next `robocell generate` writes a new one" in result.stderr
     assert "no report.json" not in result.stderr
-    assert "2 episodes, " in result.stdout, "what is there is counted all the same"
+    assert "2 episodes, " in result.stdout, "the intact ones are counted all the same"
     for name in IDS:
         shutil.rmtree(copy / name)
     assert "report.json' is damaged: " in refused("report", copy, code=3)

@@ -1,4 +1,4 @@
-"""Where a run comes from: files, configurations in Python, modules; what is wrong has a place."""
+"""Where a run comes from: files, configurations in Python, modules; every problem has a place."""
 
 import argparse
 import sys

@@ -539,4 +539,4 @@ def test_a_worker_told_to_end_by_the_system_gives_its_item_back(tmp_path: Path):
     outcome = supervisor.run()
     assert episodes(tmp_path) == ids(4)
     assert outcome.totals.retries == 1
-    assert "told to stop by another process" in recorder.of("retry")[0]
+    assert "stopped by another process" in recorder.of("retry")[0]

@@ -21,7 +21,7 @@ ERRORS = [
     for name, value in vars(_core).items()
     if inspect.isclass(value) and issubclass(value, Exception)
 ]
-# What only the package itself uses.
+# Only the package itself uses these.
 OWN = {
     "SpecT", "atomic_write", "changed_code", "ffmpeg_answer", "import_mujoco",
     "imports_of_run_file", "json_damage", "load_plugin", "make_task", "missing_spec_file",
@@ -79,7 +79,7 @@ def test_the_top_has_everyday_names_which_are_the_ones_of_the_topics():
     ],
 )
 def test_a_name_that_is_not_at_the_top_is_shown_the_way(name, told):
-    # Where nothing else was imported.
+    # A process that imports nothing else.
     program = f"import robocell\ntry: robocell.{name}\nexcept AttributeError as error: print(error)"
     result = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, check=False

@@ -16,6 +16,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1]))  # for check_docs
 import cpp_reference
 import notebook_pages
 import python_reference
+import search_words
 from markdown_dialect import for_python_markdown
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.exceptions import PluginError
@@ -28,8 +29,6 @@ from check_docs import anchor
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build" / "site"
 EXTERNAL = re.compile(r"<(?:script|link|img|iframe|source)\b[^>]*?(?:src|href)=\"(https?:[^\"]+)")
-# By folder: what a reader wants to do comes before the reference.
-SEARCH_BOOST = {"howto": 4, "tutorials": 2, "troubleshooting.md": 2, "reference": 0.5, "files": 0.2}
 repository = Repository()
 
 
@@ -64,7 +63,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
     """Links and lists as the site needs them; which pages the search shows first."""
     folder = page.file.src_uri.split("/")[0]
-    page.meta.setdefault("search", {"boost": SEARCH_BOOST.get(folder, 1)})
+    page.meta.setdefault("search", {"boost": search_words.BOOST.get(folder, 1)})
+    page.meta.setdefault("tags", search_words.WORDS.get(page.file.src_uri, []))
     if page.file.src_uri.startswith(("reference/python", "files/")):
         return markdown
     return for_python_markdown(repository.rewritten(markdown, page.file.src_uri))

@@ -15,6 +15,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "python" / "robocell"
 STUBS = ROOT / (os.environ.get("ROBOCELL_BUILD") or "build/release") / "python" / "robocell"
+# The names that the examples of docstrings use; tests/integration/test_docstrings.py runs them.
+EXAMPLES_START = Path(__file__).with_name("examples_start.py")
 # Module and what the table of topics says about it, in the order of the navigation.
 TOPICS = {
     "robots": "robot files, attachments, `Robot` and its move groups",
@@ -90,6 +92,11 @@ def index() -> str:
         names = ", ".join(linked(topic, name) for name in public_names(source(topic)))
         parts.append(f"| [`{topic}`]({topic}.md) | {about} | {names} |")
     top = sorted(set(public_names(PACKAGE / "__init__.py")) - {*TOPICS})
+    parts += [
+        "", "## What the examples start with", "",
+        "The examples on these pages continue this program:", "",
+        f"```python\n{EXAMPLES_START.read_text()}```",
+    ]  # fmt: skip
     parts += ["", "## At the top", "", ", ".join(f"`rc.{name}`" for name in top), ""]
     return "\n".join(parts)
 

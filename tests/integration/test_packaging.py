@@ -70,7 +70,7 @@ def test_public_headers_are_installed_with_all_that_they_include(build_folder, t
         assert not missing, (header, missing)
     private = {"kinematics/lane_kernel.h", "scene/pool.h", "data/hdf5.h", "render/soft_renderer.h"}
     assert not {f"robocell/{name}" for name in private} & installed
-    # What no public header needs is not there.
+    # Headers that no public header needs are not installed.
     reached, waiting = set(), ["robocell/robocell.h", "robocell/kinematics/kdl_bridge.h"]
     while waiting:
         header = waiting.pop()

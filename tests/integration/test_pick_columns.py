@@ -145,11 +145,11 @@ def test_a_row_is_the_state_before_its_action(scene: RecordedScene):
     mujoco.mj_setState(model, data, steps["initial_state"][:], plain_replay.FULL_STATE)
     assert plain_replay.joint_error(model, data, steps, 0) == 0
     assert plain_replay.object_error(model, data, steps, 0) <= 1e-12
-    # From row i on, the engine gets action i: its servos are told these positions.
+    # From row i on, the engine gets action i: its servos get these positions.
     acting = steps["control/ctrl"][:].reshape(-1, ticks, model.nu)[:, :, servos]
     actions = steps[f"{ROBOT}/action/arm"][:]
     np.testing.assert_array_equal(acting, np.repeat(actions[:, None], ticks, axis=1))
-    assert np.abs(np.diff(actions, axis=0)).max() > 0.01, "there are actions to tell apart"
+    assert np.abs(np.diff(actions, axis=0)).max() > 0.01, "actions differ"
     assert np.abs(np.diff(steps[f"{arm}/qpos"][:], axis=0)).max() > 0.01
 
 

@@ -19,7 +19,7 @@ EXAMPLE = ROOT / "examples" / "plugin"
 RC7 = ROOT / "models" / "robots" / "rc7" / "rc7.yaml"
 
 
-# A source that knows a room, in a plugin whose function throws afterwards when it is told to.
+# A source that knows a room, in a plugin whose function throws afterwards on request.
 LAB = """
 #include <robocell/robocell.h>
 #include <cstdlib>
@@ -145,7 +145,7 @@ def test_cubes_are_stacked_by_a_library(plugin: Path, run_file: Path, tmp_path: 
         assert red[2] - blue[2] == pytest.approx(0.04, abs=0.003)
     manifest = json.loads((tmp_path / "two" / "dataset.json").read_text())
     assert "code/libstack.so" in manifest["files"]
-    # What reads the dataset needs no plugin, and what acts in it does.
+    # Readers of the dataset need no plugin; whoever acts in it does.
     assert robocell_command("verify", tmp_path / "two").returncode == 0
     words = ("evaluate", tmp_path / "two", "--policy", "expert", "-n", "1")
     assert "no task 'stack'" in refusal(*words, "--output", tmp_path / "without")

@@ -12,7 +12,7 @@ from pathlib import Path
 
 
 def note(what: str, **numbers: object) -> None:
-    """Adds one thing that was done."""
+    """Adds one figure."""
     if file := os.environ.get("ROBOCELL_FIGURES"):
         with Path(file).open("a") as lines:
             lines.write(json.dumps({"what": what, **numbers}) + "\n")

@@ -142,7 +142,7 @@ def counts() -> dict[str, int]:
 
 
 def growth(kind: str, times: int) -> dict[str, int]:
-    """What stays behind: of memory bytes per thing, of everything else the number."""
+    """Returns what stays behind: bytes of memory per object, numbers of everything else."""
     with tempfile.TemporaryDirectory() as folder:
         work = KINDS[kind](Path(folder))
         each = max(times // ROUNDS, 1)

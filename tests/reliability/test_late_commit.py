@@ -26,7 +26,7 @@ import robocell
 
 COMMIT = "rename */out/s0*"
 SOON_S = 120
-# Of an item, and of a worker's start, which takes longest on a machine with much to do.
+# The time for an item and a worker's start, which takes longest on a busy machine.
 TIMEOUT_S = 8
 
 

@@ -13,14 +13,14 @@ import pytest
 from processes import bare_environment
 
 # How many of each are made, and how many bytes of each may stay. A forgotten scene is 200 kB, a
-# context several MB; of few things, what the pools hold counts for more.
+# context several MB; of few objects, what the pools hold counts for more.
 FEW = {"scenes": 80, "resets": 200, "contexts": 8, "children": 8, "errors": 40}
 SHORT = {"heap_each": 10_000, "resident_each": 60_000}
 LONG = {"heap_each": 1_000, "resident_each": 5_000}
 
 
 def grow(kind: str, times: int) -> dict[str, int]:
-    """What stays behind when `times` things of a kind were made."""
+    """Returns what stays behind when `times` objects of a kind were made."""
     done = subprocess.run(
         [sys.executable, leaks.__file__, kind, str(times)],
         env=bare_environment(),

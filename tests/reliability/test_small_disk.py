@@ -1,4 +1,4 @@
-"""A disk that is really full, a folder that turns read-only: the run ends, what is there stays."""
+"""A disk that is really full, a folder that turns read-only: the run ends, the episodes stay."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def test_a_full_disk_ends_the_run_and_the_next_one_goes_on(tmp_path: Path, calm:
         events, said = command.communicate(timeout=240)
         assert command.returncode == 3, said
         assert "Traceback" not in said
-        # What the encoder says may be several lines.
+        # The message of the encoder may have several lines.
         needed = rf"(?s)'{storm.dataset}.*\d+ bytes are needed, \d+ are free there"
         assert re.search(needed, said), said
         storm.take(events)

@@ -28,7 +28,7 @@ ROUNDS = 2
 
 
 def in_parallel(work: Callable[[int], object], threads: int = THREADS) -> list[object]:
-    """work(0), work(1) ... at the same time; what they gave, or the first thing that was raised."""
+    """work(0), work(1) ... at the same time; their results, or the first exception."""
     with ThreadPoolExecutor(threads) as pool:
         together = threading.Barrier(threads)
 
@@ -175,7 +175,7 @@ def test_a_batch_of_environments_with_tasks_of_python():
 
 
 def test_one_environment_is_used_by_one_thread_at_a_time():
-    """The other one is told so, whatever it asks for."""
+    """Any call of the other one raises."""
     env = rc.Env(pick_cube_config())
     env.reset(seed=0)
     refused: list[str] = []
@@ -196,7 +196,7 @@ def test_one_environment_is_used_by_one_thread_at_a_time():
 
 
 def test_one_scene_is_used_by_one_thread_at_a_time():
-    """The other one is told so; what one thread leaves, the next one finds."""
+    """The other one raises; what one thread leaves, the next one finds."""
     scene = cell()
     robot = scene.robot("a")
     calls = [

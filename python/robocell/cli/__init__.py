@@ -42,7 +42,7 @@ def options(
             "--version",
             callback=_say_version,
             is_eager=True,
-            help="The version, and no more; `robocell doctor` has those of all parts.",
+            help="Print the version. `robocell doctor` prints those of all parts.",
         ),
     ] = False,
 ) -> None:

@@ -20,11 +20,11 @@ def check(
         Path | None, typer.Option(help="Draw the robot with its frames into this PNG.")
     ] = None,
 ) -> None:
-    """Load a robot file, print joints, actuators, frames, reach and gripper, and try it out.
+    """Print joints, actuators, frames, reach and gripper of a robot, and try it.
 
-    A wrong file is an error (exit code 2); what looks wrong but works is a warning. Notes are good
-    to know and need no change. `generate` asks the same of its robot, and refuses one that its
-    pick tasks cannot use.
+    Errors in the file end with exit code 2. Warnings are valid but probably
+    unintended, notes need no change. `generate` makes the same checks, and
+    rejects robots that its pick tasks cannot use.
     """
     # With MuJoCo and numpy, which take longer to load than all that the other commands need.
     from robocell.cli.robot_picture import draw_robot

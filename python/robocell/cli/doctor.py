@@ -19,7 +19,10 @@ STYLES = {
 
 
 def doctor() -> None:
-    """Look at versions, graphics, encoder, robot models, KDL and disk. Exit code 1 when broken."""
+    """Look at versions, graphics, encoder, robot models, KDL and disk.
+
+    Exit code 1 if a needed part is broken.
+    """
     findings = [finding for probe in PROBES for finding in probe()]
     print_wide(_table(findings))
     for line in advice(findings):

@@ -20,15 +20,13 @@ if TYPE_CHECKING:
 def evaluate(
     source: Annotated[
         str,
-        typer.Argument(
-            metavar="DATASET|RUN.yaml", help="A dataset, whose cell is taken, or a run file."
-        ),
+        typer.Argument(metavar="DATASET|RUN.yaml", help="A dataset, for its cell, or a run file."),
     ],
     policy: Annotated[
         str,
         typer.Option(
             metavar="MODULE:CLASS",
-            help="module:Class or file.py:Class of a policy; expert; random; replay.",
+            help="module:Class or file.py:Class of a policy, or expert, random, replay.",
         ),
     ],
     output: Annotated[
@@ -47,11 +45,11 @@ def evaluate(
             "--episodes",
             "-n",
             min=1,
-            help="Rollouts, each from its own start: 100, or those of the dataset for replay.",
+            help="Number of rollouts, each from its own start. Default: 100; for replay all.",
         ),
     ] = None,
     workers: Annotated[int, typer.Option(min=1, help="Worker processes.")] = 1,
-    seed: Annotated[int | None, typer.Option(min=0, help="Of the starts.")] = None,
+    seed: Annotated[int | None, typer.Option(min=0, help="Seed of the starts.")] = None,
     no_cameras: Annotated[
         bool, typer.Option("--no-cameras", help="Draw no images, and keep no videos.")
     ] = False,
@@ -61,14 +59,21 @@ def evaluate(
     ] = None,
     item_timeout: Annotated[
         float,
-        typer.Option("--item-timeout", metavar="S", min=1.0, help="A rollout is ended after this."),
+        typer.Option(
+            "--item-timeout", metavar="S", min=1.0, help="Time limit of a rollout, seconds."
+        ),
     ] = 1800.0,
     as_json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
 ) -> None:
-    """Evaluate a policy. The same starts for every policy; the same command again goes on.
+    """Evaluate a policy.
 
-    Exit codes: 0 evaluated, 1 some rollouts could not be made, or errors of the policy ended all of
-    them, 2 wrong command or spec, 3 the disk.
+    Every policy gets the same starts. Repeat the command to continue.
+
+    Exit codes:
+    0  evaluated
+    1  some rollouts could not be made, or errors of the policy ended all
+    2  wrong command or spec
+    3  reading or writing failed
     """
     from robocell.evaluate import evaluate as run
     from robocell.generate.supervisor import Limits

@@ -34,10 +34,11 @@ def fetch(
         bool, typer.Option("--update", help="Update to the newest version of the package.")
     ] = False,
 ) -> None:
-    """Fetch robots of the MuJoCo Menagerie into the cache, where `menagerie:` names find them.
+    """Fetch robots of the MuJoCo Menagerie, for `menagerie:` names.
 
-    They come through the package mujoco-menagerie. What was fetched is recorded with its version
-    and a hash of every file, and stays until --update. Exit code 3 when a download failed.
+    The package mujoco-menagerie downloads them into its cache. robocell
+    records the version and a hash of every file, and keeps this version
+    until --update. Exit code 3 if a download fails.
     """
     if listing:
         print_wide(_table(robots or []))

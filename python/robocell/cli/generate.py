@@ -96,8 +96,12 @@ def generate(
 ) -> None:
     """Make the episodes of a run. Repeat the command to continue a run.
 
-    Exit codes: 0 all made, 1 some could not be made, 2 wrong command or spec, 3 reading or writing
-    failed, 130 interrupted.
+    Exit codes:
+    0    all episodes are made
+    1    some could not be made
+    2    wrong command or spec
+    3    reading or writing failed
+    130  interrupted
     """
     source = RunSource(str(run), tuple(imports or ()))
     if not source.in_python:
@@ -196,7 +200,7 @@ def told_as_options(named: Options) -> Iterator[None]:
 
 
 def _say_plan(job: Job, *, as_json: bool) -> None:
-    """What there is to do, and what it will take: a few episodes are made aside to know."""
+    """Prints the remaining work and an estimate, for which it makes a few episodes aside."""
     made = job.made()
     to_do = [item.index for item in job.items if item.id not in made]
     if not as_json:

@@ -20,13 +20,15 @@ def ik_test(
     parallel: Annotated[
         bool, typer.Option("--parallel", help="All poses in one batch, on all cores.")
     ] = False,
-    tolerance: Annotated[float, typer.Option(min=1e-12, help="m and rad, as norms.")] = 1e-5,
-    seed: Annotated[int, typer.Option(help="Of the random poses.")] = 0,
+    tolerance: Annotated[
+        float, typer.Option(min=1e-12, help="Largest error of a solution: norms, m and rad.")
+    ] = 1e-5,
+    seed: Annotated[int, typer.Option(help="Seed of the random poses.")] = 0,
 ) -> None:
     """Solve inverse kinematics for random reachable poses; print success, errors and times.
 
-    Each pose is that of random joint positions within the limits. An answer is judged by forward
-    kinematics. Exit code 1 when less than 99 % are solved.
+    Each pose is that of random joint positions within the limits. Forward
+    kinematics judges the answers. Exit code 1 if less than 99 % are solved.
     """
     # With numpy, which takes longer to load than all that the other commands need.
     import numpy as np

@@ -24,7 +24,7 @@ GL_BACKENDS = ("egl", "osmesa")
 GB = 1 << 30
 ROBOTS_LISTED = 12  # more are counted
 PACKAGES = ("numpy", "rich", "typer")
-# What each optional part is for.
+# The purpose of each optional part.
 PURPOSES = {
     "graphics: egl": "only one of the two is needed",
     "graphics: osmesa": "only one of the two is needed",

@@ -40,30 +40,34 @@ def reach(
     robot_file: Annotated[Path, typer.Argument(metavar="ROBOT.yaml", help="The robot file.")],
     plane: Annotated[
         str | None,
-        typer.Option(metavar="AXIS=METRES", help="One layer of cells, as z=0.4."),
+        typer.Option(metavar="AXIS=METRES", help="Map one layer of cells: z=0.4."),
     ] = None,
     volume: Annotated[
-        bool, typer.Option("--volume", help="The whole space around the robot.")
+        bool, typer.Option("--volume", help="Map the whole space around the robot.")
     ] = False,
     cell: Annotated[float, typer.Option(min=1e-3, help="Edge of a cell, m.")] = 0.05,
-    rotations: Annotated[int, typer.Option(min=1, help="Tried at each cell.")] = 64,
+    rotations: Annotated[int, typer.Option(min=1, help="Rotations tried in each cell.")] = 64,
     axis: Annotated[
         Axis | None,
-        typer.Option(help="Ask only where this axis of the TCP points. For arms of 5 joints."),
+        typer.Option(help="Only this axis of the TCP matters: for arms of 5 joints."),
     ] = None,
     position_only: Annotated[
-        bool, typer.Option("--position-only", help="Any rotation will do. For 3 or 4 joints.")
+        bool,
+        typer.Option("--position-only", help="Any rotation counts: for arms of 3 or 4 joints."),
     ] = False,
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", metavar="NAME", help="Makes NAME.npz, .png and .html."),
+        typer.Option(
+            "-o", "--output", metavar="NAME", help="Write NAME.npz, NAME.png and NAME.html."
+        ),
     ] = None,
 ) -> None:
-    """Map what the robot reaches, in its base frame: numbers (npz), a picture and a page.
+    """Map the reach of a robot in its base frame, into three files.
 
-    At the centre of each cell evenly spread rotations of the TCP are tried; the map holds the share
-    that inverse kinematics solves within the limits, and the mean manipulability of the answers.
-    Collisions are not looked at.
+    At the centre of each cell the command tries evenly spread rotations of
+    the TCP. The map holds the share that inverse kinematics solves within the
+    limits, and the mean manipulability of the solutions. Collisions do not
+    count. NAME.npz has the numbers, NAME.png a picture, NAME.html a page.
     """
     layer = _layer(plane, volume)
     if axis and position_only:

@@ -19,7 +19,7 @@ from robocell.generate.totals import counted
 def replay(
     dataset: Annotated[Path, typer.Argument(metavar="DATASET", help="Folder of the dataset.")],
     episode: Annotated[
-        str | None, typer.Argument(metavar="EPISODE", help="Its id; all of them unless given.")
+        str | None, typer.Argument(metavar="EPISODE", help="Id of one episode. Default: all.")
     ] = None,
     _check: Annotated[
         bool, typer.Option("--check", hidden=True, help="What it does anyway.")
@@ -31,14 +31,14 @@ def replay(
         bool,
         typer.Option(
             "--actions",
-            help="Of an environment's episodes: give its actions again, not the controls.",
+            help="Give an environment its recorded actions again, instead of the controls.",
         ),
     ] = False,
     env: Annotated[
         str | None,
         typer.Option(
             metavar="FILE",
-            help="The same in the environment of another configuration, or of a ready-made cell.",
+            help="Like --actions, in the environment of another configuration or ready-made cell.",
         ),
     ] = None,
     imports: Annotated[
@@ -46,18 +46,23 @@ def replay(
         typer.Option(
             "--import",
             metavar="MODULE",
-            help="Import it first: it registers tasks or features; also a library, libstack.so. "
+            help="A module or library (libstack.so) that registers tasks or features. "
             "Its code must be the code that made the episodes.",
         ),
     ] = None,
 ) -> None:
-    """Simulate episodes again from their start and their recorded controls, and compare.
+    """Simulate episodes again with their recorded controls, and compare.
 
-    With --actions or --env the actions are given to the environment again, and its observations
-    and rewards are compared. The first step that comes out otherwise is named; an episode that
-    cannot be read or replayed is reported, and the others go on. With --import the code of the task
-    and the features is compared with the dataset's, too. Exit codes: 0 all the same, 1 some
-    differ, 2 wrong command or an episode that cannot be replayed, 3 a file cannot be read.
+    With --actions or --env the environment gets the actions again, and its
+    observations and rewards are compared. With --import the code of the task
+    and its features must be that of the dataset. The first step that differs
+    is printed. An episode that cannot be replayed does not stop the others.
+
+    Exit codes:
+    0  all the same
+    1  some differ
+    2  wrong command, or an episode that cannot be replayed
+    3  a file cannot be read
     """
     require_folder(dataset, "dataset")
     for module in imports or ():

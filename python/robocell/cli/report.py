@@ -59,13 +59,16 @@ class OnDisk:
 def report(
     dataset: Annotated[Path, typer.Argument(metavar="DATASET", help="Folder of the dataset.")],
     episodes: Annotated[
-        bool, typer.Option("--episodes", help="Also a table of all episodes.")
+        bool, typer.Option("--episodes", help="Also print a table of all episodes.")
     ] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="One JSON object instead.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")] = False,
 ) -> None:
-    """Count a dataset's episodes on the disk and tell how they were made.
+    """Count the episodes of a dataset and show how they were made.
 
-    Exit codes: 0, 2 wrong command, 3 a file cannot be read; the others are counted all the same.
+    Exit codes:
+    0  counted
+    2  wrong command
+    3  a file cannot be read; the others are counted
     """
     require_folder(dataset, "dataset")
     _core.require_dataset(dataset)
@@ -104,7 +107,7 @@ def _read(dataset: Path) -> tuple[list[OnDisk], dict[str, str], dict[str, str]]:
 
 
 def _load_all(dataset: Path) -> tuple[list[RunReport], list[str]]:
-    """The reports, and what is wrong with those that are damaged."""
+    """Returns the reports, and the problems of those that are damaged."""
     reports, damaged = [], []
     for path in report_paths(dataset):
         try:

@@ -17,13 +17,16 @@ def verify(
         bool, typer.Option("--decode-videos", help="Also decode every frame (slow).")
     ] = False,
     repair: Annotated[
-        bool, typer.Option("--repair", help="Move what is damaged into DATASET/.quarantine.")
+        bool, typer.Option("--repair", help="Move damaged files into DATASET/.quarantine.")
     ] = False,
 ) -> None:
-    """Check every file of a dataset and name what is damaged.
+    """Check every file of a dataset and list the damaged ones.
 
-    Exit code 1 when something is; with --repair when something still is afterwards. 3 when all
-    that is wrong is that this machine or version cannot read something.
+    Exit codes:
+    0  intact; with --repair: repaired
+    1  damaged; with --repair: damage remains
+    2  wrong command, or not a dataset
+    3  the only problems: files that this machine or version cannot read
     """
     require_folder(dataset, "dataset")
     if repair:

@@ -34,6 +34,11 @@ def rows(
         NotFoundError: An episode has no such column; the message has the nearest.
         ArgumentError: There are no episodes or names, a column is of another table, or the horizon
             is below 1.
+
+    Examples:
+        >>> table = rc.data.rows(dataset, ["robots/rc7/arm/qpos"])
+        >>> table.shape[1]
+        7
     """
     opened = dataset if isinstance(dataset, Dataset) else Dataset(os.fspath(dataset))
     if isinstance(names, str) or not names:

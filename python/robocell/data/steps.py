@@ -84,6 +84,12 @@ class Steps:
     Raises:
         NotFoundError: The first episode has no such column or stream; the message has the nearest.
         ArgumentError: There are no episodes, or the offsets are invalid.
+
+    Examples:
+        >>> keys = {"robots/rc7/arm/qpos": 0, "robots/rc7/action/arm": range(16)}
+        >>> steps = rc.data.Steps(dataset, keys)
+        >>> steps[0]["robots/rc7/action/arm"].shape
+        (16, 7)
     """
 
     def __init__(

@@ -74,6 +74,10 @@ def from_dataset(
 
     The first reset raises ArgumentError or NotFoundError with the first difference if the cell has
     other features than the dataset.
+
+    Examples:
+        >>> recorded = rc.envs.from_dataset("experiment_output/demo")
+        >>> observation, info = recorded.reset(seed=0)
     """
     opened = dataset if isinstance(dataset, Dataset) else Dataset(Path(dataset))
     for module in imports:

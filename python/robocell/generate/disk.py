@@ -94,7 +94,7 @@ def flush(folder: Path) -> None:
 
 
 def with_trouble(message: str, trouble: str) -> str:
-    """What a worker said of a failure, and `disk_trouble`; room is told once."""
+    """Returns the text of a worker's failure and `disk_trouble`, with the free space once."""
     told = TELLS_ROOM in message and FULL in trouble
     return message if told else f"{message}\n{trouble}"
 

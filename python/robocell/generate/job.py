@@ -1,4 +1,4 @@
-"""A run file with its plan and its dataset: what there is to do, and doing it."""
+"""A run file with its plan and its dataset: lists the remaining items and makes them."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ class Job:
         self.items = [Item(item.id, item.index) for item in self._chosen]
 
     def made(self) -> set[str]:
-        """The items that are on the disk. DamagedEpisodesError for what is there but unreadable."""
+        """Returns the items on the disk. Raises DamagedEpisodesError for unreadable ones."""
         if not self.dataset.is_dir():
             return set()
         return made_items(self.run, self._chosen)
@@ -209,7 +209,7 @@ class Job:
             return result
 
     def clean_up(self, item_id: str, pid: int, observer: Observer) -> None:
-        """Removes what a worker that died has left; what cannot be removed is told."""
+        """Removes the remains of a worker that died, and reports those that it cannot remove."""
         try:
             remove_leftovers(self.dataset, item_id, pid)
         except (Error, OSError) as error:

@@ -1,4 +1,4 @@
-"""What a supervisor tells whoever watches it. Every function does nothing unless overridden."""
+"""Events of a supervisor for whoever watches it. Functions do nothing unless overridden."""
 
 from __future__ import annotations
 

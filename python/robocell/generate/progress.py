@@ -29,7 +29,7 @@ PLAIN_INTERVAL_S = 5.0
 def make_progress(style: ProgressStyle) -> Observer:
     """`auto`: a bar on a terminal, else plain lines."""
     if style == "jsonl":
-        return JsonLines(unforgiving(sys.stdout))  # so that it is told when nobody reads them
+        return JsonLines(unforgiving(sys.stdout))  # so that a closed pipe is an error
     if style == "bar" or (style == "auto" and sys.stderr.isatty()):
         return Bar(Console(stderr=True))
     return PlainLines(sys.stderr)

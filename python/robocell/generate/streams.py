@@ -16,7 +16,7 @@ import sys
 from collections.abc import Callable
 from typing import Any, TextIO
 
-# Of a terminal that was closed: EIO; of one that is no more: ENXIO.
+# A terminal that was closed gives EIO, one that no longer exists ENXIO.
 GONE = (errno.EPIPE, errno.EIO, errno.ENXIO)
 
 

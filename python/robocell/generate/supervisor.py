@@ -256,7 +256,7 @@ class Supervisor:
         os.close(self._waker)
         self._waker = -1  # a late stop request must not write into somebody else's file
 
-    # What workers say.
+    # Messages of workers.
 
     def _obey(self, worker: WorkerProcess, message: dict[str, Any]) -> None:
         match message:
@@ -289,7 +289,7 @@ class Supervisor:
             raise ProtocolError(f"a result of {result.id}, which it was not asked for")
         self._totals.add(result)
         if result.stopped:
-            self._drop_item(worker, f"worker {worker.number} was told to stop by another process")
+            self._drop_item(worker, f"worker {worker.number} was stopped by another process")
             return
         if not (result.success or result.complete):
             self._give_up(item, result.why_unmade())

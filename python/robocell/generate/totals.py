@@ -10,7 +10,7 @@ from typing import Any
 
 from robocell.generate.items import ItemResult
 
-# What adds up: the same names in `Totals`, in `ItemResult` and in records.
+# These fields are summed; they have the same names in `Totals`, `ItemResult` and records.
 NUMBERS = ("attempts", "accepted", "undecided", "rows")
 COUNTERS = ("refusals", "redrawn", "failures", "seconds", "kinds", "rollouts", "made_of")
 TIMEOUT = "timeout"  # why a rollout failed that used up `rates.max_steps`

@@ -77,7 +77,7 @@ class WorkerProcess:
         self._send({"stop": True})
 
     def finish(self) -> None:
-        """Tells it that there is no more work: it exits."""
+        """Ends the work of the process, which then exits."""
         if not self.leaving:
             self.leaving = True
             self.since = time.monotonic()

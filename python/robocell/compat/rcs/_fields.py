@@ -1,4 +1,4 @@
-"""Configurations in which a field that is misspelt is an error that tells the right one."""
+"""Configurations in which a misspelt field is an error that names the right one."""
 
 from __future__ import annotations
 

@@ -17,6 +17,6 @@ class Pose(robocell.Pose):
         if quaternion is not None:
             numbers = np.asarray(quaternion, dtype=float)
             length = float(np.linalg.norm(numbers))
-            # What has no direction, or was never meant as a rotation, is for robocell to refuse.
+            # robocell refuses numbers without a direction, or that were never meant as a rotation.
             kwargs["quaternion"] = numbers / length if abs(length - 1) < 1e-2 else numbers
         super().__init__(*args, **kwargs)

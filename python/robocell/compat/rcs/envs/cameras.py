@@ -76,7 +76,7 @@ def placed_cameras(
 
 
 def _has_camera(file: Path, camera: str) -> bool:
-    """Whether a model has a camera of this name; what is wrong with the model is said later."""
+    """Returns whether a model has a camera of this name; problems of the model show up later."""
     try:
         spec = mujoco.MjSpec.from_file(rc.models.resolve(str(file)))
     except (rc.Error, ValueError):

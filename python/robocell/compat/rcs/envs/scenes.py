@@ -90,7 +90,7 @@ class SimEnvCreatorConfig(NamedFields):
     _original_cfg: None = field(default=None, repr=False)
 
     def _check_names(self) -> None:
-        """What robocell would tell with fields that are not there in this configuration."""
+        """Finds wrong names that robocell would report with fields of its own configuration."""
         if self._original_cfg is not None:
             raise rc.ArgumentError(
                 "_original_cfg: robocell prefixes nothing in place; give that configuration itself "
