@@ -71,7 +71,7 @@ from robocell._core import (
     __mujoco_version__,
     __version__,
 )
-from robocell._elsewhere import add_hints, not_at_the_top
+from robocell._elsewhere import add_hints, no_such, not_at_the_top
 from robocell.features import register_feature
 from robocell.tasks import (
     register_expert,
@@ -133,7 +133,7 @@ __all__ = [
 
 def __getattr__(name: str) -> NoReturn:
     """Says where a name is that is not at the top."""
-    raise AttributeError(not_at_the_top(name))
+    raise no_such(not_at_the_top(name), name)
 
 
 add_hints()

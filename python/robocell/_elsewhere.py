@@ -74,14 +74,23 @@ def add_hints() -> None:
             vars(module)["__getattr__"] = functools.partial(_refuse, module)
 
 
+def no_such(message: str, name: str) -> AttributeError:
+    """The error of a name that is not there; Python adds no suggestion of its own to the text."""
+    return AttributeError(message, name=name, obj=None)
+
+
 def _refuse(module: ModuleType, name: str) -> NoReturn:
-    raise AttributeError(not_in(module.__name__, name, module.__all__))
+    raise no_such(not_in(module.__name__, name, module.__all__), name)
 
 
 def _nearest(name: str, names: Sequence[str]) -> str:
-    lower = {each.lower(): each for each in names}
-    near = difflib.get_close_matches(name.lower(), lower, n=1, cutoff=0.75)
-    return lower[near[0]] if near else ""
+    near = difflib.get_close_matches(name.lower(), [each.lower() for each in names], 1, 0.75)
+    same = [each for each in names if near and each.lower() == near[0]]  # scene and Scene
+    return max(same, key=lambda each: _likeness(name, each)) if same else ""
+
+
+def _likeness(one: str, other: str) -> float:
+    return difflib.SequenceMatcher(None, one, other).ratio()
 
 
 def _homes() -> dict[str, str]:

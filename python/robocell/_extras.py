@@ -5,6 +5,7 @@ Each belongs to an extra of pyproject.toml; an error about a missing one names t
 
 from __future__ import annotations
 
+import importlib.metadata
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -15,6 +16,18 @@ EXTRAS = {
     "sb3": {"gymnasium": "gymnasium", "stable_baselines3": "stable-baselines3"},
     "torch": {"torch": "torch"},
 }
+
+
+def install_command(extra: str) -> str:
+    """The command that installs an extra's packages.
+
+    A checkout is not installed, so pip would look for robocell itself, which no index has.
+    """
+    try:
+        importlib.metadata.distribution("robocell")
+    except importlib.metadata.PackageNotFoundError:
+        return f"pip install {' '.join(EXTRAS[extra].values())}"
+    return f"pip install 'robocell[{extra}]'"
 
 
 @contextmanager
@@ -36,8 +49,7 @@ def needed_by(user: str, extra: str, otherwise: str = "") -> Iterator[None]:
         if package is None:
             raise
         message = (
-            f"{user} needs the package {package}, which is not installed: "
-            f"pip install 'robocell[{extra}]'"
+            f"{user} needs the package {package}, which is not installed: {install_command(extra)}"
         )
         if otherwise:
             message += f". {otherwise}"

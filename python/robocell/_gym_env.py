@@ -14,8 +14,8 @@ from robocell._spaces import frame_space, space_of
 from robocell._window import RENDER_SIZE, Window, frame_rate, side_view
 
 
-def options_of(options: Any, takes: str | None = None) -> Mapping[str, Any]:
-    """Checks the options of a reset, which accepts only `takes`."""
+def options_of(options: Any, takes: str | None = None, hint: str = "") -> Mapping[str, Any]:
+    """Checks the options of a reset, which accepts only `takes`; `hint` ends the error."""
     if options is None:
         return {}
     if not isinstance(options, Mapping):
@@ -24,7 +24,7 @@ def options_of(options: Any, takes: str | None = None) -> Mapping[str, Any]:
         )
     if unknown := [str(key) for key in options if key != takes]:
         what = f"the option '{takes}'" if takes else "no options"
-        raise ArgumentError(f"reset takes {what} here, got {', '.join(unknown)}")
+        raise ArgumentError(f"reset takes {what} here, got {', '.join(unknown)}{hint}")
     return options
 
 

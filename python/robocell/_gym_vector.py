@@ -24,6 +24,10 @@ NO_WINDOWS = (
     "no window: copies in a vector have none, headless: false is for a single environment. "
     "render_mode='rgb_array' gives a picture of each"
 )
+NO_KEYFRAMES = (
+    ". Copies in a vector start at home: set `home` of the robots to the keyframe's positions, or "
+    "use single environments, whose reset takes the option 'keyframe'"
+)
 
 
 class VectorGymEnv(VectorEnv[Any, Any, Any]):
@@ -104,7 +108,8 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
         """Resets all copies, or with ``options={"reset_mask": (num_envs,) bool}`` some of them.
 
         Copy i gets ``seed + i``, or the i-th of num_envs seeds. Without a seed it gets the next
-        start of its last seed, or a random one at first.
+        start of its last seed, or a random one at first. All start at home; ``keyframe`` is an
+        option of single environments.
         """
         which = self._which(options)
         observations = self.core.reset(self._seeds(seed, which), which.tolist())
@@ -155,7 +160,8 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
             self.core.close()
 
     def _which(self, options: dict[str, Any] | None) -> NDArray[np.bool_]:
-        given = options_of(options, RESET_OPTION)
+        has_keyframe = isinstance(options, Mapping) and "keyframe" in options
+        given = options_of(options, RESET_OPTION, NO_KEYFRAMES if has_keyframe else "")
         if RESET_OPTION not in given:
             return np.ones(self.num_envs, dtype=bool)
         which = np.asarray(given[RESET_OPTION])

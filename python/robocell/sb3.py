@@ -8,7 +8,7 @@ model = PPO("MlpPolicy", VecEnv(pick_cube_config(), 8, max_episode_steps=200))
 
 ``make_vec_env("robocell/PickCube-v0", env_kwargs={"flat": True})`` works too, but steps single
 environments one after the other. This module needs the extra ``sb3``:
-``pip install 'robocell[sb3]'``.
+``pip install 'robocell[sb3]'``, in a checkout ``pip install gymnasium stable-baselines3``.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ with needed_by("robocell.sb3", "sb3", "Without it: robocell.gym.FlatVectorGymEnv
 
 from robocell._core import ArgumentError, EnvConfig
 from robocell._gym_flat import FlatVectorGymEnv
+from robocell._gym_vector import NO_KEYFRAMES
 
 
 class VecEnv(vec_env.VecEnv):
@@ -64,7 +65,9 @@ class VecEnv(vec_env.VecEnv):
         """Resets all copies: to the starts of ``seed``, once, else to the next ones."""
         if options := {name for each in self._options for name in each}:
             self._reset_options()
-            raise ArgumentError(f"reset takes no options here, got {', '.join(sorted(options))}")
+            hint = NO_KEYFRAMES if "keyframe" in options else ""
+            given = ", ".join(sorted(options))
+            raise ArgumentError(f"reset takes no options here, got {given}{hint}")
         observation, infos = self.vector.reset(seed=self._seeds)
         self.reset_infos = [_of_copy(infos, i) for i in range(self.num_envs)]
         self._reset_seeds()

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import mujoco
 import pytest
 
 import robocell.compat.mj_kdl_wrapper as mjk
-from robocell import menagerie
+from robocell import NotFoundError, fetching, menagerie
 from robocell.compat.mj_kdl_wrapper.fetch import main
 
 
@@ -61,6 +62,66 @@ def test_fetching_leaves_what_is_there(cache: Path):
     assert mjk.menagerie.model_path("kinova_gen3") == str(arm)
     assert mjk.menagerie.asset_path("table.xml") == str(table)
     assert (cache / "assets" / "mug.xml").is_file()
+
+
+@pytest.fixture
+def own_search(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Robocell's own search finds the robots of the tests."""
+
+    def model_path(name: str) -> str:
+        robot, _, file = name.partition("/")
+        return str(Path(menagerie.folder(robot)) / (file or fetching.main_file(robot)))
+
+    monkeypatch.setattr(menagerie, "model_path", model_path)
+
+
+@pytest.mark.usefixtures("own_search")
+def test_a_robot_of_an_interrupted_fetch_is_found_elsewhere_and_completed(cache: Path):
+    arm = cache / "menagerie" / "kinova_gen3"
+    (arm / "assets").mkdir(parents=True)
+    (arm / "assets" / "base_link.obj").write_text("cut of")
+    (arm / "mine.txt").write_text("mine")
+    elsewhere = Path(mjk.menagerie.model_path("kinova_gen3"))
+    assert elsewhere.is_file()
+    assert cache not in elsewhere.parents
+    assert cache not in Path(mjk.menagerie.model_path("kinova_gen3/gen3.xml")).parents
+    mjk.menagerie.fetch()
+    assert mjk.menagerie.model_path("kinova_gen3") == str(arm / "gen3.xml")
+    assert mujoco.MjModel.from_xml_path(str(arm / "gen3.xml")).nbody
+    assert (arm / "mine.txt").read_text() == "mine"
+
+
+@pytest.mark.usefixtures("own_search")
+@pytest.mark.parametrize("copies", [0, 1, 12])
+def test_a_fetch_may_be_interrupted_at_any_file(cache: Path, monkeypatch, copies: int):
+    copied, copyfile = [], shutil.copyfile
+
+    def interrupted(source: Path, target: Path) -> None:
+        if len(copied) == copies:
+            Path(target).write_text("<mujoco")
+            raise KeyboardInterrupt
+        copied.append(copyfile(source, target))
+
+    monkeypatch.setattr(shutil, "copyfile", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        mjk.menagerie.fetch()
+    monkeypatch.setattr(shutil, "copyfile", copyfile)
+    assert not list(cache.rglob(".*.*")), "no parts of files"
+    for path in (mjk.menagerie.model_path("kinova_gen3"), mjk.menagerie.asset_path("mug.xml")):
+        assert mujoco.MjModel.from_xml_path(path).nbody
+    for path in mjk.menagerie.fetch().values():
+        assert cache in Path(path).parents
+        assert mujoco.MjModel.from_xml_path(path).nbody
+
+
+def test_a_source_without_its_main_file_is_told(cache: Path, tmp_path: Path, monkeypatch):
+    (tmp_path / "kinova_gen3").mkdir()
+    folder = menagerie.folder
+    sources = {"kinova_gen3": str(tmp_path / "kinova_gen3"), "robotiq_2f85": folder("robotiq_2f85")}
+    monkeypatch.setattr(menagerie, "folder", sources.__getitem__)
+    with pytest.raises(NotFoundError, match=r"kinova_gen3 has no 'gen3\.xml'\. Delete the folder"):
+        mjk.menagerie.fetch()
+    assert not (cache / "menagerie" / "kinova_gen3").exists()
 
 
 def test_variables_come_before_the_cache(cache: Path, tmp_path: Path, monkeypatch):

@@ -412,6 +412,13 @@ def test_fields_that_do_nothing_say_so_once_when_they_are_set():
     assert [text.split(" does nothing: ")[0] for text in told] == [
         "SimGripperConfig.seconds_between_callbacks"
     ]
+    env = minimal(SimRobotConfig(), task_cfg=PickTaskConfig(object_joint="x"))
+    assert told_by(env.to_env_config) == [
+        "PickTaskConfig.object_joint does nothing: robocell finds the free joint of the object, "
+        "and adds one to a model that has none"
+    ]
+    env.task_cfg = PickTaskConfig()
+    assert told_by(env.to_env_config) == []
     assert told_by(lambda: SimRobotConfig().to_robot()) == []
     assert told_by(lambda: SimGripperConfig(collision_geoms=[]).to_robot()) == []
 
@@ -469,7 +476,7 @@ def test_every_field_becomes_one_of_robocells():
     assert [list(edit.range) for edit in robot.edits] == [[-1, 1], [-1, 1]]
     assert (list(robot.home["arm"]), robot.arrival_tolerance) == ([0.1, 0.2], 0.02)
     assert len(robot.collision_geoms) == 1
-    with pytest.raises(rc.ArgumentError, match="robot FR3: dof is 6, but joints has 7 names"):
+    with pytest.raises(rc.ArgumentError, match=r"dof: expected None or .* 7 joints .*, found 6"):
         SimRobotConfig(dof=6).to_robot()
 
     gripper = SimGripperConfig(

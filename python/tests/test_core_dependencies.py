@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import ast
+import importlib.metadata
 import sys
 
 import pytest
 
 import only_core
 from command_line import write_run
-from robocell._extras import EXTRAS, needed_by
+from robocell._extras import EXTRAS, install_command, needed_by
 
 SOURCES = only_core.ROOT / "python" / "robocell"
 # Packages that go by another name than their module.
@@ -109,7 +110,7 @@ def test_the_doctor_names_extras_as_optional():
     result = only_core.run(COMMAND, "doctor")
     words = " ".join(result.stdout.split())
     assert "extra: envs (for robocell.gym, robocell.lerobot and compat.rcs) is optional" in words
-    assert "pip install 'robocell[plots]'" in words
+    assert "pip install matplotlib plotly" in words
     assert "packages is broken" not in words
 
 
@@ -119,23 +120,42 @@ def test_the_doctor_names_extras_as_optional():
         (
             "import robocell.gym",
             "robocell.gym needs the package gymnasium, which is not installed: "
-            "pip install 'robocell[envs]'. Without it: robocell.Env",
+            "pip install gymnasium. Without it: robocell.Env",
         ),
         (
             "import robocell.lerobot",
             "robocell.lerobot needs the package gymnasium, which is not installed: "
-            "pip install 'robocell[envs]'",
+            "pip install gymnasium",
         ),
         (
             "import robocell.sb3",
             "robocell.sb3 needs the package gymnasium, which is not installed: "
-            "pip install 'robocell[sb3]'",
+            "pip install gymnasium stable-baselines3",
         ),
     ],
 )
-def test_a_missing_extra_is_an_error_with_the_pip_command(code, message):
+def test_a_missing_extra_is_an_error_with_the_pip_command_of_a_checkout(code, message):
     result = only_core.run(code)
     assert f"ModuleNotFoundError: {message}" in result.stderr
+
+
+def test_the_pip_command_of_an_installed_package_names_its_extra(monkeypatch):
+    def distribution(name: str) -> str:
+        return name
+
+    monkeypatch.setattr(importlib.metadata, "distribution", distribution)
+    assert {extra: install_command(extra) for extra in EXTRAS} == {
+        extra: f"pip install 'robocell[{extra}]'" for extra in EXTRAS
+    }
+
+
+def test_no_other_module_writes_the_command_itself():
+    for file in SOURCES.rglob("*.py"):
+        if file.name != "_extras.py":
+            code = ast.walk(ast.parse(file.read_text()))
+            texts = [node.value for node in code if isinstance(node, ast.Constant)]
+            docs = [text for text in texts if "pip install 'robocell[" in str(text)]
+            assert all("checkout" in text for text in docs), file
 
 
 def test_reach_names_the_extra_before_it_computes(tmp_path):
@@ -145,7 +165,7 @@ def test_reach_names_the_extra_before_it_computes(tmp_path):
     assert result.returncode == 2
     assert (
         "robocell reach needs the package matplotlib, which is not installed: "
-        "pip install 'robocell[plots]'. Numbers alone: robot.kinematics.reach_map"
+        "pip install matplotlib plotly. Numbers alone: robot.kinematics.reach_map"
     ) in " ".join(result.stderr.split())
     assert not list(tmp_path.iterdir())
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -13,6 +14,7 @@ import pytest
 
 import robocell
 from read_back import column_by_h5py, frames_by_ffmpeg, read_back_dataset
+from robocell._extras import install_command
 from robocell.data import Steps, torch_dataset
 
 ARM = "robots/rc7/arm/qpos"
@@ -143,7 +145,7 @@ def test_without_torch_the_command_that_installs_it_is_named(
 ):
     monkeypatch.setitem(sys.modules, "torch", None)
     monkeypatch.delitem(sys.modules, "robocell.data._torch", raising=False)
-    needed = r"pip install 'robocell\[torch\]'.*Steps"
+    needed = rf"{re.escape(install_command('torch'))}\. .*Steps"
     with pytest.raises(ModuleNotFoundError, match=needed) as error:
         torch_dataset(dataset, [ARM])
     assert error.value.name == "torch"

@@ -75,6 +75,8 @@ def test_the_top_has_everyday_names_which_are_the_ones_of_the_topics():
         ("gym", "It is a module to import: import robocell.gym"),
         ("iksolver", "Did you mean robocell.kinematics.IkSolver?"),
         ("SceneSpek", "Did you mean robocell.SceneSpec?"),
+        ("Scen", "Did you mean robocell.Scene?"),
+        ("scen", "Did you mean robocell.scene?"),
         ("zzz", f"Its topics: {', '.join(_elsewhere.TOPICS)}"),
     ],
 )
@@ -102,6 +104,41 @@ def test_a_name_that_a_topic_lacks_is_told_with_the_nearest(topic, name, told):
     with pytest.raises(AttributeError) as error:
         getattr(module, name)
     assert str(error.value) == f"module 'robocell.{topic}' has no attribute '{name}'. {told}"
+
+
+# Objects, a name that each lacks, and the one that it has.
+NEAR = {
+    "robocell": ("Scenee", "Scene"),
+    "robocell.log": ("set_log_leve", "set_log_level"),
+    "robocell.envs": ("EnvBatc", "EnvBatch"),
+    "robocell.data": ("Step", "Steps"),
+    "robocell.compat.mj_kdl_wrapper": ("set_log_leve", "set_log_level"),
+}
+
+
+@pytest.mark.parametrize("module", NEAR)
+def test_python_adds_no_second_suggestion(module: str, capsys):
+    wrong, right = NEAR[module]
+    with pytest.raises(AttributeError) as error:
+        getattr(importlib.import_module(module), wrong)
+    assert right in str(error.value)
+    sys.__excepthook__(error.type, error.value, None)  # it adds them as a program's end does
+    assert capsys.readouterr().err.endswith(f"AttributeError: {error.value}\n")
+
+
+def test_python_adds_no_second_suggestion_to_wrapped_objects(capsys):
+    from robocell.compat.mj_kdl_wrapper.forward import Forwarding
+
+    class Wrapper(Forwarding):
+        __slots__ = ("pose",)
+        _wraps = "pose"
+
+    wrapper = Wrapper()
+    wrapper.pose = rc.Pose()
+    with pytest.raises(AttributeError, match=r"has no 'translatio'. Did you mean 'trans") as error:
+        wrapper.translatio  # noqa: B018
+    sys.__excepthook__(error.type, error.value, None)
+    assert capsys.readouterr().err.endswith(f"AttributeError: {error.value}\n")
 
 
 @pytest.mark.parametrize("topic", _elsewhere.TOPICS)

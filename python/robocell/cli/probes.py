@@ -17,7 +17,7 @@ from pathlib import Path
 
 from robocell import _pykdl
 from robocell._build_tree import build_folder
-from robocell._extras import EXTRAS
+from robocell._extras import EXTRAS, install_command
 
 PROBE_TIMEOUT_S = 60
 GL_BACKENDS = ("egl", "osmesa")
@@ -126,8 +126,7 @@ def extras() -> list[Finding]:
         missing = [name for module, name in wanted.items() if not importlib.util.find_spec(module)]
         state = State.MISSING if missing else State.OK
         detail = f"no {', '.join(missing)}" if missing else ", ".join(wanted.values())
-        remedy = f"pip install 'robocell[{extra}]'"
-        found.append(Finding(f"extra: {extra}", state, detail, remedy))
+        found.append(Finding(f"extra: {extra}", state, detail, install_command(extra)))
     return found
 
 

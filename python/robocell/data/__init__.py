@@ -42,7 +42,7 @@ from robocell._core import (
     verify,
     verify_replay,
 )
-from robocell._elsewhere import not_in
+from robocell._elsewhere import no_such, not_in
 from robocell.data._recorder import EnvRecorder
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ def __getattr__(name: str) -> Any:
 
     module = {"rows": "_rows", "Steps": "steps", "torch_dataset": "steps"}.get(name)
     if module is None:
-        raise AttributeError(not_in("robocell.data", name, __all__))
+        raise no_such(not_in("robocell.data", name, __all__), name)
     value = getattr(importlib.import_module(f"robocell.data.{module}"), name)
     globals()[name] = value
     return value

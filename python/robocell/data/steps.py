@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robocell._core import ArgumentError, Dataset, Episode, NotFoundError
+from robocell._extras import needed_by
 
 if TYPE_CHECKING:
     from robocell.data._torch import TorchSteps
@@ -204,16 +205,9 @@ def torch_dataset(
     Raises:
         ModuleNotFoundError: torch is missing; the message has the command that installs it.
     """
-    try:
+    without = "Without it: robocell.data.Steps gives the same items as numpy arrays"
+    with needed_by("robocell.data.torch_dataset", "torch", without):
         from robocell.data._torch import TorchSteps
-    except ModuleNotFoundError as error:
-        if error.name != "torch":
-            raise
-        raise ModuleNotFoundError(
-            "robocell.data.torch_dataset needs torch: pip install 'robocell[torch]'. "
-            "robocell.data.Steps gives the same items as numpy arrays without it",
-            name="torch",
-        ) from None
     return TorchSteps(Steps(dataset, keys, open_episodes), dtype, transform)
 
 

@@ -32,7 +32,7 @@ from robocell._core import (
     WrapperConfig,
     env_scene_spec,
 )
-from robocell._elsewhere import not_in
+from robocell._elsewhere import no_such, not_in
 
 if TYPE_CHECKING:
     from robocell.envs.dataset_env import DatasetEnv, from_dataset
@@ -60,7 +60,7 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     """Loads what needs Gymnasium when it is asked for."""
     if name not in ("DatasetEnv", "from_dataset"):
-        raise AttributeError(not_in("robocell.envs", name, __all__))
+        raise no_such(not_in("robocell.envs", name, __all__), name)
     from robocell.envs import dataset_env
 
     value = getattr(dataset_env, name)

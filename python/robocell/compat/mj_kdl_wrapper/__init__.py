@@ -24,6 +24,7 @@ from robocell import (
     __mujoco_version__,
     __version__,
 )
+from robocell._elsewhere import no_such
 from robocell.compat.mj_kdl_wrapper import menagerie
 from robocell.compat.mj_kdl_wrapper.env import Env
 from robocell.compat.mj_kdl_wrapper.log import LogLevel, get_log_level, set_log_level
@@ -79,4 +80,4 @@ def __getattr__(name: str) -> object:
     else:
         near = difflib.get_close_matches(name, __all__, 1)
         hint = f"Did you mean '{near[0]}'?" if near else f"It has {', '.join(__all__)}"
-    raise AttributeError(f"module '{__name__}' has no '{name}'. {hint}")
+    raise no_such(f"module '{__name__}' has no '{name}'. {hint}", name)

@@ -2,17 +2,29 @@
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Callable
 from typing import Any
 
 from robocell import ClosedError, Scene, SceneSpec
 from robocell.compat.mj_kdl_wrapper.calls import told
 from robocell.compat.mj_kdl_wrapper.forward import Forwarding
+from robocell.compat.mj_kdl_wrapper.keyframes import scene_number
 from robocell.compat.mj_kdl_wrapper.robot import Robot
 from robocell.robots import ToolFrameSpec
-from robocell.scene import ResetContext
+from robocell.scene import ResetContext, ResetInfo, ResetOptions
 
 Hook = Callable[[ResetContext], Any]
+
+
+class _Call:
+    """What the scene calls; it lives as long as the scene has it among its hooks."""
+
+    def __init__(self, hook: Hook) -> None:
+        self.hook = hook
+
+    def __call__(self, context: ResetContext) -> Any:
+        return self.hook(context)
 
 
 class Env(Forwarding):
@@ -22,11 +34,11 @@ class Env(Forwarding):
         scene: The scene itself.
     """
 
-    __slots__ = ("_hook", "_hook_id", "scene")
+    __slots__ = ("_call", "_call_id", "scene")
     _wraps = "scene"
     scene: Scene
-    _hook: Hook | None
-    _hook_id: int | None
+    _call: weakref.ref[_Call] | None
+    _call_id: int
 
     def __init__(self, scene: Scene) -> None:
         """Of a scene that is built already."""
@@ -36,8 +48,8 @@ class Env(Forwarding):
                 "To build one from a SceneSpec: Env.build(spec)"
             )
         self.scene = scene
-        self._hook = None
-        self._hook_id = None
+        self._call = None
+        self._call_id = 0
 
     @classmethod
     @told
@@ -65,10 +77,42 @@ class Env(Forwarding):
         self._require_open("create_robot")
         return Robot.from_scene(self.scene, base_body, tip_body, prefix=prefix, tool=tool)
 
+    def reset(self, options: ResetOptions | None = None, **fields: Any) -> ResetInfo:
+        """Restores a state, calls the hook, and lets robots take their commands from the result.
+
+        A number as the keyframe is that of the models, counted as in their files from 0; the
+        returned info and the hook have the place in ``keyframes()``, whose first is ``home``.
+
+        Args:
+            options: What to do, or
+            **fields: the fields of `ResetOptions` by name.
+        """
+        self._require_open("reset")
+        if options is None:
+            fields = self._counted(fields)
+        elif isinstance(options, ResetOptions) and not fields:
+            names = ("keyframe", "use_keyframe", "seed", "body_poses")
+            given = {name: getattr(options, name) for name in names}
+            options = ResetOptions(**self._counted(given))
+        return self.scene.reset(options, **fields)
+
+    def _counted(self, fields: dict[str, Any]) -> dict[str, Any]:
+        """The fields with the number of the keyframe that the scene has for the models'."""
+        number = fields.get("keyframe")
+        if isinstance(number, bool):
+            raise TypeError(f"keyframe: expected a number, a name or {{part: name}}; got {number}")
+        if not isinstance(number, int) or not fields.get("use_keyframe", True):
+            return fields
+        return fields | {"keyframe": scene_number(self.scene, number)}
+
     @property
     def on_reset(self) -> Hook | None:
-        """Called in every reset after the state was restored, before commands are re-seeded."""
-        return self._hook
+        """Called in every reset after the state was restored, before commands are re-seeded.
+
+        None after ``clear_reset_hooks()``, which removes it too.
+        """
+        call = self._call and self._call()
+        return call.hook if call else None
 
     @on_reset.setter
     def on_reset(self, hook: Hook | None) -> None:
@@ -77,7 +121,10 @@ class Env(Forwarding):
                 f"on_reset: expected a function that takes one ResetContext, or None; got {hook!r}"
             )
         self._require_open("on_reset")
-        if self._hook_id is not None:
-            self.scene.remove_reset_hook(self._hook_id)
-        self._hook = hook
-        self._hook_id = None if hook is None else self.scene.on_reset(hook)
+        if self.on_reset is not None:
+            self.scene.remove_reset_hook(self._call_id)
+        self._call = None
+        if hook is not None:
+            call = _Call(hook)
+            self._call_id = self.scene.on_reset(call)
+            self._call = weakref.ref(call)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from robocell._arguments import no_attribute
+from robocell._elsewhere import no_such
 
 
 class Forwarding:
@@ -19,7 +20,7 @@ class Forwarding:
             raise AttributeError(name)
         wrapped = getattr(self, self._wraps)
         if not hasattr(type(wrapped), name):
-            raise AttributeError(no_attribute(type(self), name, type(wrapped)))
+            raise no_such(no_attribute(type(self), name, type(wrapped)), name)
         self._require_open(name)
         return getattr(wrapped, name)
 

@@ -176,7 +176,15 @@ def _in_cache(name: str) -> str | None:
     cached = cache_dir() / "menagerie" / robot
     own_root = os.environ.get("MENAGERIE_ROOT")
     chosen = override_file(name) is not None or (own_root and (Path(own_root) / robot).is_dir())
-    return None if chosen or not cached.is_dir() else _model_in(cached, name)
+    return None if chosen or not _is_complete(cached) else _model_in(cached, name)
+
+
+def _is_complete(folder: Path) -> bool:
+    """Whether a robot's folder has its main file, which is copied last; of one's own any model."""
+    try:
+        return (folder / fetching.main_file(folder.name)).is_file()
+    except NotFoundError:
+        return any(folder.glob("*.xml"))
 
 
 def _model_in(folder: Path, name: str) -> str:
@@ -216,26 +224,45 @@ def _folder(robot: str) -> Path:
 
 
 def _fill(dest: Path, folders: dict[str, Path], *, keep: bool = False) -> dict[str, str]:
-    """Copies robots and assets; with `keep`, only what is not there yet."""
+    """Copies robots and assets; with `keep`, only what is not there yet.
+
+    What was interrupted is not there: models are copied last, and each file appears as a whole.
+    """
     paths = {}
     for robot, folder in folders.items():
-        _copy(folder, dest / "menagerie" / robot, keep)
-        paths[robot] = str(dest / "menagerie" / robot / fetching.main_file(robot))
-    _copy(folders[GRIPPER], dest / "assets" / GRIPPER, keep)
+        main = fetching.main_file(robot)
+        _copy(folder, dest / "menagerie" / robot, main, keep)
+        paths[robot] = str(dest / "menagerie" / robot / main)
+    _copy(folders[GRIPPER], dest / "assets" / GRIPPER, fetching.main_file(GRIPPER), keep)
     paths[GRIPPER_ASSET] = str(dest / "assets" / GRIPPER_ASSET)
     for asset, (model, _) in ASSETS.items():
         source, target = Path(models.resolve(model)), dest / "assets" / asset
-        target.parent.mkdir(parents=True, exist_ok=True)
         if not (keep and target.exists()):
             for mesh in source.parent.glob("*.obj"):
-                shutil.copyfile(mesh, target.parent / mesh.name)
-            shutil.copyfile(source, target)
+                _put(mesh, target.parent / mesh.name)
+            _put(source, target)
         paths[asset] = str(target)
     return paths
 
 
-def _copy(folder: Path, target: Path, keep: bool) -> None:
-    if keep and target.exists():
+def _copy(folder: Path, target: Path, main: str, keep: bool) -> None:
+    if keep and (target / main).is_file():
         return
-    ignored = shutil.ignore_patterns(".complete")
-    shutil.copytree(folder, target, ignore=ignored, dirs_exist_ok=True)
+    if not (folder / main).is_file():
+        raise NotFoundError(
+            f"robot '{folder.name}': {folder} has no '{main}'. Delete the folder and fetch the "
+            f"robot again: robocell fetch {folder.name}"
+        )
+    files = [path for path in folder.rglob("*") if path.is_file() and path.name != ".complete"]
+    for path in sorted(files, key=lambda path: path == folder / main):
+        _put(path, target / path.relative_to(folder))
+
+
+def _put(source: Path, target: Path) -> None:
+    target.parent.mkdir(parents=True, exist_ok=True)
+    part = target.with_name(f".{target.name}.{os.getpid()}")
+    try:
+        shutil.copyfile(source, part)
+        part.replace(target)
+    finally:
+        part.unlink(missing_ok=True)

@@ -1,10 +1,20 @@
-"""Configurations in which a misspelt field is an error that names the right one."""
+"""Configurations whose fields are checked: their names when they are set, their values when read.
+
+A misspelt field is an error that contains the right one. `as_read` reads all values as the
+annotations say, `_reading`.
+"""
 
 from __future__ import annotations
 
+import copy
 import difflib
 import inspect
-from typing import Any
+import warnings
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any, Self, get_type_hints
+
+from robocell.compat.rcs._reading import form_of
 
 
 class NamedFields:
@@ -13,6 +23,8 @@ class NamedFields:
     TypeError for an argument, AttributeError for an attribute. Attributes that begin with an
     underscore are a subclass's own.
     """
+
+    _place: str | None = None  # None: the name of the class
 
     def __new__(cls, *args: Any, **kwargs: Any) -> Any:
         """Refuses arguments that ``__init__`` does not have."""
@@ -31,6 +43,61 @@ class NamedFields:
         if not name.startswith("_") and name not in fields and not hasattr(cls, name):
             raise AttributeError(_no_field(cls, name, list(fields)))
         super().__setattr__(name, value)
+
+    def as_read(self, place: str | None = None) -> Self:
+        """A copy whose values have the types that the annotations say.
+
+        Args:
+            place: What errors call this configuration, such as "robot_cfgs.left"; unless given,
+                what it was called before, else its class. Fields of "" are called by their names
+                alone.
+
+        Raises:
+            TypeError: A value has another type.
+            ArgumentError: A value is not possible.
+        """
+        mine = copy.copy(self)
+        place = place if place is not None else self._place
+        mine._place = type(self).__name__ if place is None else place
+        hints = _hints(type(self))
+        for each in fields(self):  # type: ignore[arg-type]
+            if not each.name.startswith("_") and each.name in hints:
+                value = getattr(self, each.name)
+                read = form_of(hints[each.name]).read(value, mine._of(each.name))
+                setattr(mine, each.name, read)
+        mine._check()
+        return mine
+
+    def _check(self) -> None:
+        """Raises an error for values that do not fit each other; all have been read."""
+
+    def _of(self, name: str) -> str:
+        """What errors call a field."""
+        place = type(self).__name__ if self._place is None else self._place
+        return f"{place}.{name}" if place else name
+
+    def _warn_of_unused(self, instead: Mapping[str, str]) -> None:
+        """For each of these fields that is not at its default: that it does nothing, and what does.
+
+        A warning of one text comes once, as Python shows warnings.
+        """
+        for each in fields(self):  # type: ignore[arg-type]
+            if each.name in instead and getattr(self, each.name) != each.default:
+                warnings.warn(
+                    f"{type(self).__name__}.{each.name} does nothing: {instead[each.name]}",
+                    stacklevel=2,
+                )
+
+
+def _hints(cls: type) -> dict[str, Any]:
+    """Annotations of a class and its bases, but for those with names that only a function knows."""
+    hints: dict[str, Any] = {}
+    for each in reversed(cls.__mro__):
+        try:
+            hints |= get_type_hints(each, include_extras=True)
+        except NameError:
+            continue
+    return hints
 
 
 def _no_field(cls: type, name: str, fields: list[str]) -> str:

@@ -4,36 +4,49 @@ from __future__ import annotations
 
 import enum
 import math
-import os
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import PurePath
-from typing import Any
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 import robocell as rc
 from robocell.compat.rcs._fields import NamedFields
+from robocell.compat.rcs._reading import Above, AtLeast, Form, Path, list_of, misfit, outside
 from robocell.compat.rcs.common import Pose
 from robocell.compat.rcs.registries import GRIPPER_PATHS, HOME_POSITIONS
 
 TIMESTEP = rc.envs.SimSettings().timestep  # seconds
-UNLIMITED = 1e6 * TIMESTEP  # s; the most that a step may take
+MOST_STEPS = 1_000_000  # of the engine, that a step may take
+PAIR = "(lower, upper), two lists with a number for each joint"
 
 
-def _warn_of_unused(config: Any, instead: Mapping[str, str]) -> None:
-    """For each of these fields that is not at its default: that it does nothing, and what does.
+def _read_limits(value: Any, place: str) -> NDArray[np.float64]:
+    try:
+        limits = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise misfit(place, PAIR, value) from None
+    if limits.ndim != 2 or limits.shape[0] != 2:
+        turned = limits.ndim == 2 and limits.shape[1] == 2
+        hint = "; its transpose has that" if turned else ""
+        raise outside(place, PAIR, f"numbers of shape {limits.shape}", hint)
+    for row, column in np.argwhere(~np.isfinite(limits)):
+        found = limits[row, column]
+        raise outside(f"{place}[{row}][{column}]", "a finite number", found)
+    return limits
 
-    A warning of one text comes once, as Python shows warnings.
-    """
-    for each in fields(config):
-        if each.name not in instead:
-            continue
-        value = getattr(config, each.name)
-        if (tuple(value) if isinstance(each.default, tuple) else value) != each.default:
-            warnings.warn(
-                f"{type(config).__name__}.{each.name} does nothing: {instead[each.name]}",
-                stacklevel=2,
-            )
+
+def _read_geom(value: Any, place: str) -> Any:
+    if not isinstance(value, str | Mapping | rc.scene.ElementRef):
+        raise misfit(place, "a geom's name, or {'body': name, 'index': 0}", value)
+    return value
+
+
+JOINT_LIMITS = Form(PAIR, "pairs", _read_limits)
+GEOM = Form("a geom's name", "geoms' names", _read_geom)
+Geoms = Annotated[Sequence[Any], list_of(GEOM)]
 
 
 def _fr3_joints() -> list[str]:
@@ -46,18 +59,25 @@ class SimConfig(NamedFields):
 
     async_control: bool = False
     realtime: bool = False
-    frequency: float = 30.0
+    frequency: Annotated[float, Above(0)] = 30.0
     max_convergence_steps: int = 500
+
+    def _check(self) -> None:
+        steps = self.max_convergence_steps
+        if steps == 0 or steps > MOST_STEPS:
+            words = f"a whole number from 1 to {MOST_STEPS}, or -1 for no limit"
+            raise outside(self._of("max_convergence_steps"), words, steps)
 
     def to_settings(self) -> rc.envs.SimSettings:
         """As robocell's: steps of the engine become simulated seconds."""
-        steps = self.max_convergence_steps
+        mine = self.as_read()
+        steps = mine.max_convergence_steps if mine.max_convergence_steps > 0 else MOST_STEPS
         return rc.envs.SimSettings(
-            async_control=self.async_control,
-            realtime=self.realtime,
-            frequency=self.frequency,
-            max_convergence_time=UNLIMITED if steps < 0 else steps * TIMESTEP,
-            on_collision="report" if self.async_control else "stop",
+            async_control=mine.async_control,
+            realtime=mine.realtime,
+            frequency=mine.frequency,
+            max_convergence_time=steps * TIMESTEP,
+            on_collision="report" if mine.async_control else "stop",
         )
 
 
@@ -72,57 +92,77 @@ class SimRobotConfig(NamedFields):
     """
 
     robot_type: str = "FR3"
-    kinematic_model_path: str | os.PathLike[str] = "menagerie:franka_fr3/fr3.xml"
+    kinematic_model_path: Path = "menagerie:franka_fr3/fr3.xml"
     attachment_site: str = "attachment_site"
     tcp_offset: rc.Pose = field(default_factory=Pose)
     joints: Sequence[str] = field(default_factory=_fr3_joints)
     actuators: Sequence[str] = field(default_factory=_fr3_joints)
     base: str = "base"
     dof: int | None = None
-    joint_limits: Any = None  # (2, dof): lower, upper; those of the model unless set
+    # (2, dof): lower, upper; those of the model unless set
+    joint_limits: Annotated[ArrayLike, JOINT_LIMITS] | None = None
     q_home: Sequence[float] | None = field(default_factory=lambda: list(HOME_POSITIONS["FR3"]))
-    joint_rotational_tolerance: float = math.radians(0.05)
-    arm_collision_geoms: Sequence[str] = ()
-    seconds_between_callbacks: float = 0.1
+    joint_rotational_tolerance: Annotated[float, Above(0)] = math.radians(0.05)
+    arm_collision_geoms: Geoms = ()
+    seconds_between_callbacks: Annotated[float, AtLeast(0)] = 0.1
+
+    def _check(self) -> None:
+        joints = f"{len(self.joints)} joints ({', '.join(self.joints)})"
+        if self.dof is not None and self.dof != len(self.joints):
+            raise outside(self._of("dof"), f"None or the number of its {joints}", self.dof)
+        if self.q_home is not None and len(self.q_home) != len(self.joints):
+            words = f"a number for each of its {joints}"
+            raise outside(self._of("q_home"), words, f"{len(self.q_home)} numbers")
+        self._check_limits(joints)
+
+    def _check_limits(self, joints: str) -> None:
+        if self.joint_limits is None:
+            return
+        place, limits = self._of("joint_limits"), np.asarray(self.joint_limits)
+        if limits.shape[1] != len(self.joints):
+            words = f"(lower, upper) for each of its {joints}"
+            raise outside(place, words, f"numbers of shape {limits.shape}")
+        for name, (lower, upper) in zip(self.joints, limits.T, strict=True):
+            if lower > upper:
+                turned = limits.shape == (2, 2) and (limits[:, 0] <= limits[:, 1]).all()
+                hint = "; the transpose of joint_limits has that" if turned else ""
+                words = f"(lower, upper): no lower limit above the upper one of joint '{name}'"
+                raise outside(place, words, f"{lower:g} and {upper:g}", hint)
 
     def to_robot(self) -> rc.RobotConfig:
         """As a robot's configuration with one group, ``arm``."""
-        _warn_of_unused(
-            self,
+        self._warn_of_unused(
             {
                 "seconds_between_callbacks": "whether the arm has arrived is looked at with every "
                 "step of the engine; joint_rotational_tolerance says how near that is"
             },
         )
-        if self.dof is not None and self.dof != len(self.joints):
-            raise rc.ArgumentError(
-                f"robot {self.robot_type}: dof is {self.dof}, but joints has {len(self.joints)} "
-                "names"
-            )
+        mine = self.as_read()
         robot = rc.RobotConfig(
-            name=str(self.robot_type),
-            model=str(self.kinematic_model_path),
-            root_body=self.base,
-            attachment_site=self.attachment_site,
-            tcp_offset=self.tcp_offset,
-            arrival_tolerance=self.joint_rotational_tolerance,
+            name=mine.robot_type,
+            model=str(mine.kinematic_model_path),
+            root_body=mine.base,
+            attachment_site=mine.attachment_site,
+            tcp_offset=mine.tcp_offset,
+            arrival_tolerance=mine.joint_rotational_tolerance,
             move_groups={
                 "arm": {
                     "kind": "arm",
-                    "joints": list(self.joints),
-                    "actuators": list(self.actuators),
+                    "joints": list(mine.joints),
+                    "actuators": list(mine.actuators),
                 }
             },
         )
-        if self.q_home is not None:
-            robot.home = {"arm": [float(q) for q in self.q_home]}
-        if len(self.arm_collision_geoms):
-            robot.collision_geoms = list(self.arm_collision_geoms)
-        if self.joint_limits is not None:
-            lower, upper = self.joint_limits
+        if mine.q_home is not None:
+            robot.home = {"arm": list(mine.q_home)}
+        if len(mine.arm_collision_geoms):
+            robot.collision_geoms = list(mine.arm_collision_geoms)
+        if mine.joint_limits is not None:
             robot.edits = [
-                rc.robots.Edit(joint=name, range=[float(low), float(high)])
-                for name, low, high in zip(self.joints, lower, upper, strict=True)
+                rc.robots.Edit(joint=name, range=[lower, upper])
+                for name, (lower, upper) in zip(
+                    mine.joints, np.asarray(mine.joint_limits).T.tolist(), strict=True
+                )
             ]
         return robot
 
@@ -144,42 +184,54 @@ class SimGripperConfig(NamedFields):
     ``seconds_between_callbacks`` does nothing, and a warning says so when it is set.
     """
 
-    gripper_type: str = "FrankaHand"
+    gripper_type: Path = "FrankaHand"
     joints: Sequence[str] = ("finger_joint1", "finger_joint2")
     actuator: str = "actuator8"
     min_actuator_width: float = 0
     max_actuator_width: float = 255
     min_joint_width: float = 0
     max_joint_width: float = 0.04
-    collision_geoms: Sequence[str] = ()
-    collision_geoms_fingers: Sequence[str] = ()
+    collision_geoms: Geoms = ()
+    collision_geoms_fingers: Geoms = ()
     ignored_collision_geoms: Sequence[str] = ()
-    seconds_between_callbacks: float = 0.05
+    seconds_between_callbacks: Annotated[float, AtLeast(0)] = 0.05
 
-    def to_robot(self) -> rc.RobotConfig:
-        """As a robot's configuration with one group, ``gripper``."""
-        _warn_of_unused(self, _UNUSED_OF_GRIPPERS)
+    def _check(self) -> None:
         kind = str(self.gripper_type)
         if kind not in GRIPPER_PATHS and not kind.endswith(".xml"):
             known = ", ".join(GRIPPER_PATHS)
-            raise rc.NotFoundError(f"no gripper '{kind}'. Known grippers: {known}, or an MJCF file")
+            raise rc.NotFoundError(
+                f"{self._of('gripper_type')}: no gripper '{kind}'. Known grippers: {known}, or an "
+                "MJCF file"
+            )
+        for of in ("actuator", "joint"):
+            low, high = f"min_{of}_width", f"max_{of}_width"
+            if getattr(self, low) == getattr(self, high):
+                words = f"another width than {low}'s"
+                raise outside(self._of(high), words, f"{getattr(self, high):g} in both")
+
+    def to_robot(self) -> rc.RobotConfig:
+        """As a robot's configuration with one group, ``gripper``."""
+        self._warn_of_unused(_UNUSED_OF_GRIPPERS)
+        mine = self.as_read()
+        kind = str(mine.gripper_type)
         group: dict[str, Any] = {
             "kind": "gripper",
-            "joints": list(self.joints),
-            "actuators": [self.actuator],
-            "ctrl": {"open": self.max_actuator_width, "closed": self.min_actuator_width},
+            "joints": list(mine.joints),
+            "actuators": [mine.actuator],
+            "ctrl": {"open": mine.max_actuator_width, "closed": mine.min_actuator_width},
         }
-        if len(self.collision_geoms_fingers):
-            group["fingers"] = list(self.collision_geoms_fingers)
-        widths = {each.name: each.default for each in fields(self) if "joint_width" in each.name}
-        if any(getattr(self, name) != default for name, default in widths.items()):
-            group["joint_range"] = {"open": self.max_joint_width, "closed": self.min_joint_width}
+        if len(mine.collision_geoms_fingers):
+            group["fingers"] = list(mine.collision_geoms_fingers)
+        widths = {each.name: each.default for each in fields(mine) if "joint_width" in each.name}
+        if any(getattr(mine, name) != default for name, default in widths.items()):
+            group["joint_range"] = {"open": mine.max_joint_width, "closed": mine.min_joint_width}
         return rc.RobotConfig(
             name=PurePath(kind).stem,  # no name may contain the '/' of a path
             model=GRIPPER_PATHS.get(kind, kind),
             move_groups={"gripper": group},
-            collision_geoms=list(self.collision_geoms),
-            ignored_collision_geoms=list(self.ignored_collision_geoms),
+            collision_geoms=list(mine.collision_geoms),
+            ignored_collision_geoms=list(mine.ignored_collision_geoms),
         )
 
 
@@ -202,26 +254,28 @@ class SimCameraConfig(NamedFields):
     """What is taken of a camera, by its name in the scene; rate 0: a frame with every step."""
 
     identifier: str
-    frame_rate: float = 0
-    resolution_width: int = 640
-    resolution_height: int = 480
+    frame_rate: Annotated[float, AtLeast(0)] = 0
+    resolution_width: Annotated[int, Above(0)] = 640
+    resolution_height: Annotated[int, Above(0)] = 480
     type: CameraType = CameraType.fixed
 
     def to_stream(self, name: str) -> rc.render.CameraConfig:
         """As an image stream of this name."""
+        mine = self.as_read()
         stream = rc.render.CameraConfig(
-            name=name, width=self.resolution_width, height=self.resolution_height
+            name=name, width=mine.resolution_width, height=mine.resolution_height
         )
-        if self.type == CameraType.tracking:
-            stream.follow = self.identifier
-        elif self.type == CameraType.default_free:
+        if mine.type == CameraType.tracking:
+            stream.follow = mine.identifier
+        elif mine.type == CameraType.default_free:
             stream.camera = "Free"
         else:
-            stream.camera = self.camera_of(name)
-        if self.frame_rate:
-            stream.rate = float(self.frame_rate)
+            stream.camera = mine.camera_of(name)
+        if mine.frame_rate:
+            stream.rate = mine.frame_rate
         return stream
 
     def camera_of(self, name: str) -> str:
         """The scene's camera that the stream `name` shows; a free one is added for it."""
-        return f"{name}_free" if self.type == CameraType.free else self.identifier
+        mine = self.as_read()
+        return f"{name}_free" if mine.type == CameraType.free else mine.identifier

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import warnings
 from collections.abc import Iterable, Mapping
 from math import pi, sqrt
@@ -10,10 +9,9 @@ from math import pi, sqrt
 import mujoco
 
 import robocell as rc
+from robocell.compat.rcs._reading import Path
 from robocell.compat.rcs.common import Pose
 from robocell.compat.rcs.sim import CameraType, SimCameraConfig
-
-Path = str | os.PathLike[str]
 
 # Name -> (pose, whether it is in the frame of a robot's attachment site, else in the root frame).
 PAGE_CAMERAS = {
@@ -56,6 +54,12 @@ def placed_cameras(
     for name, stream in streams.items():
         camera = stream.camera_of(name)
         if stream.type == CameraType.free:
+            if camera in adds:
+                raise rc.ArgumentError(
+                    f"camera_adds.{camera}: camera_cfgs.{name} is a free camera, which gets this "
+                    f"name; give the one of camera_adds another name, or camera_cfgs.{name} the "
+                    f"type fixed and identifier='{camera}' to show it"
+                )
             offset = root_frame_to_world.inverse() * FREE_IN_WORLD
             placed[camera] = rc.envs.CameraAdderConfig(fovy=FREE_FOVY, offset=offset)
             continue

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from typing import TYPE_CHECKING, Annotated, Any
 
 import robocell as rc
 from robocell.compat.rcs._fields import NamedFields
+from robocell.compat.rcs._page_names import page_names
+from robocell.compat.rcs._reading import NUMBER, PATH, Form, Path, form_of, list_of, misfit
 from robocell.compat.rcs.common import Pose
 from robocell.compat.rcs.envs.base import ControlMode, RelativeTo
 from robocell.compat.rcs.envs.cameras import placed_cameras
@@ -32,8 +31,30 @@ __all__ = [
     "WrapperConfig",
 ]
 
-Path = str | os.PathLike[str]
-Placed = tuple[Path, rc.Pose]
+
+def _read_placed(value: Any, place: str) -> Any:
+    # What robocell's own dictionaries take besides, and what it says about the others.
+    if isinstance(value, rc.envs.EnvObject | Mapping):
+        return value
+    if not isinstance(value, tuple | list) or len(value) != 2:
+        raise misfit(place, "(model, Pose), or an rc.envs.EnvObject", value)
+    model, pose = value
+    return PATH.read(model, f"{place}[0]"), form_of(rc.Pose).read(pose, f"{place}[1]")
+
+
+def _read_limit(value: Any, place: str) -> Any:
+    is_list = isinstance(value, Sequence) or getattr(value, "shape", ()) != ()
+    if is_list and not isinstance(value, str):
+        return tuple(list_of(NUMBER).read(value, place))
+    try:
+        return NUMBER.read(value, place)
+    except TypeError:
+        raise misfit(place, "a number or two numbers", value) from None
+
+
+PLACED = Form("(model, Pose)", "(model, Pose)", _read_placed)
+STEP_LIMIT = Form("a number or two numbers", "numbers", _read_limit)
+Placed = Annotated[tuple[str, rc.Pose], PLACED]
 
 
 def _without_images(
@@ -73,7 +94,7 @@ class SimEnvCreatorConfig(NamedFields):
     scene: Path = SCENE_PATHS["empty_world"]
     gripper_cfgs: Mapping[str, SimGripperConfig] | None = None
     camera_cfgs: Mapping[str, SimCameraConfig] | None = None
-    max_relative_movement: float | tuple[float, float] | None = None
+    max_relative_movement: Annotated[float | Sequence[float], STEP_LIMIT] | None = None
     relative_to: rc.RelativeTo = RelativeTo.LAST_STEP
     robot_to_shared_base_frame: Mapping[str, rc.Pose] | None = None
     add_gravcomp: bool = False
@@ -84,12 +105,12 @@ class SimEnvCreatorConfig(NamedFields):
     alternative_combined_robot_mjcf: Path | None = None
     world_frame_objects: Mapping[str, Placed] | None = None
     root_frame_objects: Mapping[str, Placed] | None = None
-    robot_frame_objects: Mapping[str, Mapping[str, Placed]] | None = None
+    robot_frame_objects: Mapping[str, Any] | None = None  # {robot: {id: Placed}}
     camera_adds: Mapping[str, rc.envs.CameraAdderConfig] | None = None
     gripper_offsets: Mapping[str, rc.Pose] | None = None
     _original_cfg: None = field(default=None, repr=False)
 
-    def _check_names(self) -> None:
+    def _check(self) -> None:
         """Finds wrong names that robocell would report with fields of its own configuration."""
         if self._original_cfg is not None:
             raise rc.ArgumentError(
@@ -99,25 +120,32 @@ class SimEnvCreatorConfig(NamedFields):
         for robot in self.gripper_cfgs or {}:
             if robot not in self.robot_cfgs:
                 raise rc.NotFoundError(
-                    f"gripper_cfgs.{robot}: no robot '{robot}'. Known robots: "
+                    f"{self._of('gripper_cfgs')}.{robot}: no robot '{robot}'. Known robots: "
                     f"{', '.join(self.robot_cfgs)}"
                 )
-        for robot, each in (self.robot_frame_objects or {}).items():
-            if not isinstance(each, Mapping):
-                raise rc.ArgumentError(
-                    f"robot_frame_objects.{robot}: objects follow the wrist of a robot and are "
-                    f"expected under its name, {{robot: {{'{robot}': (model, Pose)}}}}. Known "
-                    f"robots: {', '.join(self.robot_cfgs)}"
-                )
+        self._read_wrists()
         streams = self.camera_cfgs or {}
         wrong = [_without_images(n, each, streams) for n, each in (self.camera_adds or {}).items()]
         if any(wrong):
             raise rc.ArgumentError("\n".join(text for text in wrong if text))
 
+    def _read_wrists(self) -> None:
+        place = self._of("robot_frame_objects")
+        objects = {}
+        for robot, each in (self.robot_frame_objects or {}).items():
+            if not isinstance(each, Mapping):
+                raise rc.ArgumentError(
+                    f"{place}.{robot}: objects follow the wrist of a robot and are "
+                    f"expected under its name, {{robot: {{'{robot}': (model, Pose)}}}}. Known "
+                    f"robots: {', '.join(self.robot_cfgs)}"
+                )
+            objects[robot] = form_of(Mapping[str, Placed]).read(each, f"{place}.{robot}")
+        self.robot_frame_objects = objects
+
     def _step_limit(self) -> Any:
         """One number is metres with Cartesian actions, which then turn by a quarter at most."""
-        limit: Any = self.max_relative_movement
-        if np.ndim(limit) == 0 and self.control_mode != ControlMode.JOINTS:
+        limit = self.max_relative_movement
+        if isinstance(limit, float) and self.control_mode != ControlMode.JOINTS:
             return (limit, math.pi / 2)
         return limit
 
@@ -135,44 +163,43 @@ class SimEnvCreatorConfig(NamedFields):
     def to_env_config(self, name: str = "env") -> rc.EnvConfig:
         """The same cell as robocell's configuration; this one stays as it is.
 
-        ArgumentError for a camera of ``camera_adds`` that ``camera_cfgs`` does not name and for
-        objects of wrists that are under no robot's name, NotFoundError for the gripper of none.
+        TypeError for a field that has another type than its annotation, ArgumentError for a value
+        that is not possible, NotFoundError for a name that is not there; all of them name the
+        field, ``robot_cfgs.left.joints[2]``.
         """
-        self._check_names()
-        robots = {robot: each.to_robot() for robot, each in self.robot_cfgs.items()}
-        grippers = {robot: each.to_robot() for robot, each in (self.gripper_cfgs or {}).items()}
+        mine = self.as_read("")
+        robots = {robot: each.to_robot() for robot, each in mine.robot_cfgs.items()}
+        grippers = {robot: each.to_robot() for robot, each in (mine.gripper_cfgs or {}).items()}
         fields: dict[str, Any] = {
             "name": name,
             "robots": robots,
             "grippers": grippers,
-            "gripper_offsets": dict(self.gripper_offsets or {}),
-            "scene": str(self.scene),
-            "root_frame_to_world": self.root_frame_to_world,
-            "shared_base_frame_to_root_frame": self.shared_base_frame_to_root_frame,
-            "robot_to_shared_base_frame": dict(self.robot_to_shared_base_frame or {}),
-            "world_frame_objects": dict(self.world_frame_objects or {}),
-            "root_frame_objects": dict(self.root_frame_objects or {}),
-            "robot_frame_objects": {
-                robot: dict(each) for robot, each in (self.robot_frame_objects or {}).items()
-            },
-            "camera_adds": self._placed_cameras(robots, grippers),
+            "gripper_offsets": mine.gripper_offsets or {},
+            "scene": mine.scene,
+            "root_frame_to_world": mine.root_frame_to_world,
+            "shared_base_frame_to_root_frame": mine.shared_base_frame_to_root_frame,
+            "robot_to_shared_base_frame": mine.robot_to_shared_base_frame or {},
+            "world_frame_objects": mine.world_frame_objects or {},
+            "root_frame_objects": mine.root_frame_objects or {},
+            "robot_frame_objects": mine.robot_frame_objects or {},
+            "camera_adds": mine._placed_cameras(robots, grippers),
             "cameras": {
-                "streams": [c.to_stream(camera) for camera, c in (self.camera_cfgs or {}).items()]
+                "streams": [c.to_stream(camera) for camera, c in (mine.camera_cfgs or {}).items()]
             },
-            "add_gravcomp": self.add_gravcomp,
-            "headless": self.headless,
-            "control_mode": self.control_mode,
-            "relative_to": self.relative_to,
-            "sim": self.sim_cfg.to_settings(),
-            "wrappers": self.wrapper_cfg,
+            "add_gravcomp": mine.add_gravcomp,
+            "headless": mine.headless,
+            "control_mode": mine.control_mode,
+            "relative_to": mine.relative_to,
+            "sim": mine.sim_cfg.to_settings(),
+            "wrappers": mine.wrapper_cfg,
         }
-        if self.alternative_combined_robot_mjcf is not None:
-            fields["alternative_combined_robot_mjcf"] = str(self.alternative_combined_robot_mjcf)
-        if self.max_relative_movement is not None:
-            fields["max_relative_movement"] = self._step_limit()
+        if mine.alternative_combined_robot_mjcf is not None:
+            fields["alternative_combined_robot_mjcf"] = mine.alternative_combined_robot_mjcf
+        if mine.max_relative_movement is not None:
+            fields["max_relative_movement"] = mine._step_limit()
         config = rc.EnvConfig(**fields)
-        if self.task_cfg is not None:
-            self.task_cfg.add_to(config)
+        if mine.task_cfg is not None:
+            mine.task_cfg.add_to(config)
         return config
 
 
@@ -185,14 +212,21 @@ class SimEnvCreator:
 
     def create_model(self, cfg: SimEnvCreatorConfig) -> rc.SceneSpec:
         """The scene alone: to look at, to build with `rc.Scene.build`, to save."""
-        return rc.envs.env_scene_spec(cfg.to_env_config(type(self).__name__))
+        with page_names():
+            return rc.envs.env_scene_spec(self._config_of(cfg))
 
     def create_env(self, cfg: SimEnvCreatorConfig) -> GymEnv:
         """The environment as Gymnasium's."""
         from robocell.gym import GymEnv
 
-        return GymEnv(cfg.to_env_config(type(self).__name__))
+        with page_names():
+            return GymEnv(self._config_of(cfg))
 
     def __call__(self, cfg: SimEnvCreatorConfig | None = None) -> GymEnv:
         """The environment of `cfg`, or of `config()`."""
         return self.create_env(self.config() if cfg is None else cfg)
+
+    def _config_of(self, cfg: SimEnvCreatorConfig) -> rc.EnvConfig:
+        if not isinstance(cfg, SimEnvCreatorConfig):
+            raise misfit("cfg", "a SimEnvCreatorConfig", cfg)
+        return cfg.to_env_config(type(self).__name__)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Annotated
 
 import robocell as rc
 from robocell.compat.rcs._fields import NamedFields
+from robocell.compat.rcs._reading import Above, Path, outside
 from robocell.compat.rcs.common import Pose
 from robocell.compat.rcs.registries import OBJECT_PATHS
 
@@ -52,15 +53,15 @@ class PickTaskConfig(BaseTaskConfig):
 
     With the ``task_id`` of a task of one's own that task is about the object.
 
-    ``object_joint`` is accepted and unused: robocell finds the free joint of the object, and adds
-    one to a model that has none.
+    ``object_joint`` does nothing, and a warning says so when it is set: robocell finds the free
+    joint of the object, and adds one to a model that has none.
     """
 
     robot_name: str = "robot"
     object_center_to_root_frame: rc.Pose = field(
         default_factory=lambda: Pose(translation=[0.5, 0, 0.05])
     )
-    object_xml: str | os.PathLike[str] = OBJECT_PATHS["green_cube"]
+    object_xml: Path = OBJECT_PATHS["green_cube"]
     object_joint: str = "box_joint"
     prefix: str = "PickTask_"
     include_rotation: bool = True
@@ -68,6 +69,12 @@ class PickTaskConfig(BaseTaskConfig):
 
     def add_to(self, config: rc.EnvConfig) -> None:
         """The object among those of the rig, free, and the task about it."""
+        self._warn_of_unused(
+            {
+                "object_joint": "robocell finds the free joint of the object, and adds one to a "
+                "model that has none"
+            }
+        )
         self._check_task_id()
         if self.robot_name not in config.robots:
             raise rc.NotFoundError(
@@ -110,12 +117,16 @@ class PickPlaceTaskConfig(PickTaskConfig):
     prefix: str = "PickPlaceTask_"
     task_id: str = "pick_place"
     goal: Sequence[float] = (0.5, 0.25, 0.02)
-    goal_tolerance: float = 0.03
+    goal_tolerance: Annotated[float, Above(0)] = 0.03
+
+    def _check(self) -> None:
+        if len(self.goal) != 3:
+            raise outside(self._of("goal"), "three numbers, metres", f"{len(self.goal)} numbers")
 
     def _add_task(self, config: rc.EnvConfig, name: str) -> None:
         config.task = rc.tasks.PickAndPlaceTaskConfig(
             object=name,
             rotate=self.include_rotation,
-            goal=[float(x) for x in self.goal],
+            goal=list(self.goal),
             goal_tolerance=self.goal_tolerance,
         )
