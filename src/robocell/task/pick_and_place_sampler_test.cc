@@ -85,7 +85,7 @@ TEST(PickAndPlaceSampler, UnknownGoalsNameTheNearest) {
   EXPECT_THAT(AllGoalKinds(), Contains("mug"));
 }
 
-// The oracle is the simulation: what is let go where the goal is comes to rest there.
+// The oracle is the simulation: an object that is released at the goal comes to rest there.
 TEST(PickAndPlaceTask, AGoalOnTopOfSomethingIsWhereTheObjectComesToRest) {
   for (const char* kind : {"box", "mug", "bottle", "cylinder"}) {
     SceneSpec spec{.name = "test", .timestep = 0.002, .add_floor = true, .add_skybox = false};
@@ -109,7 +109,7 @@ TEST(PickAndPlaceTask, AGoalOnTopOfSomethingIsWhereTheObjectComesToRest) {
                       {goal + Eigen::Vector3d(0, 0, 0.001), scene.body_pose(body).quaternion()});
     ASSERT_TRUE(scene.StepN(500).ok());
     EXPECT_LT((scene.body_pose(body).translation() - goal).norm(), 1e-3) << kind;
-    // It goes along with the tray, and is remembered.
+    // The goal moves with the tray and is remembered.
     const std::vector<double> memory = task.memory();
     PickAndPlaceTask again({.object = "thing", .goal_object = "tray"});
     again.Bind(scene, {.place = "test", .robots = {}});

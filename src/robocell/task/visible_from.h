@@ -1,4 +1,4 @@
-// The image stream that an entry of `start.visible_from` means.
+// Finds the image stream that an entry of `start.visible_from` means.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace robocell::internal {
 
-// The stream of that name, else the first one of that camera. A camera without a stream is seen in
-// the run's resolution; what is returned then has no name.
+// Returns the stream of that name, else the first one of that camera. A camera without a stream
+// gets the run's resolution; the result then has no name.
 inline CameraConfig StreamToSee(const CameraSystemConfig& cameras, const std::string& name) {
   for (const CameraConfig& stream : cameras.streams) {
     if (stream.name == name) return stream;
