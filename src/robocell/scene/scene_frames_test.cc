@@ -106,7 +106,7 @@ TEST(SceneFrames, StatesThatAreNotFiniteAreRefusedByTheirNumbers) {
   const mjModel* m = scene.model();
   const std::vector<double> before = scene.state();
   const auto refuses = [&](int part, int index, const std::string& what) {
-    const auto at = static_cast<size_t>(mj_stateSize(m, part - 1) + index);  // of all before it
+    const auto at = static_cast<size_t>(mj_stateSize(m, part - 1) + index);  // after previous parts
     std::vector<double> state = before;
     for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity()}) {
       state[at] = bad;

@@ -11,8 +11,8 @@
 namespace robocell::internal {
 namespace {
 
-// For an angle that only makes sense in degrees, a length that only makes sense in millimetres, or
-// limits that only make sense in radians.
+// Hints at an angle that only makes sense in degrees, a length that only makes sense in
+// millimetres, or limits that only make sense in radians.
 std::string UnitHint(int joint_type, double value, const mjtNum* range) {
   const double metres = value / 1000;
   if (joint_type == mjJNT_SLIDE && metres >= range[0] && metres <= range[1])
@@ -29,7 +29,7 @@ std::string UnitHint(int joint_type, double value, const mjtNum* range) {
       lower, upper);
 }
 
-// Joints whose home a robot's file says.
+// Returns the joints whose home a robot's file sets.
 std::set<std::string> ConfiguredJoints(const std::vector<RobotRecord>& robots) {
   std::set<std::string> joints;
   for (const RobotRecord& robot : robots) {

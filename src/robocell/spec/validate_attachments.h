@@ -1,4 +1,4 @@
-// Private to spec: tools that are listed twice.
+// Private to spec: reports tools that are listed twice.
 #pragma once
 
 #include "robocell/spec/attachment_spec.h"
