@@ -25,8 +25,8 @@ std::string Hex(const Hash128& hash) {
   return hex;
 }
 
-// What `openssl mac -macopt hexkey:000102030405060708090a0b0c0d0e0f -macopt size:16 -in FILE
-// SIPHASH` prints for files with the bytes 0, 1, 2, ...
+// The output of `openssl mac -macopt hexkey:000102030405060708090a0b0c0d0e0f -macopt size:16 -in
+// FILE SIPHASH` for files with the bytes 0, 1, 2, ...
 TEST(SipHash, AgreesWithOpenssl) {
   const Hash128 key = {0x0706050403020100, 0x0f0e0d0c0b0a0908};
   EXPECT_EQ(Hex(SipHash128(key, Bytes(0))), "A3817F04BA25A8E66DF67214C7550293");

@@ -1,4 +1,4 @@
-// Straight lines of the leaf, no faster than allowed, within the limits.
+// Tests straight lines of the TCP within the speed and joint limits.
 #include "robocell/control/cartesian_pose_controller.h"
 
 #include <gtest/gtest.h>

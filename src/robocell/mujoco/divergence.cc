@@ -37,7 +37,7 @@ struct BadValue {
   double value = 0;
 };
 
-// The engine notes the first bad number it meets; by the end of the step the solver has spread it
+// The engine reports the first bad number it finds; by the end of the step the solver has spread it
 // to other joints.
 int NotedByEngine(const mjData* d, const EngineWarnings& before, mjtWarning kind) {
   return d->warning[kind].number > before.count(kind) ? d->warning[kind].lastinfo : -1;
@@ -67,7 +67,7 @@ std::string Explain(const mjModel* model, const mjData* data, const StepStart& s
   if (bad.quantity) {
     const std::string joint = Describe(model, mjOBJ_JOINT, bad.joint);
     text += fmt::format("{} of {} ", bad.quantity, joint);
-    // After a reset by the engine the value itself is gone.
+    // After a reset by the engine the value itself is lost.
     text +=
         std::abs(bad.value) <= mjMAXVAL ? "was a bad number" : fmt::format("is {:.4g}", bad.value);
   }

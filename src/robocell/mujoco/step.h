@@ -1,11 +1,11 @@
-// Guarded simulation steps that report divergence as a value. The hot path: no allocation of ours
+// Guarded simulation steps that report divergence as a value. The hot path: we allocate nothing
 // while all is well.
 //
 //   StepResult result = Step(model, data, 10, "scene 'pick'");
 //   if (!result.ok()) EndEpisode(result.message);
 //
-// Throws EngineError when the engine reports a fatal error (reset the data before the next step).
-// Threads: one user of `data` at a time; `model` may be shared when nobody writes to it.
+// Throws EngineError if the engine reports a fatal error (reset the data before the next step).
+// Threads: one user of `data` at a time; `model` may be shared if nobody writes to it.
 #pragma once
 
 #include <string_view>
@@ -15,7 +15,7 @@
 
 namespace robocell {
 
-// `n` engine steps; stops after the first one that diverged. n <= 0 does nothing.
+// Makes `n` engine steps; stops after the first one that diverged. n <= 0 does nothing.
 StepResult Step(const mjModel* model, mjData* data, int n = 1, std::string_view context = {});
 
 // Recomputes everything that follows from the state (mj_forward).
