@@ -13,7 +13,6 @@ namespace robocell {
 // Throws IoError "cannot <action> '<path>': <reason>" with a hint for the usual reasons. `error` is
 // an errno; for a full disk or quota the message contains the needed bytes (if `needed_bytes` is
 // given) and the free ones.
-// `needed_bytes` is given) and how many are free there.
 //
 //   if (::rename(a, b) != 0) ThrowIoError("rename", a, errno);
 [[noreturn]] void ThrowIoError(std::string_view action, const std::filesystem::path& path,

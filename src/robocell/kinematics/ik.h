@@ -52,8 +52,7 @@ using LockedJoints = std::array<bool, kMaxChainJoints>;
 // takes some tens of microseconds, and about twice as long for kManipulability, which climbs.
 // Without redundant joints the best is one of a few: starts continue beyond max_restarts until 256
 // in a row have led to no better one (2000 more at most), which takes some tenths of a millisecond.
-// With max_restarts below 47 they stop earlier, which gives a near one in a seventh of that.
-// max_restarts is below 47, which gives a near one in a seventh of that.
+// With max_restarts below 47 they do not, which gives a near one in a seventh of that time.
 enum class IkPrefer {
   kFirst,           // the first that is found
   kSeed,            // near the seed, which is then required

@@ -40,7 +40,7 @@ INSTANTIATE_TEST_SUITE_P(
                                      "<joint axis='0 0 1'/>",
                                      "<joint type='slide' axis='1 0 0' range='-.5 .5'/>")));
 
-// The number of starts that a reach map gives each place. An earlier choice of starts missed most
+// The number of starts that a reach map gives each place. The first starts alone missed most
 // places behind the base, at the ends of its joint's range.
 TEST_P(ArmOfFewJoints, ReachesFromNineStartsWhatItReaches) {
   const auto [joints, base] = GetParam();

@@ -27,7 +27,7 @@ constexpr double kDampedStep = 0.02;
 constexpr int kDampedSteps = 60;
 // The share of the pose error that each step, and all of them together, must remove.
 constexpr double kShareOfStep = 1e-3, kShareInAll = 0.02;
-// Where the joints are singular to first order, for example in a stretched arm that is to bend, the
+// If the joints are singular to first order, for example in a stretched arm that is to bend, the
 // search begins beside them: one joint is moved by this, rad or chain lengths.
 constexpr double kAside = 0.05;
 constexpr double kNoRoom = 1e-12;  // the speed of a joint that has used up its range

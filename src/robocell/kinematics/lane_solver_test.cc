@@ -1,5 +1,5 @@
 // Tests inverse kinematics in lanes on every instruction set of this processor: claimed solutions
-// are correct and within the limits, and the success rate is met.
+// are correct and within the limits, and the success rate is high enough.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -75,7 +75,6 @@ Quaternion SpreadRotation(int k, int count);
 // core; limits are obeyed, collisions are ignored. The map is the same on any number of threads.
 // Throws ArgumentError for corners that are not finite or in the wrong order, for a meaningless
 // cell, tolerance or count, and for more than 2^31 poses.
-// sense, and for more than 2^31 poses.
 ReachMap MapReach(const Chain& chain, const ReachGrid& grid, const ReachMapOptions& options = {});
 
 }  // namespace robocell

@@ -20,7 +20,7 @@
 
 namespace robocell {
 
-// Whether compiling may replace a sparse Jacobian, whose solver in the engine is wrong.
+// The guard against the engine's wrong solver for sparse Jacobians: kOn lets compiling replace one.
 enum class JacobianGuard { kOn, kOff };
 
 struct EngineDefect {

@@ -77,8 +77,8 @@ bool HasFriction(const mjModel* m, int hand) {
 }
 
 // Fingers held by dry friction creep on steadily, because friction is soft in the engine. This
-// counts as rest, or the measurement would wait until they pass the position at which friction
-// should hold them.
+// counts as rest, or the measurement would wait until they reach a position that friction keeps
+// them from.
 double SettledDistance(const mjModel* m, mjData* d, const GripperParts& parts,
                        const std::vector<double>& ctrl) {
   const auto width = [](const Interval& passed) { return passed.upper - passed.lower; };

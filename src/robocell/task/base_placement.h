@@ -29,7 +29,7 @@ namespace robocell {
 
 inline constexpr double kReachShare = 0.95;  // share of the robot's reach that is used
 
-// Where a robot's base may stand around an object, in metres.
+// The range of a robot's base around an object, in metres.
 struct BaseRange {
   Vec2 distance = {0.3, 0.6};  // horizontal: smallest and largest
   double height_offset = 0;    // of the base's bottom above the object

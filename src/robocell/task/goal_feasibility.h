@@ -15,7 +15,7 @@
 
 namespace robocell::internal {
 
-// Where an object is to rest: a place in the frame of a body, which may give way.
+// A place at which an object is to rest, in the frame of a body, which may give way.
 struct RestPlace {
   int frame = 0;  // body id; 0, the world's, does not move
   Eigen::Vector3d at = Eigen::Vector3d::Zero();

@@ -59,7 +59,7 @@ Eigen::Matrix3d TopDown(double yaw) {
   return axes;
 }
 
-// What the pads would touch.
+// The contacts that the pads would make.
 struct Squeeze {
   double left, right;  // where they touch, along the closing direction from the given point
   double square;       // cosine of the worse side's mean normal to the closing direction
@@ -67,7 +67,7 @@ struct Squeeze {
   double width() const { return left - right; }
 };
 
-// Where the rays over the pads' area end.
+// The ends of the rays over the pads' area.
 struct PadRays {
   struct Hit {
     double at;      // along the closing direction

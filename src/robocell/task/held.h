@@ -7,7 +7,7 @@
 
 namespace robocell::internal {
 
-// What touches a body's subtree in the present contacts.
+// The kinds of bodies that touch a body's subtree in the present contacts.
 struct Touching {
   bool robot = false;
   bool other = false;

@@ -100,8 +100,8 @@ class Task : public DeclaresFeatures {
   virtual void Recall(std::span<const double> /*memory*/) {}
 };
 
-// What is recorded of a state before an action: numbers and images, which are valid during the call
-// that receives them.
+// The record of a state before an action: numbers and images, which are valid during the call that
+// receives them.
 struct CellRow {
   const FeatureSchema& observed;
   std::span<const double> numbers;  // of `observed`, one after another
