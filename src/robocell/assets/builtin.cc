@@ -32,7 +32,7 @@ fs::path LibraryFolder() {
 fs::path FindModelsRoot() {
   if (const std::string root = internal::Environment("ROBOCELL_MODELS"); !root.empty()) {
     if (HoldsModels(root)) return root;
-    throw NotFoundError(fmt::format("ROBOCELL_MODELS is {}, which holds no folder `robots`", root));
+    throw NotFoundError(fmt::format("ROBOCELL_MODELS is {}, which has no folder `robots`", root));
   }
   const fs::path library = LibraryFolder();
   std::vector<std::string> looked;

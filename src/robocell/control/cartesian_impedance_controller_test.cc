@@ -46,7 +46,7 @@ TEST_P(CartesianImpedance, AFeedforwardThatIsNoneIsToldByItsName) {
       [&] {
         soft.SetFeedforward({0, 0, std::nan(""), 0, 0, 0});
       },
-      "value 2 of the feedforward is nan; all of it must be finite");
+      "value 2 of the feedforward is nan; all values must be finite");
 }
 
 TEST_P(CartesianImpedance, TheLeafGoesToItsTargetWithoutOvershoot) {

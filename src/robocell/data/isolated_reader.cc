@@ -124,7 +124,7 @@ std::vector<std::string> Lines(std::string_view text) {
 // An end that the process caused itself is an answer; an end from outside (a kill, for example on a
 // machine without memory) says nothing about the input.
 [[noreturn]] void ThrowEnded(std::optional<int> of_child) {
-  if (!of_child) throw IoError("reading it ends the process, nobody knows how", ECHILD);
+  if (!of_child) throw IoError("reading it ends the process for an unknown reason", ECHILD);
   const int status = *of_child;
   if (!WIFSIGNALED(status)) throw Error("reading it ends the process");
   const int signal = WTERMSIG(status);

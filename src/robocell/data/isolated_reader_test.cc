@@ -112,7 +112,8 @@ TEST(Apart, AProgramThatIgnoresItsChildrenGetsNoVerdict) {
     Crash();
     return {};
   });
-  ExpectThrow<IoError>([&] { reader.Ask(""); }, "reading it ends the process, nobody knows how");
+  ExpectThrow<IoError>([&] { reader.Ask(""); },
+                       "reading it ends the process for an unknown reason");
   std::signal(SIGCHLD, before);
 }
 

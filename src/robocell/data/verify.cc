@@ -57,7 +57,7 @@ void VerifyReportFile(const fs::path& dataset, const std::string& name, VerifyRe
       return AddPart(name, *damage, ProblemKind::kDamage, result);
     const auto other = OtherRunOf(text, dataset);
     if (!other) return;
-    AddPart(name, fmt::format("it is of another run ('{}'): nothing in it counts", *other),
+    AddPart(name, fmt::format("it belongs to another run ('{}') and does not count", *other),
             ProblemKind::kForeign, result);
     result.foreign.push_back(name);
   } catch (const Error& error) {

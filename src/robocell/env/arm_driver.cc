@@ -209,8 +209,8 @@ void ArmDriver::RequireAction(std::span<const double> action, const std::string&
   if (mode_ == ControlMode::kCartesianTquat && relative_to_ == RelativeTo::kNone &&
       !HasDirection(command.subspan(3)))
     fail(
-        "the quaternion of its tquat is zero, which is no rotation; [0, 0, 0, 1] (xyzw) turns "
-        "nothing");
+        "the quaternion of its tquat is zero, which is not a rotation; for none write [0, 0, 0, 1] "
+        "(xyzw)");
 }
 
 Pose ArmDriver::NextPose(const Pose& last, const Pose& given) const {

@@ -254,7 +254,7 @@ TEST(EnvActions, BadOnesAreRefusedBeforeAnythingMoves) {
                              "environment 'env': expected an action of 8 numbers, got 7");
   ExpectThrow<ArgumentError>([&] { (void)env.Step(action); },
                              "environment 'env' / robot 'robot': the quaternion of its tquat is "
-                             "zero, which is no rotation; [0, 0, 0, 1] (xyzw) turns nothing");
+                             "zero, which is not a rotation; for none write [0, 0, 0, 1] (xyzw)");
   action[6] = 1, action[2] = NAN;
   ExpectThrow<ArgumentError>([&] { (void)env.Step(action); },
                              "environment 'env' / robot 'robot': number 2 of its tquat is nan");

@@ -151,10 +151,10 @@ void DrivenBase::SetTarget(const Pose& pose) {
 void DrivenBase::RequireTarget(const Pose& pose) const {
   const double most = pose.translation().cwiseAbs().maxCoeff();
   if (most <= kFarthestTarget) return;
-  throw ArgumentError(fmt::format(
-      "{}: the target is {:g} m away along an axis of the world, which is no place to go to; it "
-      "must be within {:g} m. Give metres",
-      place(), most, kFarthestTarget));
+  throw ArgumentError(
+      fmt::format("{}: the target is {:g} m away along an axis of the world, which is too far; it "
+                  "must be within {:g} m. Give metres",
+                  place(), most, kFarthestTarget));
 }
 
 void DrivenBase::SetMaxSpeeds(const BaseSpeeds& speeds) {

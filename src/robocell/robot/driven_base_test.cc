@@ -374,7 +374,7 @@ TEST_P(DrivenHand, ATargetThatIsNowhereIsRefused) {
   const Pose here = base.pose();
   ExpectThrow<ArgumentError>([&] { base.SetTarget(Pose(Eigen::Vector3d(1e300, 0, 0))); },
                              "robot 'hand' / group 'base': the target is 1e+300 m away along an "
-                             "axis of the world, which is no place to go to");
+                             "axis of the world, which is too far");
   EXPECT_TRUE(base.target().is_close(here, 1e-9, 1e-9));
   robot.controller("base").command_port()[1] = -1e300;
   ExpectThrow<ArgumentError>([&] { robot.Update(); }, "the target is 1e+300 m away");

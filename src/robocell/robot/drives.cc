@@ -116,7 +116,7 @@ std::string HowToGet(const std::string& group, CtrlMode mode, CtrlMode native, O
   }
   if (origin == Origin::kObject) {
     return fmt::format(
-        "others are added to robots only, and this is none. Put its model in as one (RobotSpec) "
+        "others are added only to robots, and this is not one. Add its model as one (RobotSpec) "
         "with {} in its control_modes, or give it {}s",
         ToString(mode), word);
   }

@@ -318,7 +318,7 @@ TEST_F(MotorArms, OfObjectsAreNotToldOfARobotsFields) {
   EXPECT_EQ(robot.ctrl_mode(), CtrlMode::kTorque);
   const std::string what = ExpectThrow<ArgumentError>(
       [&] { robot.set_ctrl_mode(CtrlMode::kVelocity); },
-      "others are added to robots only, and this is none. Put its model in as one (RobotSpec) with "
+      "others are added only to robots, and this is not one. Add its model as one (RobotSpec) with "
       "velocity in its control_modes, or give it velocity servos");
   EXPECT_THAT(what, Not(HasSubstr("its RobotSpec")));
 }

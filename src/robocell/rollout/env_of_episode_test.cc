@@ -274,7 +274,7 @@ TEST_F(EnvOfEpisodeTest, NamesTheFieldThatIsNotAsItWasWritten) {
   };
   ExpectThrow<IoError>([&] { EnvOfEpisode(edited("/metadata/environment/config", 7)); },
                        "episode.json': 'metadata.environment.config' is 7, not a text; the "
-                       "episode was edited or is of another program");
+                       "episode was edited or comes from another program");
   ExpectThrow<IoError>([&] { EnvOfEpisode(edited("/metadata/environment/config", "robots: 3")); },
                        "'metadata.environment.config' is \"robots: 3\", not what robocell writes");
   ExpectThrow<IoError>([&] { EnvOfEpisode(edited("/metadata/scene_spec", false)); },

@@ -92,8 +92,8 @@ std::vector<std::string> Changes(const std::string& manifest, const RunInputs& i
   try {
     return Differences(InputsIn(manifest), inputs);
   } catch (const Json::exception& error) {
-    return {std::string("dataset.json is of another making; without it, the episodes "
-                        "themselves are asked: ") +
+    return {std::string("dataset.json has an unknown form; without it, the episodes "
+                        "themselves are compared: ") +
             error.what()};
   }
 }

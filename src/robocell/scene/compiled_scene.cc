@@ -85,8 +85,8 @@ void CompiledScene::RequireSameFiles(const CompiledScene& next) const {
   if (changed.empty()) return;
   throw Error("scene '" + scene_spec_.name + "': '" + changed +
               "' has changed since the scene was compiled, and objects are added and removed by "
-              "compiling it again, which would change what is there. Build the scene anew, or put "
-              "the file back");
+              "compiling it again, which would change the present ones too. Build a new scene, or "
+              "restore the file");
 }
 
 mjModel* CompiledScene::mutable_model() {

@@ -240,8 +240,8 @@ std::optional<std::string> SetMassOfGeoms(mjsBody* body, double mass) {
   const std::string name = DescribeSpecElement(body->element);
   if (geoms.empty()) {
     return fmt::format(
-        "{} has neither an <inertial> nor geoms with a mass, so its mass can be "
-        "that of nothing; write an <inertial> into the file, or give a geom a mass: "
+        "{} has neither an <inertial> nor geoms with a mass, so nothing in it "
+        "can carry its mass; write an <inertial> into the file, or give a geom a mass: "
         "{}",
         name, GeomMassEdit(body));
   }

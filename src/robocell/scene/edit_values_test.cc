@@ -113,8 +113,8 @@ TEST_F(EditedMass, ThatTheEngineWouldNotTakeIsAProblem) {
       "<inertial> into the file");
   ExpectThrow<SpecError>(
       [&] { Of(R"(<geom size="0.1" mass="0"/>)", kHeavy); },
-      "body 'link' has neither an <inertial> nor geoms with a mass, so its mass can be that of "
-      "nothing; write an <inertial> into the file, or give a geom a mass: {geom: {body: 'link', "
+      "body 'link' has neither an <inertial> nor geoms with a mass, so nothing in it can carry its "
+      "mass; write an <inertial> into the file, or give a geom a mass: {geom: {body: 'link', "
       "index: 0}, mass: ...}");
   ExpectThrow<SpecError>(
       [&] { Of(kGeom, kHeavy, "boundmass='8'"); },

@@ -265,8 +265,7 @@ void Scene::SetBodyWrench(const std::string& body, const Eigen::Vector3d& force,
   const int id = RequireId(s.model(), mjOBJ_BODY, body, s.context);
   if (id == 0) {
     throw ArgumentError(
-        fmt::format("{}: body '{}' cannot be pushed: nothing moves it. Name the body that is to "
-                    "feel the force. Its bodies: {}",
+        fmt::format("{}: body '{}' cannot be pushed, because it cannot move. Name another body: {}",
                     s.context, body, ListNames(body_names())));
   }
   for (const internal::PooledObject& object : s.pool) {

@@ -81,8 +81,7 @@ TEST(SceneFrames, TheWorldCannotBePushed) {
       [&] {
         scene.SetBodyWrench("world", {1, 0, 0});
       },
-      "scene 'test': body 'world' cannot be pushed: nothing moves it. Name the body that is to "
-      "feel the force. Its bodies: ");
+      "scene 'test': body 'world' cannot be pushed, because it cannot move. Name another body: ");
 }
 
 TEST(SceneFrames, GoesOnToTheBitFromASavedState) {

@@ -213,7 +213,7 @@ TEST(AddRemove, AFileThatChangedIsToldAndTheSceneStays) {
   const std::string changed =
       "scene 'test': '" + file +
       "' has changed since the scene was compiled, and objects are added and removed by compiling "
-      "it again, which would change what is there. Build the scene anew, or put the file back";
+      "it again, which would change the present ones too. Build a new scene, or restore the file";
   ExpectThrow<Error>([&] { scene.AddObject(BoxObject("late", {1, 1, 0.02})); }, changed);
   ExpectThrow<Error>([&] { scene.RemoveObject("cube"); }, changed);
   EXPECT_EQ(scene.model(), model);
