@@ -73,7 +73,7 @@ void Explain(PyObject* function, PyObject* const* given, size_t count, PyObject*
             .attr("explain")(call.name, call.is_setter, nb::handle(function), args, kwargs);
     PyErr_SetObject(PyExc_TypeError, message.ptr());
   } catch (nb::python_error& error) {
-    (error.matches(PyExc_Exception) ? mismatch : error).restore();  // Ctrl-C is no explanation
+    (error.matches(PyExc_Exception) ? mismatch : error).restore();  // Ctrl-C does not explain it
   } catch (const nb::builtin_exception& error) {                    // of RequireInitialised
     PyErr_SetString(PyExc_TypeError, error.what());
   } catch (const std::exception&) {

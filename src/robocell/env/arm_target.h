@@ -34,7 +34,7 @@ void ObserveTquat(const Pose& pose, std::span<double> out);
 double ObservedTurn(double position, double most);
 
 // Returns the pose of a Cartesian action: x y z and roll pitch yaw, or a quaternion xyzw, which is
-// normalised; one without direction is no rotation.
+// normalised; one of length zero is not a rotation.
 Pose PoseOfAction(ControlMode mode, std::span<const double> action);
 
 }  // namespace robocell

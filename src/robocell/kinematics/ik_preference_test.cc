@@ -74,7 +74,7 @@ TEST_P(IkPrefers, IsMetBetterThanByTheFirstSolution) {
 }
 
 // With redundant joints no better solution is near: a step along any direction that does not move
-// the tip is no improvement.
+// the tip is not an improvement.
 TEST_P(IkPrefersToSpare, IsMetAsWellAsTheJointsToSpareAllow) {
   for (const IkPrefer prefer : {IkPrefer::kPosture, IkPrefer::kAwayFromLimits}) {
     int settled = 0, counted = 0;

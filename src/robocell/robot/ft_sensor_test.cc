@@ -1,5 +1,5 @@
 // Tests force-torque sensors of robots: a hanging mass reads its weight in any orientation, sensors
-// belong to their robots, and pairs that are no sensor give errors.
+// belong to their robots, and pairs that are not a sensor give errors.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
