@@ -101,7 +101,8 @@ TEST(CartesianImpedanceTarget, IsCommandedByPosesAndJoints) {
   EXPECT_TRUE(soft.pose().is_close(robot.FkFrame(q), 1e-12, 1e-12));
   Scene scene = robot.scene();
   scene.Reset();
-  EXPECT_TRUE(soft.pose().is_close(robot.FkFrame(), 1e-12, 1e-12)) << "a reset holds what is there";
+  EXPECT_TRUE(soft.pose().is_close(robot.FkFrame(), 1e-12, 1e-12))
+      << "a reset holds the present pose";
 }
 
 TEST(CartesianImpedanceGains, AreChecked) {

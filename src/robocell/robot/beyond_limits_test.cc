@@ -97,7 +97,7 @@ TEST_F(BeyondLimitsTest, HoldingWhereAServoCannotHoldIsNoCommand) {
   };
   std::vector<double> ctrl(7);
   robot.arm().CtrlForJointPos(robot.arm().joint_pos(), ctrl);
-  EXPECT_EQ(ctrl[3], home - 0.3) << "a question is answered without a word";
+  EXPECT_EQ(ctrl[3], home - 0.3) << "a query logs nothing";
   run();
   robot.jnt_pos_cmd()[0] += 0.1;  // another joint
   run();
