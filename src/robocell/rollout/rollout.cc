@@ -189,7 +189,7 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
                      : TaskVerdict();
     terminated = internal::CallHook(expert, "done", [&] { return expert.done(); }) ||
                  !outcome.ok() || (verdict.success && expert.ends_at_success());
-    // A rollout that its expert calls a failure is not a demonstration, whatever the task's verdict.
+    // An expert's failure is not a demonstration, whatever the task's verdict.
     const bool gave_up = terminated && !internal::CallHook(expert, "failure", [&] {
                                           return expert.failure();
                                         }).empty();

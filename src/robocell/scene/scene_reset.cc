@@ -250,7 +250,7 @@ ResetInfo Scene::Reset(const ResetOptions& options) {
   try {
     s.CallResetHooks(*this, options, info);
   } catch (...) {
-    // A partial change by hooks is not a valid start: the reset continues as if there were no hooks.
+    // A partial change by hooks is not a valid start: the reset goes on as if there were no hooks.
     if (!s.closed) {
       s.RestoreStart(*this, options);
       try {
