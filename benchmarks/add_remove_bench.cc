@@ -1,5 +1,5 @@
-// An object that comes and goes: from the pool, and by compiling anew, beside mj_recompile of the
-// same scene. Row P10 of RESULTS.md.
+// Adds and removes an object: from the pool, and by compiling anew, beside mj_recompile of the same
+// scene. Row P10 of RESULTS.md.
 //
 //   build/release/add_remove_bench [ROBOT.yaml ...]   default: the built-in rc7
 #include <mujoco/mujoco.h>
@@ -24,7 +24,7 @@ SceneObject Box(const std::string& name, double y) {
           .pos = Vec3{0.6, y, 0.02}};
 }
 
-// A robot, a box that is there and a pool of eight.
+// A robot, a present box and a pool of eight.
 SceneSpec Spec(const std::string& file) {
   SceneSpec spec{.name = "bench", .timestep = 0.002, .add_floor = true, .add_skybox = false};
   spec.robots.push_back({.name = "robot", .config = RobotConfig::Load(file)});

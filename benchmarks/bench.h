@@ -1,4 +1,4 @@
-// What the benchmark programs of robocell share, beside the sides of a row (sides.h).
+// The common part of the benchmark programs, beside the sides of a row (sides.h).
 #pragma once
 
 #include <robocell/robocell.h>
@@ -10,7 +10,7 @@
 
 namespace robocell::bench {
 
-// A folder for what a benchmark writes, gone with it.
+// A folder for a benchmark's output, removed at the end.
 class Folder {
  public:
   Folder() : path_(MakeTempDirectory(std::filesystem::temp_directory_path(), "robocell_bench")) {}

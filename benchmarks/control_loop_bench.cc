@@ -1,9 +1,9 @@
-// The cost of the control loop: what a control program does in a tick (a command, Robot::Update())
-// and one engine step, beside the bare engine stepping with the very controls that loop produced.
-// Row P7 of RESULTS.md, for each kind of control that has one there.
+// The cost of the control loop: the work of a control program in a tick (a command,
+// Robot::Update()) and one engine step, beside the bare engine stepping with the controls that this
+// loop produced. Row P7 of RESULTS.md, for each kind of control with a row there.
 //
 // The arm swings around its home for a simulated second. Loop and replay take turns with each tenth
-// of it, from the same state, and must end at the same bits, or the row is an error.
+// of it, from the same state, and must end in the same bits, otherwise the row is an error.
 //
 //   build/release/control_loop_bench [ROBOT.yaml ...]   default: the built-in rc7
 #include <mujoco/mujoco.h>
@@ -22,9 +22,9 @@ namespace {
 
 constexpr double kAmplitude = 0.2;  // rad around home
 constexpr double kSeconds = 1;
-constexpr size_t kParts = 10;  // up to a millisecond each: most turns are not disturbed
+constexpr size_t kParts = 10;  // up to a millisecond each: most turns are undisturbed
 
-// What a program commands in a tick; where it has that from is not part of the loop.
+// The command of a program in a tick; computing it does not belong to the loop.
 struct Control {
   std::string name;
   CtrlMode mode = CtrlMode::kPosition;
@@ -50,15 +50,15 @@ class Swing {
     Record();
   }
 
-  // A part by the loop that a control program has.
+  // Runs a part with the loop of a control program.
   void Loop() {
     for (size_t tick = begin(); tick < end(); ++tick) {
       Command(tick);
       robot_.Update();
-      (void)robot_.Step();  // where it ends is checked
+      (void)robot_.Step();  // the final state is checked
     }
   }
-  // The same part by the engine alone.
+  // Runs the same part with the engine alone.
   void Replay() {
     const mjModel* m = scene_.model();
     for (size_t tick = begin(); tick < end(); ++tick) {
@@ -74,7 +74,7 @@ class Swing {
   double ticks_of_part() const { return static_cast<double>(targets_.size()) / kParts; }
 
  private:
-  // Else the engine carries the arm, and there is nothing to compensate.
+  // Otherwise the engine carries the arm, and there is nothing to compensate.
   static RobotConfig Config(const std::string& file, const Control& control) {
     RobotConfig config = RobotConfig::Load(file);
     config.gravcomp = control.mode == CtrlMode::kPosition;
@@ -128,7 +128,7 @@ class Swing {
   std::vector<std::vector<double>> targets_;  // of each tick
   std::vector<Pose> poses_;
   std::vector<double> controls_;
-  std::vector<std::vector<double>> states_;  // where parts begin, and the last one ends
+  std::vector<std::vector<double>> states_;  // the beginnings of parts, and the end of the last one
   size_t part_ = 0;
 };
 

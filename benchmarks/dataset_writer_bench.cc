@@ -1,9 +1,9 @@
-// What writing a dataset costs beyond encoding its images: EpisodeWriter with two cameras and the
-// rows of a pick, beside bare ffmpeg processes that get the same frames and the same options. Row
-// P14 of RESULTS.md.
+// The cost of writing a dataset beyond encoding its images: EpisodeWriter with two cameras and the
+// rows of a pick, beside bare ffmpeg processes with the same frames and options. Row P14 of
+// RESULTS.md.
 //
-// The frames are rendered before, of an arm that swings. Each iteration is one episode, from
-// opening to the commit. The bare encoders' files must be the episode's videos to the byte, or the
+// The frames of a swinging arm are rendered before. Each iteration is one episode, from opening to
+// the commit. The bare encoders' files must equal the episode's videos to the byte, otherwise the
 // row is an error.
 //
 //   build/release/dataset_writer_bench [ROBOT.yaml ...]   default: the built-in rc7
@@ -60,12 +60,12 @@ Frames FramesOf(const std::string& robot_file) {
   return frames;
 }
 
-// The command of the encoder of such a video, without the output at its end.
+// Returns the command of the encoder of such a video, without the output at its end.
 std::vector<std::string> EncoderCommand(const fs::path& scratch) {
   const VideoWriter video(scratch, {.width = kWidth, .height = kHeight});
   const fs::path source = fs::path("/proc") / std::to_string(video.encoder_pid()) / "cmdline";
   std::string text;
-  while (text.empty()) text = ReadFile(source);  // it is there a moment after the process
+  while (text.empty()) text = ReadFile(source);  // it appears a moment after the process
   std::vector<std::string> words;
   for (size_t begin = 0; begin < text.size(); begin += words.back().size() + 1)
     words.emplace_back(text.c_str() + begin);
@@ -129,7 +129,7 @@ class Writing {
  private:
   static std::string Name(int camera) { return "camera_" + std::to_string(camera); }
   static std::string File(int camera) { return Name(camera) + ".mp4"; }
-  // Numbers that do not compress, as measurements.
+  // Numbers that do not compress, like measurements.
   std::span<const double> Noise(std::vector<double>& values) {
     for (double& value : values) value = rng_.Uniform(-1, 1);
     return values;

@@ -2,12 +2,13 @@
 // configurations: one at a time and as a batch, beside KDL's solvers for the same chain, and beside
 // the engine's kinematics and Jacobian. Row P6 of RESULTS.md.
 //
-// All sides must agree to 1e-8, or the row is an error.
+// All sides must agree to 1e-8, otherwise the row is an error.
 //
 //   build/release/dynamics_bench [ROBOT.yaml ...]   default: the built-in rc7
 //   build/release/dynamics_bench --ask ARM ROBOT.yaml
 //
-// The second writes ARM for a peer in a process of its own (pinocchio_peer.cc says what is in it).
+// The second form writes ARM for a peer in a process of its own (pinocchio_peer.cc describes the
+// format).
 #include <mujoco/mujoco.h>
 
 #include <kdl/chaindynparam.hpp>
@@ -36,14 +37,15 @@ using bench::Append;
 using bench::Numbers;
 using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
-// KDL knows no gravity compensation, and the robots' servos have it.
+// KDL has no gravity compensation, and the robots' servos have it.
 RobotConfig Uncompensated(const std::string& file) {
   RobotConfig config = RobotConfig::Load(file);
   config.gravcomp = false;
   return config;
 }
 
-// One arm at many places, for us and for KDL; answers row by row as the batches have them.
+// One arm at many configurations, for us and for KDL; results row by row in the layout of the
+// batches.
 class Arm {
  public:
   explicit Arm(const std::string& file)
@@ -95,7 +97,7 @@ class Arm {
       if (out) Append(their_jacobian_.data, out);
     }
   }
-  // The engine's, of the whole robot: its gripper moves too.
+  // The engine's Jacobians, of the whole robot: its gripper moves too.
   void EngineJacobians(Numbers* out) {
     const mjModel* m = scene_.model();
     mjData* d = scene_.data();
@@ -153,7 +155,7 @@ class Arm {
     if (out) *out = answer_;
   }
 
-  // The arm, its configurations and our answers.
+  // Returns the arm, its configurations and our results.
   Numbers Asked() {
     Numbers out = {double(n()), kPoses};
     Append(kGravity, &out);
@@ -175,7 +177,7 @@ class Arm {
     Append(frame.rotation, out);
     Append(frame.translation, out);
   }
-  // Where the joint's frame is for joint value 0, and what it moves.
+  // Appends the joint's frame for joint value 0, and the body that it moves.
   static void AppendJoint(const JointModel& joint, Numbers* out) {
     Transform at_zero = joint.fixed;
     MoveJoint(joint, 0, &at_zero);
@@ -186,7 +188,7 @@ class Arm {
     Append(joint.link.inertia, out);
     out->push_back(joint.armature);
   }
-  // The chain's of the engine's columns, in the axes of the base.
+  // Appends the chain's part of the engine's columns, in the axes of the base.
   void AppendColumns(int nv, Numbers* out) {
     using Rows = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>;
     const Eigen::Map<const Rows> all(all_columns_.data(), 6, nv);

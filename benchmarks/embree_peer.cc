@@ -3,11 +3,11 @@
 //   build/bench/embree_peer MODEL.mjb STATES NEAR FAR DISTANCE AZIMUTH ELEVATION X Y Z
 //
 // render.py compiles it against Debian's libembree-dev and the headers of MuJoCo. Each line of
-// STATES is a qpos. Prints as JSON the milliseconds of each image of 640 x 480: poses, Embree's
-// scene brought up to date, and for each pixel a ray and, towards the first light that casts
-// shadows, a second one; colour, depth in metres and body ids. Rays are cast 16 at once. Meshes keep
-// their trees; only their places change. Colours are plain: diffuse light, no textures, no
-// highlights, no samples, which is less than what the side beside it draws.
+// STATES is a qpos. Prints as JSON the milliseconds of each image of 640 x 480: poses, the update
+// of Embree's scene, and for each pixel a ray and, towards the first light that casts shadows, a
+// second one; colour, depth in metres and body ids. Rays are cast 16 at once. Meshes keep their
+// trees; only their poses change. Colours are plain: diffuse light, no textures, no highlights, no
+// samples, which is less than the side beside it draws.
 #include <embree3/rtcore.h>
 #include <mujoco/mujoco.h>
 
@@ -37,7 +37,7 @@ struct Triangles {
   }
 };
 
-// A surface of revolution around z through points of radius and height.
+// Returns a surface of revolution around z through points of radius and height.
 Triangles Turned(const std::vector<std::pair<double, double>>& profile) {
   constexpr int kSides = 28;
   Triangles t;
@@ -177,7 +177,7 @@ void Draw(const mjModel* m, const mjData* d, RTCScene scene, const std::vector<D
         rays.ray.dir_x[k] = along[0];
         rays.ray.dir_y[k] = along[1];
         rays.ray.dir_z[k] = along[2];
-        rays.ray.tnear[k] = view.near;  // directions reach depth 1, so that these are depths
+        rays.ray.tnear[k] = view.near;  // directions have depth 1, so these are depths
         rays.ray.tfar[k] = view.far;
         rays.ray.time[k] = 0;
         rays.ray.mask[k] = ~0u;

@@ -16,7 +16,7 @@ namespace {
 constexpr int kSteps = 30;     // of the environment, per iteration
 constexpr int kSubsteps = 33;  // of the engine, in each
 
-// As in env_side.py.
+// The same configuration as in env_side.py.
 EnvConfig ConfigOf(const std::string& file) {
   EnvConfig config;
   config.robots["robot"] = RobotConfig::Load(file);
@@ -26,7 +26,7 @@ EnvConfig ConfigOf(const std::string& file) {
   return config;
 }
 
-// To and fro, far enough that every joint moves all the time.
+// Swings far enough that every joint moves all the time.
 struct Stepping {
   explicit Stepping(const std::string& file)
       : env(ConfigOf(file)), action(env.layout().action.size(), 0.0) {}
@@ -41,7 +41,7 @@ struct Stepping {
       mju_copy(&ctrl[i * nu], env.scene().data()->ctrl, nu);
     }
   }
-  // The same way by the bare engine.
+  // Replays the same motion with the bare engine.
   void Replay() {
     mjData* data = env.scene().data();
     for (int i = 0; i < kSteps; ++i) {

@@ -1,5 +1,5 @@
-// Inverse kinematics from C++, for rows P1, P3 and P4 of RESULTS.md: the same questions that
-// ik_side.py puts to Python, by turns as there.
+// Inverse kinematics from C++, for rows P1, P3 and P4 of RESULTS.md: the same queries as in
+// ik_side.py for Python, in the same turns.
 //
 //   build/release/ik_bench ROBOT.yaml one|batch ASKED ANSWERED
 //
@@ -46,7 +46,7 @@ void Append(std::span<const double> q, bool success, std::vector<double>* answer
     answers->push_back(success ? v : std::numeric_limits<double>::quiet_NaN());
 }
 
-// Of one pass over all questions, or of the passes of a turn.
+// The result of one pass over all queries, or of the passes of a turn.
 struct Answered {
   std::vector<double> q, seconds;
   double mean() const {
@@ -73,7 +73,7 @@ Answered TurnOf(const OnePass& one_pass) {
   return turn;
 }
 
-// What there is to write down after the last turn.
+// The output after the last turn.
 std::vector<double> ByTurns(const OnePass& one_pass) {
   std::vector<double> of_fastest, means, p50s, p99s;
   while (bench::WaitForTurn()) {
@@ -90,7 +90,7 @@ std::vector<double> ByTurns(const OnePass& one_pass) {
   return written;
 }
 
-// From the matrices, as Python has them: whether they are rigid is looked at within the call.
+// Uses the matrices, like Python: the call checks whether they are rigid.
 Answered Together(const Chain& chain, std::span<const double> matrices) {
   const Stopwatch watch;
   const IkBatchResult found =
@@ -125,7 +125,7 @@ void Run(const std::string& robot_file, const std::string& how, const std::strin
   const IkTargets asked_for = IkTargets::FromMatrices(matrices);
   std::vector<Pose> targets;
   for (std::size_t b = 0; b < count; ++b) targets.push_back(asked_for[b].pose());
-  IkBatch(chain, std::span(targets).first(1));  // makes what a chain keeps
+  IkBatch(chain, std::span(targets).first(1));  // makes the chain's cached data
   const OnePass one_pass = [&] {
     return how == "batch" ? Together(chain, matrices) : OneByOne(chain, targets, seeds);
   };

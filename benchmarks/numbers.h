@@ -1,5 +1,5 @@
-// Numbers that benchmark programs hand to each other, as doubles in a file, and compare. Includes
-// nothing of robocell's, as sides.h.
+// Numbers that benchmark programs exchange, as doubles in a file, and compare. Includes nothing of
+// robocell, like sides.h.
 #pragma once
 
 #include <algorithm>
@@ -33,7 +33,7 @@ inline void WriteNumbers(const std::string& file, const Numbers& numbers) {
   if (!out.flush()) throw std::runtime_error("cannot write '" + file + "'");
 }
 
-// Row by row.
+// Appends row by row.
 template <typename Matrix>
 void Append(const Matrix& matrix, Numbers* out) {
   for (int r = 0; r < matrix.rows(); ++r) {
@@ -41,7 +41,7 @@ void Append(const Matrix& matrix, Numbers* out) {
   }
 }
 
-// What is wrong with answers that shall be the same, or "".
+// Returns the difference of results that must be the same, or "".
 inline std::string Difference(const Numbers& a, const Numbers& b, double tolerance) {
   double most = a.size() == b.size() ? 0 : INFINITY;
   for (std::size_t k = 0; k < std::min(a.size(), b.size()); ++k) {

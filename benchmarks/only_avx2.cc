@@ -1,4 +1,4 @@
-// Loaded before a program (LD_PRELOAD): kernels then take no wider registers than AVX2's, whatever
+// Loaded before a program (LD_PRELOAD): kernels then use no wider registers than AVX2's, whatever
 // the processor has.
 #include <hwy/targets.h>
 

@@ -1,7 +1,6 @@
-// How much making an episode gains from doing several things at once: the Runner with two cameras,
-// beside its stages done one after the other, which its user could not avoid without it: acting
-// (the Runner without cameras), drawing the images of the states that came of it, encoding them.
-// Row P12 of RESULTS.md.
+// The gain of overlapping the stages of an episode: the Runner with two cameras, beside its stages
+// one after the other, which a user without the Runner would need: acting (the Runner without
+// cameras), drawing the images of the resulting states, encoding them. Row P12 of RESULTS.md.
 //
 //   build/release/overlap_bench [RUN.yaml ...]   default: examples/demo.yaml
 //
@@ -30,7 +29,7 @@ struct Rollout {
 };
 using Rollouts = std::vector<Rollout>;
 
-// Acts as another expert does and notes each state.
+// Acts like another expert and records each state.
 class Watching : public Expert {
  public:
   Watching(std::shared_ptr<Expert> inner, Rollouts& rollouts)
@@ -120,7 +119,7 @@ class Making {
                    }});
     Make(watched);
   }
-  // Into the videos from number `first` on.
+  // Draws into the videos from number `first` on.
   void Draw(Rollout& rollout, size_t first) {
     const Scene& scene = rollout.scene;
     renderer_->SetModel(scene.model());

@@ -1,18 +1,18 @@
 // Pinocchio's side of row P6: forward kinematics with the Jacobian, gravity torques and mass matrix
-// of the arms that dynamics_bench writes, at its configurations, one at a time. All answers must
-// agree with ours to 1e-9, or the row is an error.
+// of the arms that dynamics_bench writes, at its configurations, one at a time. All results must
+// agree with ours to 1e-9, otherwise the row is an error.
 //
 //   build/bench/pinocchio_peer-march=native ARM ...
 //
-// dynamics.py compiles it against the headers of PyPI's `pin`. Only the headers: the wheel's
-// libraries are for any x86-64, and with -march=native Eigen's types are laid out in another way.
+// dynamics.py compiles it against the headers of PyPI's `pin`. It only uses the headers: the
+// wheel's libraries are for any x86-64, and with -march=native the layout of Eigen's types differs.
 //
-// ARM: doubles: the numbers n of joints and B of configurations, and gravity. Of each joint the
-// frame that it moves in that of the joint before, for joint value 0, z being its axis; whether it
-// slides; of what it moves, in that frame: mass, mass * centre of mass, inertia about the origin;
-// armature. Then the tip in the last joint's frame, B times n joint values, and our answers: B tips
-// in the base frame, each with its 6 x n Jacobian, B times n torques, B matrices n x n. Frames are
-// rotation and translation; everything is row by row.
+// ARM: doubles: the numbers n of joints and B of configurations, and gravity. For each joint the
+// frame that it moves, in the frame of the previous joint, for joint value 0, with z as its axis;
+// whether it slides; for the body that it moves, in that frame: mass, mass * centre of mass,
+// inertia about the origin; armature. Then the tip in the last joint's frame, B times n joint
+// values, and our results: B tips in the base frame, each with its 6 x n Jacobian, B times n
+// torques, B matrices n x n. Frames are rotation and translation; everything is row by row.
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -94,7 +94,7 @@ class Arm {
   const Numbers& our_gravities() const { return our_gravities_; }
   const Numbers& our_masses() const { return our_masses_; }
 
-  // With the tip's frame; as fast as computeJointJacobians and getFrameJacobian.
+  // Includes the tip's frame; as fast as computeJointJacobians and getFrameJacobian.
   void Jacobians(Numbers* out) {
     for (const Eigen::VectorXd& q : q_) {
       pin::computeFrameJacobian(model_, data_, q, tip_, pin::LOCAL_WORLD_ALIGNED, jacobian_);
@@ -113,7 +113,7 @@ class Arm {
       if (out) Append(data_.g, out);
     }
   }
-  // In the faster of its conventions, and with the half that it leaves to the caller.
+  // Uses the faster of its conventions, and computes the half that it leaves to the caller.
   void Masses(Numbers* out) {
     for (const Eigen::VectorXd& q : q_) {
       pin::crba(model_, data_, q, pin::Convention::LOCAL);

@@ -1,7 +1,7 @@
 // Reset to a randomised state of the same scene, beside one mj_forward on it. Row P9 of RESULTS.md.
 //
-// A reset puts qpos, ctrl and targets back to home with noise on the arm and computes all
-// poses; how far it can get is one mj_forward, which it contains.
+// A reset puts qpos, ctrl and targets back to home with noise on the arm and computes all poses;
+// its lower bound is one mj_forward, which it contains.
 //
 //   build/release/reset_bench [ROBOT.yaml ...]   default: the built-in rc7
 #include <mujoco/mujoco.h>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kTimes = 200;  // per iteration
 
-// With the same noise for every robot.
+// Uses the same noise for every robot.
 RobotConfig WithNoise(const std::string& file) {
   RobotConfig config = RobotConfig::Load(file);
   config.home_noise = {};

@@ -1,5 +1,5 @@
-// Sides of a row, timed by hand, and main(). Includes nothing of robocell's: also for programs of
-// peers whose headers do not go together with ours.
+// Sides of a row, timed by hand, and main(). Includes nothing of robocell, so that programs of
+// peers with incompatible headers can use it too.
 //
 //   void Register(const std::string& file) {
 //     const auto arm = std::make_shared<Arm>(file);
@@ -9,7 +9,7 @@
 //   int main(int argc, char** argv) { return robocell::bench::Main(argc, argv, Register); }
 //
 // bench_program.py runs such a program and reads the counter `each_s`. Where a part of a percent
-// counts: turns.h.
+// counts, use turns.h.
 #pragma once
 
 #include <benchmark/benchmark.h>
@@ -25,15 +25,17 @@
 namespace robocell::bench {
 
 struct Side {
-  std::string row, side;  // registered as "row/side"
-  double count = 1;       // of what `each_s` is the time of one: ticks, resets, frames
+  std::string row, side;                  // registered as "row/side"
+  double count = 1;                       // units of `each_s`: ticks, resets, frames
   std::function<void()> prepare = [] {};  // before each run, not timed
   std::function<void()> run;
-  // After each run, not timed: what is wrong with its result, or "". An error instead of a row.
+  // Runs after each run, not timed: returns the problem of its result, or "". A problem makes the
+  // row an error.
   std::function<std::string()> problem = [] { return ""; };
 };
 
-// Of a run. What is wrong with its result is in `problem`, unless something was before.
+// Returns the seconds of a run. `problem` gets the problem of its result, unless it already has
+// one.
 inline double Seconds(const Side& side, std::string* problem) {
   side.prepare();
   const auto begin = std::chrono::steady_clock::now();
@@ -63,7 +65,7 @@ inline void Add(Side side) {
       ->Unit(benchmark::kMillisecond);
 }
 
-// `add` is called with each file on the command line, by default with `file`.
+// Calls `add` with each file on the command line, by default with `file`.
 inline int Main(int argc, char** argv, void (*add)(const std::string&), const std::string& file) {
   try {
     benchmark::Initialize(&argc, argv);

@@ -1,5 +1,5 @@
-// Pairs: two sides (sides.h) that take turns, for rows in which a part of a percent counts. Why:
-// README.md, "Turns of a pair".
+// Pairs: two sides (sides.h) that take turns, for rows in which a part of a percent counts.
+// README.md, "Turns of a pair", gives the reasons.
 //
 //   void Register(const std::string& file) {
 //     const auto arm = std::make_shared<Arm>(file);
@@ -30,12 +30,12 @@
 namespace robocell::bench {
 
 // Two sides with about the same work. They take turns: ours, the peer, the peer, ours, and so on.
-// Neighbours, once in each order, make a ratio, and the median of all ratios counts: a clock that
-// goes up and down is in both of them, what disturbs one of them is in few where turns are short
-// (less than a millisecond), and who comes after whom is even. Times are medians of turns too.
+// Neighbours, once in each order, make a ratio, and the median of all ratios counts: a changing
+// clock affects both of them, a disturbance affects few short turns (less than a millisecond), and
+// both orders are equally frequent. Times are medians of turns too.
 struct Pair {
   Side ours, peer;                     // of the row of ours
-  std::function<void()> next = [] {};  // before the turns of a round, if it is about something else
+  std::function<void()> next = [] {};  // before a round's turns, if it is about something else
 };
 
 inline double Median(std::vector<double> values) {
@@ -48,7 +48,7 @@ class Turns {
  public:
   explicit Turns(const Pair& pair) : pair_(pair) {}
 
-  // Of both sides two turns; their seconds.
+  // Runs two turns of both sides; returns their seconds.
   double Round() {
     pair_.next();
     const size_t lower = random_() % 256 * 16;
@@ -66,9 +66,9 @@ class Turns {
   const std::string& problem() const { return problem_; }
 
  private:
-  // Where the stack lies beside the data, modulo a page, moves what takes microseconds by a percent
-  // or two, and not both sides alike: a process would have one of the possible places only. Each
-  // round has another, the same for both.
+  // The position of the stack beside the data, modulo a page, changes the time of microsecond tasks
+  // by a percent or two, differently for both sides: a process would have only one of the possible
+  // positions. Each round uses another one, the same for both.
   [[gnu::noinline]] double Turn(size_t lower, const Side& side) {
     volatile char* room = static_cast<char*>(__builtin_alloca(lower + 1));
     *room = 0;
@@ -90,7 +90,7 @@ class Turns {
 
 inline void TimePair(benchmark::State& state, const Pair& pair) {
   Turns warm_up(pair), turns(pair);
-  warm_up.Round();  // finds the caches full of another row
+  warm_up.Round();  // the caches contain another row
   for (auto _ : state) {
     state.SetIterationTime(turns.Round());
     if (!turns.problem().empty()) return state.SkipWithError(turns.problem().c_str());
@@ -112,15 +112,15 @@ inline void AddPair(const Pair& pair) {
       ->Unit(benchmark::kMillisecond);
 }
 
-// Whether somebody in another process wants one more turn. `said` is for them.
+// Returns true if another process requests one more turn. `said` is the message to it.
 inline bool WaitForTurn(const std::string& said = "ready") {
   std::string line;
   std::cout << said << std::endl;
   return static_cast<bool>(std::getline(std::cin, line));
 }
 
-// Ours of a pair by turns, each of which is said in nanoseconds. The first run of a turn finds the
-// caches full of what the other process did, and does not count.
+// Runs ours of a pair in turns and prints each in nanoseconds. The first run of a turn finds the
+// caches full of the other process's data, and does not count.
 inline void TakeTurns(const std::string& row) {
   const auto pair = std::find_if(Pairs().begin(), Pairs().end(),
                                  [&](const Pair& each) { return each.ours.row == row; });
@@ -134,7 +134,7 @@ inline void TakeTurns(const std::string& row) {
   if (!problem.empty()) throw std::runtime_error(row + ": " + problem);
 }
 
-// As Main(), of a program with pairs.
+// Like Main(), for a program with pairs.
 inline int MainOfPairs(int argc, char** argv, void (*add)(const std::string&),
                        const std::string& file) {
   if (argc != 4 || argv[1] != std::string("--turns")) return Main(argc, argv, add, file);

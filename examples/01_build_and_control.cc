@@ -15,7 +15,7 @@ namespace rc = robocell;
 
 namespace {
 
-// Drives the arm to a pose of the TCP (in the robot base frame) and gives it the time to arrive.
+// Drives the arm to a pose of the TCP (in the robot base frame) and waits for its arrival.
 void MoveTo(rc::Scene& scene, rc::Robot& robot, const rc::Pose& tcp, double seconds) {
   const rc::IkResult ik = robot.Ik(tcp, {.prefer = rc::IkPrefer::kSeed});
   if (!ik.success) throw rc::Error("the pose is out of reach");

@@ -1,7 +1,7 @@
-// Example 3: a robot of your own: its model, ten lines of YAML, and what they make possible. The
-// robot is desk6/desk6.yaml, a six-axis arm made for this example. The example uses its forward and
-// inverse kinematics, moves its gripper, and shows the error for a mistake in its file. The same in
-// Python: 03_own_robot.py.
+// Example 3: a robot of your own: its model, ten lines of YAML, and their use. The robot is
+// desk6/desk6.yaml, a six-axis arm made for this example. The example uses its forward and inverse
+// kinematics, moves its gripper, and shows the error for a mistake in its file. The same in Python:
+// 03_own_robot.py.
 //
 //   build/release/example_03_own_robot [folder for the picture]
 #include <robocell/robocell.h>
@@ -17,7 +17,7 @@ namespace rc = robocell;
 namespace {
 
 const fs::path kRobot = fs::path(EXAMPLES_DIR) / "desk6" / "desk6.yaml";
-const rc::Quaternion kDown{0, 1, 0, 0};  // xyzw: the tool points down, as it does at home
+const rc::Quaternion kDown{0, 1, 0, 0};  // xyzw: the tool points down, like at home
 
 void Require(bool holds, const char* what) {
   if (!holds) throw rc::Error(what);
@@ -61,7 +61,8 @@ int main(int argc, char** argv) try {
   std::printf("at home the TCP is at %.3f %.3f %.3f\n", tcp.translation().x(),
               tcp.translation().y(), tcp.translation().z());
 
-  // Inverse kinematics of many poses at once: the tool pointing down, on a grid before the robot.
+  // Inverse kinematics of many poses at once: the tool points down, on a grid in front of the
+  // robot.
   std::vector<rc::Pose> poses;
   for (int i = 1; i < 8; ++i) {
     for (int j = -6; j < 7; ++j) poses.emplace_back(Eigen::Vector3d(.1 * i, .1 * j, .15), kDown);
@@ -75,7 +76,8 @@ int main(int argc, char** argv) try {
     rc::AddFrame(markers, robot.base_in_world() * poses[b], .05);
   }
 
-  // The gripper: 0 is closed, 1 is open, whatever its motor calls it. Its distances were measured.
+  // The gripper: 0 is closed, 1 is open, whatever the units of its motor are. Its distances were
+  // measured.
   for (const double opening : {0., .5, 1.}) {
     robot.gripper().SetOpening(opening);
     for (int i = 0; i < 500; ++i) {

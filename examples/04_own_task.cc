@@ -1,6 +1,6 @@
-// Example 4: a task that robocell does not know, pushing a cube, and a dataset of it. Three small
-// classes: a sampler makes the start, a task judges, an expert acts. The runner does the rest, as
-// it does for picking. The same in Python: 04_own_task.py.
+// Example 4: a custom task, pushing a cube, and a dataset of it. Three small classes: a sampler
+// makes the start, a task judges, an expert acts. The runner does the rest, like for picking. The
+// same in Python: 04_own_task.py.
 //
 //   build/release/example_04_own_task [folder]
 #include <robocell/robocell.h>
@@ -19,7 +19,7 @@ namespace rc = robocell;
 
 namespace {
 
-constexpr double kFar = .1;              // m, how far the cube is to be pushed
+constexpr double kFar = .1;              // m, the distance to push the cube
 const rc::Quaternion kDown{1, 0, 0, 0};  // xyzw: the gripper points down
 
 // Success: the cube stands kFar further along x than at the start.
@@ -40,7 +40,7 @@ class Push : public rc::Task {
   Eigen::Vector3d start_;
 };
 
-// The robot, and a cube somewhere before it; what is too near is refused.
+// The robot, and a cube somewhere in front of it; a cube that is too near is refused.
 class CubeOnTheFloor : public rc::TaskSampler {
  public:
   explicit CubeOnTheFloor(const rc::RunConfig& run)
@@ -73,7 +73,7 @@ class CubeOnTheFloor : public rc::TaskSampler {
   rc::RobotSpec robot_;
 };
 
-// Leads the closed gripper over, behind and against the cube, 15 mm an action.
+// Moves the closed gripper over, behind and against the cube, 15 mm per action.
 class Pusher : public rc::Expert {
  public:
   explicit Pusher(std::string robot) : name_(std::move(robot)) {}
@@ -97,7 +97,7 @@ class Pusher : public rc::Expert {
          {{"arm", rc::GroupCommand::LeafPose(goal_)}, {"gripper", rc::GroupCommand::Opening(0)}}}};
   }
   bool done() const override { return at_ == path_.size(); }
-  // It never gives up; whether the cube was pushed far enough is the task's to say.
+  // It never gives up; the task judges whether the cube was pushed far enough.
   std::string failure() const override { return ""; }
   int phase() const override { return std::min(static_cast<int>(at_), 2); }
   std::vector<std::string> phase_names() const override { return {"over", "behind", "push"}; }

@@ -1,5 +1,5 @@
-// Example 5: cameras: colour, depth in metres, who is seen in each pixel, and a video. Everything
-// that is measured in an image is compared with the scene: a point is projected into the image, and
+// Example 5: cameras: colour, depth in metres, the body seen in each pixel, and a video. Every
+// measurement in an image is compared with the scene: a point is projected into the image, and
 // pixels are turned back into points. The same in Python: 05_cameras.py.
 //
 //   build/release/example_05_cameras [folder for picture and video]
@@ -27,7 +27,7 @@ void Require(bool holds, const char* what) {
   if (!holds) throw rc::Error(what);
 }
 
-// The built-in robot, three things before it, and a camera on the floor that looks at them.
+// The built-in robot, three objects in front of it, and a camera on the floor that looks at them.
 rc::Scene Build() {
   rc::SceneSpec spec{.name = "cameras", .timestep = 0.002, .add_floor = true, .add_skybox = true};
   spec.robots.push_back(

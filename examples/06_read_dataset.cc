@@ -1,5 +1,5 @@
-// Example 6: read a dataset back: its columns, an episode played again, and its path in a picture.
-// The dataset is made first, as in example 2; give the folder of one that exists to look at that.
+// Example 6: read a dataset back: its columns, a replayed episode, and its path in a picture. The
+// dataset is made first, as in example 2; give the folder of an existing one to read that instead.
 // The same in Python: 06_read_dataset.py.
 //
 //   build/release/example_06_read_dataset [folder] [dataset]
@@ -43,7 +43,7 @@ fs::path MakeDataset(const fs::path& folder) {
   return folder;
 }
 
-// Lets the recorded controls act on the recorded start; how far the arm is off at the end.
+// Applies the recorded controls to the recorded start; returns the final error of the arm.
 double Play(const rc::Episode& episode) {
   rc::Scene scene = rc::Scene::Build(rc::RecordedScene(episode));
   scene.SetState(episode.Read<double>("initial_state"));
@@ -63,7 +63,7 @@ double Play(const rc::Episode& episode) {
   return off;
 }
 
-// The first frame of a camera with the way of the TCP in it, coloured by the expert's phase.
+// Returns the first frame of a camera with the path of the TCP, coloured by the expert's phase.
 rc::RgbImage DrawPath(const rc::Episode& episode, const std::string& name) {
   const rc::CameraInfo& camera = episode.camera(name);
   rc::RgbImage image{camera.width, camera.height, {}};
@@ -109,7 +109,7 @@ int main(int argc, char** argv) try {
     std::printf("\n  lifted %.1f cm\n", 100 * episode.Read<double>("reward").back());
     Require(episode.camera("exo").frames == episode.rows(), "frame i belongs to row i");
 
-    // Played again by hand, and by the check that compares every row and tick.
+    // Replayed by hand, and by the check that compares every row and tick.
     Require(Play(episode) < 1e-9, "it was not the same when played again");
     const rc::ReplayResult result = rc::VerifyReplay(episode);
     std::printf("  replayed: %s\n", result.ok() ? "the same" : result.Text().c_str());

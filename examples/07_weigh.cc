@@ -1,5 +1,5 @@
-// Example 7: a force-torque sensor at the wrist: weigh what the gripper holds. The same in Python:
-// 07_weigh.py.
+// Example 7: a force-torque sensor at the wrist weighs the object in the gripper. The same in
+// Python: 07_weigh.py.
 //
 //   build/release/example_07_weigh [folder]
 #include <robocell/robocell.h>
@@ -32,7 +32,7 @@ rc::RobotConfig Scale() {
   config.edits.push_back({.body = hand, .add_site = "wrist", .pos = rc::Vec3{0, 0, 0}});
   config.edits.push_back({.site = wrist, .add_sensor = "wrist_ft_force", .type = "force"});
   config.edits.push_back({.site = wrist, .add_sensor = "wrist_ft_torque", .type = "torque"});
-  // Without the hand's own weight, only the weight of what it holds remains.
+  // Without the hand's own weight, only the weight of its object remains.
   config.ft_sensors.push_back({.name = "wrist_ft", .compensate_tool = true});
   return config;
 }
@@ -61,7 +61,7 @@ void Tick(rc::Robot& robot) {
   if (const rc::StepResult step = robot.Step(); !step.ok()) throw rc::Error(step.message);
 }
 
-// Lets time go by.
+// Waits for simulated time.
 void Wait(rc::Robot& robot, double seconds) {
   const int ticks = static_cast<int>(std::lround(seconds / robot.scene().timestep()));
   for (int i = 0; i < ticks; ++i) Tick(robot);
@@ -87,7 +87,7 @@ void MoveTo(rc::Robot& robot, const Eigen::Vector3d& position, double seconds) {
   }
 }
 
-// What hangs from the sensor, kg: the mean over half a second at rest.
+// Returns the mass that hangs from the sensor, kg: the mean over half a second at rest.
 double Weigh(rc::Robot& robot) {
   Wait(robot, .5);
   constexpr int kReadings = 250;

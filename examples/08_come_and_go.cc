@@ -1,6 +1,6 @@
-// Example 8: objects come and go while the robot moves. A bottle is added by compiling the scene
-// anew: everything else goes on to the bit. Cubes come from the scene's pool, which takes
-// microseconds, and a reset hook chooses which of them the next episode has. The same in Python:
+// Example 8: objects are added and removed while the robot moves. A bottle is added by compiling
+// the scene anew: everything else continues to the bit. Cubes come from the scene's pool, which
+// takes microseconds, and a reset hook selects those of the next episode. The same in Python:
 // 08_come_and_go.py.
 //
 //   build/release/example_08_come_and_go [folder for picture]
@@ -64,7 +64,7 @@ void Run(rc::Robot& robot, int steps) {
   }
 }
 
-// Puts what the camera sees into the n-th panel.
+// Puts the camera's image into the n-th panel.
 void Picture(rc::SceneRenderer& renderer, int n, rc::RgbImage& panels) {
   std::vector<uint8_t> rgb(3 * kWidth * kHeight);
   renderer.Render({.camera = renderer.Camera("front"), .width = kWidth, .height = kHeight},
@@ -83,7 +83,7 @@ int main(int argc, char** argv) try {
   rc::SceneRenderer renderer(scene);
   rc::RgbImage panels{3 * kWidth, kHeight, std::vector<uint8_t>(9 * kWidth * kHeight)};
 
-  // By compiling, in the middle of a motion. The handles stay.
+  // Added by compiling, in the middle of a motion. The handles stay valid.
   robot.jnt_pos_cmd()[0] += .6;
   Run(robot, 100);
   const std::vector<double> moving = robot.arm().joint_vel();
@@ -96,7 +96,7 @@ int main(int argc, char** argv) try {
   std::printf("the arm went on to %.3f rad\n", robot.arm().joint_pos()[0]);
   Picture(renderer, 0, panels);
 
-  // From the pool. Nothing is compiled.
+  // Added from the pool. Nothing is compiled.
   const mjModel* model = scene.model();
   for (int i = 0; i < 4; ++i) {
     scene.AddObject("cube" + std::to_string(i), rc::Pose(Eigen::Vector3d(.45, -.2, .05 + .07 * i)));
@@ -118,7 +118,7 @@ int main(int argc, char** argv) try {
   scene.RemoveObject("cube1");
   Report(scene, "less");
 
-  // The pool is the spec's after a reset; a hook chooses what the episode has.
+  // A reset restores the pool of the spec; a hook selects the objects of the episode.
   scene.AddResetHook([](rc::ResetContext& reset) { reset.scene.AddObject("cube2"); });
   scene.Reset();
   Report(scene, "reset");

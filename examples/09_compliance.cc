@@ -1,7 +1,7 @@
-// Example 9: three ways for an arm to be soft, and what it does when something pushes. Gravity
-// compensation: it weighs nothing, and is led by the hand. Cartesian impedance: its tool hangs on
-// springs, and presses with a force that is known. Admittance: a force-torque sensor at the wrist
-// tells it where to go. The same in Python: 09_compliance.py.
+// Example 9: three ways to make an arm compliant, and its reaction to a push. Gravity compensation:
+// the arm is weightless, and can be led by hand. Cartesian impedance: springs hold its tool, which
+// presses with a known force. Admittance: a force-torque sensor at the wrist moves the arm. The
+// same in Python: 09_compliance.py.
 //
 //   build/release/example_09_compliance [folder for picture]
 #include <robocell/robocell.h>
@@ -28,7 +28,7 @@ void Require(bool holds, const char* what) {
 // The built-in robot with a sensor between its flange and its hand, on a table.
 rc::Scene Build() {
   rc::RobotConfig config = rc::RobotConfig::Load(rc::assets::BuiltinRobotFile("rc7"));
-  config.gravcomp = false;  // else the engine carries the arm
+  config.gravcomp = false;  // otherwise the engine carries the arm
   config.base = {};         // it needs no pedestal
   const rc::ElementRef hand{.name = "hand"}, wrist{.name = "wrist"};
   config.edits.push_back({.body = hand, .add_site = "wrist", .pos = rc::Vec3{0, 0, 0}});
@@ -45,7 +45,7 @@ rc::Scene Build() {
   return rc::Scene::Build(spec);
 }
 
-// Pushes on the hand until told otherwise, N in the world.
+// Pushes on the hand until the next call, N in the world.
 void Push(const rc::Robot& robot, const Vector& force) {
   robot.scene().SetBodyWrench("hand", force, Vector::Zero());
 }
@@ -55,7 +55,8 @@ Vector MeasuredForce(const rc::Robot& robot) {
   return robot.ft_sensor_frame("wrist_ft").rotation() * robot.ft_sensor("wrist_ft").force;
 }
 
-// Lets time go by, calling `each` between the robot's look and its step: how far it came, m.
+// Runs the simulation, and calls `each` between the robot's update and its step; returns the
+// displacement, m.
 Vector Run(
     rc::Robot& robot, double seconds, const std::function<void()>& each = [] {}) {
   const Vector start = robot.tcp_in_world().translation();
@@ -68,13 +69,13 @@ Vector Run(
   return robot.tcp_in_world().translation() - start;
 }
 
-// Motors that only carry the arm: it goes where it is led, and stays where it is left.
+// Motors that only carry the arm: it moves where it is led, and stays where it is left.
 void LeadByHand(rc::Robot& robot) {
   robot.set_ctrl_mode(rc::CtrlMode::kTorque);
   Vector last = robot.scene().body_pose("hand").translation();
   const Vector goal = last + Vector(.05, .2, .1);
   const auto carry = [&] { robot.GravityTorques(robot.jnt_trq_cmd()); };
-  const auto lead = [&] {  // somebody's arm: a spring and a damper
+  const auto lead = [&] {  // the arm of a person: a spring and a damper
     carry();
     const Vector here = robot.scene().body_pose("hand").translation();
     Push(robot, 200 * (goal - here) - 100 * (here - last) / robot.scene().timestep());
@@ -90,7 +91,7 @@ void LeadByHand(rc::Robot& robot) {
   Require(alone < 1 && led > 200 && left < 1, "it does not stay where it is left");
 }
 
-// Springs at the tool: held off by the table, they push as far as they are stretched.
+// Springs at the tool: the table holds it back, and they push in proportion to their displacement.
 void Press(rc::Robot& robot) {
   const rc::Pose table = robot.scene().site_pose("table_table_top");
   robot.gripper().Close();
@@ -147,7 +148,7 @@ rc::RgbImage Picture(const rc::Scene& scene, rc::Renderer& renderer) {
   return image;
 }
 
-// Puts the picture after into the n-th panel, and the one before shines through.
+// Puts the picture after the motion into the n-th panel, with the one before shining through.
 void Show(const rc::RgbImage& before, const rc::RgbImage& after, int n, rc::RgbImage& panels) {
   for (int row = 0; row < kHeight; ++row) {
     for (int i = 0; i < 3 * kWidth; ++i) {

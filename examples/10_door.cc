@@ -1,6 +1,6 @@
-// Example 10: pulls a drawer and opens a hinged door by their handles, with a soft arm. Neither
-// path has to be exact: the arm is a spring (Cartesian impedance), and the handle leads it. The
-// same in Python: 10_door.py.
+// Example 10: pulls a drawer and opens a hinged door by their handles, with a compliant arm.
+// Neither path has to be exact: the arm is a spring (Cartesian impedance), and the handle guides
+// it. The same in Python: 10_door.py.
 //
 //   build/release/example_10_door [folder for picture]
 #include <robocell/robocell.h>
@@ -25,7 +25,7 @@ rc::Pose Turn(double roll, double pitch, double yaw) {
   return rc::Pose::FromRpy({0, 0, 0}, {roll, pitch, yaw});
 }
 
-// The hand at a handle, as seen from the handle's site (x points out of the cabinet): with the
+// The hand at a handle, in the frame of the handle's site (x points out of the cabinet): with the
 // fingers on both sides of an upright bar, or of a level one.
 const rc::Pose kUpright = Turn(0, -pi / 2, 0);
 const rc::Pose kFromAbove = kUpright * Turn(0, 0, pi / 2) * Turn(-.5, 0, 0);
@@ -46,7 +46,7 @@ rc::Scene Build() {
   return scene;
 }
 
-// The gripper at the end of a soft arm; poses are the TCP's in the world.
+// The gripper at the end of a compliant arm; poses are the TCP's in the world.
 class Hand {
  public:
   explicit Hand(const rc::Robot& robot) : robot_(robot), pose_(robot.tcp_in_world()) {
@@ -54,10 +54,10 @@ class Hand {
     spring_->SetStiffness({2000, 2000, 2000, 80, 80, 80});  // N/m, then Nm/rad
   }
 
-  // Where the springs draw it to.
+  // Returns the target of the springs.
   const rc::Pose& pose() const { return pose_; }
 
-  // Along the poses path(0) to path(1), starting and ending at rest.
+  // Follows the poses path(0) to path(1), starting and ending at rest.
   void Follow(const std::function<rc::Pose(double)>& path, double seconds) {
     const int ticks = static_cast<int>(std::lround(seconds / robot_.scene().timestep()));
     for (int i = 1; i <= ticks; ++i) {
@@ -68,7 +68,7 @@ class Hand {
     }
   }
 
-  // There on a straight line.
+  // Moves there on a straight line.
   void Move(const rc::Pose& goal, double seconds) {
     const rc::Pose start = pose_;
     Follow([&](double s) { return start.interpolate(goal, s); }, seconds);
@@ -87,7 +87,7 @@ class Hand {
     Wait(.3);
   }
 
-  // Opens and goes back.
+  // Opens and moves back.
   void LetGo() {
     Wait(.3);
     robot_.gripper().SetOpening(.4);

@@ -1,6 +1,6 @@
-// Example 11: pours what is in a bottle into a bowl, and puts the bottle back. What is planned is
-// where the bottle's mouth is to be, and how far the bottle tilts about it; where the hand has to
-// be follows from how it holds the bottle. The same in Python: 11_pour.py.
+// Example 11: pours a bottle into a bowl, and puts the bottle back. The plan has the place of the
+// bottle's mouth, and the tilt of the bottle about it; the pose of the hand follows from its grasp
+// of the bottle. The same in Python: 11_pour.py.
 //
 //   build/release/example_11_pour [folder for picture]
 #include <robocell/robocell.h>
@@ -26,7 +26,7 @@ rc::Pose Turn(double roll, double pitch, double yaw) {
   return rc::Pose::FromRpy({0, 0, 0}, {roll, pitch, yaw});
 }
 
-// Of the hand on the bottle: from behind, level.
+// The pose of the hand on the bottle: from behind, level.
 const rc::Pose kGrasp = Turn(0, -std::numbers::pi / 2, std::numbers::pi);
 const rc::Pose kBack = Shift(0, 0, -.12);  // in the hand's own frame
 const rc::Pose kUp = Shift(0, 0, .2);
@@ -64,7 +64,7 @@ rc::Scene Build() {
   return scene;
 }
 
-// How many beads are within 60 mm of the vessel's middle.
+// Counts the beads within 60 mm of the vessel's centre.
 int Count(const rc::Scene& scene, const std::string& vessel) {
   const Eigen::Vector3d middle = scene.body_pose(vessel).translation();
   int n = 0;
@@ -93,7 +93,7 @@ int main(int argc, char** argv) try {
   rc::Robot robot = rc::Robot::Of(scene, "rc7");
   auto& arm = robot.SetController<rc::CartesianPoseController>("arm");
   arm.SetMaxSpeeds(.3, 1.5);  // m/s, rad/s
-  // Straight towards a pose of the hand in the world, for so long.
+  // Moves straight towards a pose of the hand in the world, for the given time.
   const auto move = [&](const rc::Pose& hand, double seconds) {
     arm.SetPose(robot.base_in_world().inverse() * hand);
     const int ticks = static_cast<int>(std::lround(seconds / scene.timestep()));

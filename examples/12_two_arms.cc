@@ -1,6 +1,6 @@
-// Example 12: two arms carry a board together, and what stands on it stays there. There is one
-// path, the board's; each hand keeps its place on it. Both arms are soft (Cartesian impedance), so
-// that they do not fight over millimetres. The same in Python: 12_two_arms.py.
+// Example 12: two arms carry a board together, and the object on it stays in place. There is one
+// path, the board's; each hand keeps its place on it. Both arms are compliant (Cartesian
+// impedance), so that they do not fight over millimetres. The same in Python: 12_two_arms.py.
 //
 //   build/release/example_12_two_arms [folder for picture]
 #include <robocell/robocell.h>
@@ -22,12 +22,12 @@ constexpr double kDegree = std::numbers::pi / 180;  // rad
 
 rc::Pose Shift(double x, double y, double z) { return rc::Pose(Eigen::Vector3d(x, y, z)); }
 
-// Where each hand holds the board, and how it gets there: pointing down, from 12 cm above.
+// The pose of each hand on the board, and its approach: pointing down, from 12 cm above.
 const rc::Pose kLeft({-.17, 0, 0}, rc::Quaternion{1, 0, 0, 0});
 const rc::Pose kRight({.17, 0, 0}, rc::Quaternion{0, 1, 0, 0});
 const rc::Pose kBefore = Shift(0, 0, -.12);
 
-// Two of the built-in robot on one table, face to face, and a board with a cube between.
+// Two of the built-in robot on one table, face to face, and a board with a cube between them.
 rc::Scene Build() {
   rc::SceneSpec spec{.name = "two_arms", .timestep = 0.002, .add_floor = true, .add_skybox = true};
   spec.objects.push_back({.name = "table", .mjcf_path = "table", .pos = rc::Vec3{0, 0, .7}});
@@ -59,11 +59,11 @@ rc::Scene Build() {
   return scene;
 }
 
-// One of the two, on springs; poses are its TCP's in the world.
+// One of the two arms, on springs; poses are its TCP's in the world.
 struct Arm {
   rc::Robot robot;
   rc::Pose grasp;
-  rc::Pose pose = robot.tcp_in_world();  // where the springs draw it to
+  rc::Pose pose = robot.tcp_in_world();  // the target of the springs
   rc::Pose home = pose;
   rc::CartesianImpedanceController& spring =
       robot.SetController<rc::CartesianImpedanceController>("arm");
@@ -79,7 +79,7 @@ Arms BothArms(const rc::Scene& scene) {
   return arms;
 }
 
-// Each arm along its path from 0 to 1, all at the same time, from rest to rest.
+// Moves each arm along its path from 0 to 1, both at the same time, from rest to rest.
 void Follow(Arms& arms, const Path& path, double seconds) {
   rc::Scene scene = arms[0].robot.scene();
   const int ticks = static_cast<int>(std::lround(seconds / scene.timestep()));
@@ -93,7 +93,7 @@ void Follow(Arms& arms, const Path& path, double seconds) {
   }
 }
 
-// The board from start to goal: each hand keeps its place on it.
+// Carries the board from start to goal: each hand keeps its place on it.
 void Carry(Arms& arms, const rc::Pose& start, const rc::Pose& goal, double seconds) {
   const auto path = [&](const Arm& arm, double s) {
     return start.interpolate(goal, s) * arm.grasp;

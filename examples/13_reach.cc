@@ -1,8 +1,7 @@
-// Example 13: what a robot reaches: a hundred thousand poses, solved and drawn. The arm desk6 is
-// loaded from its file. In the plane through its middle, at 50 by 50 places, it is asked for 40
-// rotations of its tool each; the picture has the robot from the side, and the share of the
-// rotations that it reaches at each place, the darker the more.
-// The same in Python: 13_reach.py.
+// Example 13: the reach of a robot: a hundred thousand poses, solved and drawn. The arm desk6 is
+// loaded from its file. In the plane through its middle, at 50 by 50 places, inverse kinematics is
+// solved for 40 rotations of its tool each. The picture shows the robot from the side, and the
+// share of reachable rotations at each place; darker is more. The same in Python: 13_reach.py.
 //
 //   build/release/example_13_reach [folder for the picture]
 #include <robocell/robocell.h>
@@ -26,7 +25,7 @@ void Require(bool holds, const char* what) {
   if (!holds) throw rc::Error(what);
 }
 
-// How many of the rotations are reached at a place.
+// Returns the number of reachable rotations at a place.
 int SolvedAt(const rc::ReachMap& map, int x, int z) {
   return static_cast<int>(std::lround(map.fraction[map.index(x, 0, z)] * kRotations));
 }
@@ -85,7 +84,7 @@ int main(int argc, char** argv) try {
   std::printf("most freely at x %.3f, z %.3f: in %d ways\n", best.x(), best.z(),
               SolvedAt(map, best_x, best_z));
 
-  // One answer as a check: the TCP at that place, any rotation.
+  // One query as a check: the TCP at that place, any rotation.
   const rc::IkResult ik =
       robot.Ik(rc::Pose(best), {.position_only = true, .prefer = rc::IkPrefer::kAwayFromLimits});
   Require(ik.success, "a place that is reached is not reached");

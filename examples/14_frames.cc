@@ -1,7 +1,7 @@
-// Example 14: a cell, frame by frame: the order in which a new one is best described. One robot in
-// the origin; then what its rig stands on, what stays in the room, what its wrist carries, and
-// cameras; last the offsets that make a rig of two arms of it, which is acted on. What each step
-// says of poses is checked, and a picture drawn with the frames. The same in Python: 14_frames.py.
+// Example 14: a cell, frame by frame, in the best order to describe a new one. One robot in the
+// origin; then the support of its rig, objects fixed in the room, parts on its wrist, and cameras;
+// last the offsets that turn it into a rig of two arms, which then acts. Poses are checked after
+// each step, and a picture is drawn with the frames. The same in Python: 14_frames.py.
 //
 //   build/release/example_14_frames [folder for the pictures]
 #include <robocell/robocell.h>
@@ -27,7 +27,7 @@ rc::Pose Beside() { return rc::Pose::FromRpy({.085, 0, .014}, {0, -.26, 0}); }
 
 rc::RobotConfig Rc7() { return rc::RobotConfig::Load(rc::assets::BuiltinRobotFile("rc7")); }
 
-// Throws where something does not stand where it should.
+// Throws if something is not at its place.
 void Check(const rc::Pose& found, const rc::Pose& expected) {
   if (!found.is_close(expected, 1e-9, 1e-9)) throw rc::Error("it stands somewhere else");
 }
@@ -68,7 +68,7 @@ struct Steps {
   }
 };
 
-// The product of the three transforms, and what goes along with the root frame.
+// Checks the product of the three transforms, and the parts that move with the root frame.
 void RequireRig(const rc::Scene& scene, const rc::EnvConfig& config) {
   const rc::Pose& root = config.root_frame_to_world;
   const rc::Pose shared = root * config.shared_base_frame_to_root_frame;
@@ -117,7 +117,7 @@ void Describe(Steps& steps) {
   RequireRig(steps.Next("the offsets: two arms on a mount, and the rig put elsewhere"), config);
 }
 
-// Both arms along one axis of the frame that they share.
+// Moves both arms along one axis of the frame that they share.
 void Act(const rc::EnvConfig& config) {
   rc::Env env(config);
   env.Reset({.seed = 0});
@@ -145,7 +145,7 @@ void Act(const rc::EnvConfig& config) {
   if (env.frames().size() != 2) throw rc::Error("two images were asked for");
 }
 
-// Three beside each other, in two rows.
+// Arranges the pictures in two rows of three.
 rc::RgbImage Sheet(const std::vector<rc::RgbImage>& pictures) {
   constexpr int kColumns = 3, kRow = 3 * kWide;  // bytes
   rc::RgbImage sheet{kColumns * kWide, 2 * kHigh, {}};

@@ -1,6 +1,6 @@
-// Example 15: record an environment: what somebody does with it becomes episodes of a dataset. A
-// program plays the operator: it draws two circles with the tool and gives up a third one. The
-// episodes are verified, read, and done again to the bit. The same in Python: 15_record.py.
+// Example 15: record an environment: an operator's actions become episodes of a dataset. A program
+// plays the operator: it draws two circles with the tool and gives up a third one. The episodes are
+// verified, read, and replayed to the bit. The same in Python: 15_record.py.
 //
 //   build/release/example_15_record [folder]
 #include <robocell/robocell.h>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kSteps = 40;
 
-// Moves the tool along a circle in the plane before the robot, step by step.
+// Moves the tool along a circle in the plane in front of the robot, step by step.
 void DrawCircle(rc::Env& env, double radius, int steps = kSteps) {
   for (int i = 0; i < steps; ++i) {
     const double angle = 2 * M_PI * i / kSteps;
@@ -29,7 +29,7 @@ void DrawCircle(rc::Env& env, double radius, int steps = kSteps) {
   }
 }
 
-// Two episodes that are kept, and one that is not.
+// Records two episodes that are kept, and one that is not.
 std::vector<std::string> Record(const rc::EnvConfig& config, const fs::path& dataset) {
   rc::Env env(config);
   rc::EnvRecorder recorder(env, dataset, {.metadata_json = R"({"operator": "a script"})"});
@@ -44,7 +44,7 @@ std::vector<std::string> Record(const rc::EnvConfig& config, const fs::path& dat
   return recorder.episodes();
 }
 
-// How far the tool went along an axis.
+// Returns the extent of the tool's path along an axis.
 double Extent(const std::vector<double>& tquat, size_t axis) {
   double least = tquat[axis], most = tquat[axis];
   for (size_t i = axis; i < tquat.size(); i += 7) {
@@ -58,7 +58,7 @@ void Require(bool good, const char* what) {
   if (!good) throw rc::Error(what);
 }
 
-// Three frames beside each other.
+// Joins three frames side by side.
 rc::RgbImage Frames(const rc::Episode& episode) {
   const rc::CameraInfo& camera = episode.camera("exo");
   const auto width = static_cast<size_t>(camera.width), height = static_cast<size_t>(camera.height);

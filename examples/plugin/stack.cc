@@ -1,5 +1,5 @@
-// A task of your own and its expert in C++: put the red cube on the blue one. The same in Python:
-// ../stack_cubes.py. How it is built and run: CMakeLists.txt.
+// A custom task and its expert in C++: put the red cube on the blue one. The same in Python:
+// ../stack_cubes.py. CMakeLists.txt builds it and shows how to run it.
 #include <robocell/robocell.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace rc = robocell;
 
 namespace {
 
-// What `task:` may say.
+// The fields of `task:`.
 struct StackConfig {
   double edge = 0.04;
   static constexpr const char* kKind = "stack";
@@ -61,7 +61,7 @@ class Stack : public rc::Task {
   double edge_;
 };
 
-// Picks red up as the built-in expert does, then leads it over blue, down, and lets go.
+// Picks red up like the built-in expert, then moves it over blue, lowers it and lets go.
 class Stacker : public rc::PickPlanner {
  public:
   Stacker(const rc::RunConfig& run, const rc::EpisodeStart& start)
@@ -87,7 +87,7 @@ class Stacker : public rc::PickPlanner {
   }
 
  private:
-  static constexpr int kWait = 6;  // actions at a stop
+  static constexpr int kWait = 6;  // actions in a stop
   struct Stop {
     Eigen::Vector3d place;  // of the TCP
     double opening;

@@ -2,9 +2,9 @@
 // and explains arguments that do not fit.
 //
 // nanobind has no hook for either. Its functions are called through a pointer in each function
-// object (CPython's vectorcall protocol), which is replaced by one that calls the original and,
-// when that fails, looks at the error. A call that succeeds costs one more jump, and one of a
-// handle a look-up.
+// object (CPython's vectorcall protocol). The pointer is replaced by that of a function that calls
+// the original and examines its error. A successful call costs one more jump, and that of a handle
+// a look-up.
 #include "argument_errors.h"
 
 #include <fmt/format.h>
@@ -36,7 +36,7 @@ bool IsOfThisCall(nb::handle function, const nb::python_error& error) {
 struct Named {
   std::string name;  // "Scene.step_n", "Pose"
   bool is_constructor = false, is_setter = false;
-  Asked self = {};  // of the object that it is a function of
+  Asked self = {};  // of the object whose function it is
   bool takes_handles = false;
 };
 
@@ -46,8 +46,8 @@ auto& Names() {
   return *names;
 }
 
-// A subclass without super().__init__() is refused as an argument of its own class; that is said
-// by an exception.
+// nanobind rejects a subclass without super().__init__() as an argument of its own class; this
+// exception explains it.
 void RequireInitialised(const nb::tuple& args, const nb::dict& kwargs, bool but_the_first) {
   for (size_t i = but_the_first ? 1 : 0; i < args.size(); ++i)
     python::RequireInitialised(nb::object(args[i]));
@@ -73,7 +73,7 @@ void Explain(PyObject* function, PyObject* const* given, size_t count, PyObject*
             .attr("explain")(call.name, call.is_setter, nb::handle(function), args, kwargs);
     PyErr_SetObject(PyExc_TypeError, message.ptr());
   } catch (nb::python_error& error) {
-    (error.matches(PyExc_Exception) ? mismatch : error).restore();  // Ctrl-C is no explanation
+    (error.matches(PyExc_Exception) ? mismatch : error).restore();  // Ctrl-C does not explain it
   } catch (const nb::builtin_exception& error) {                    // of RequireInitialised
     PyErr_SetString(PyExc_TypeError, error.what());
   } catch (const std::exception&) {
@@ -81,13 +81,13 @@ void Explain(PyObject* function, PyObject* const* given, size_t count, PyObject*
   }
 }
 
-// The high bits of the count are flags, CPython's and nanobind's own.
+// The high bits of the count are flags of CPython and nanobind.
 constexpr size_t kArgumentCount = (size_t{1} << 32) - 1;
-constexpr size_t kMostOriginals = 16;  // nanobind has one for each of a few shapes of signatures
+constexpr size_t kMostOriginals = 16;  // nanobind has one for each of a few forms of signatures
 std::array<vectorcallfunc, kMostOriginals> originals = {};
 
-// Claims the scenes of the arguments and asks the object. Whether the function may be called; else
-// the error is set.
+// Claims the scenes of the arguments and checks the object. Returns true if the function may be
+// called; otherwise the error is set.
 bool MayCall(const Named& call, PyObject* const* args, size_t count, PyObject* keywords,
              SceneClaims& claims) {
   try {
@@ -130,7 +130,7 @@ constexpr std::array<vectorcallfunc, kMostOriginals> AllCalls(std::index_sequenc
   return {&Call<i, calls>...};
 }
 
-// The call that stands for an original one.
+// Returns the call that replaces an original one.
 vectorcallfunc InPlaceOf(vectorcallfunc original, Calls calls) {
   static constexpr auto kIndices = std::make_index_sequence<kMostOriginals>();
   static constexpr auto kFree = AllCalls<Calls::kFree>(kIndices),
@@ -171,7 +171,7 @@ int SetAttribute(PyObject* self, PyObject* name, PyObject* value) {
   return result;
 }
 
-// Not of subclasses made in Python, which take any name.
+// Does not apply to subclasses made in Python, which take any name.
 void WrapSetAttribute(nb::handle type) {
   auto* slots = reinterpret_cast<PyTypeObject*>(type.ptr());
   if (slots->tp_setattro != &PyObject_GenericSetAttr) return;
@@ -179,9 +179,9 @@ void WrapSetAttribute(nb::handle type) {
   PyType_Modified(slots);
 }
 
-// The members of a module or class, by name.
+// Returns the members of a module or class, by name.
 nb::dict MembersOf(nb::handle owner) {
-  nb::dict members;  // a class has no dict, but a view of one
+  nb::dict members;  // a class has only a view of a dict
   members.attr("update")(owner.attr("__dict__"));
   return members;
 }

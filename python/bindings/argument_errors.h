@@ -1,5 +1,5 @@
-// Explains calls whose arguments fit no signature. nanobind lists signatures in C++'s terms; users
-// get class and method, which argument is wrong, what is expected and what was given.
+// Explains calls whose arguments fit no signature. nanobind lists signatures in C++'s terms; this
+// gives users the class and method, the wrong argument, the expected and the given value.
 // robocell/_arguments.py makes the text.
 #pragma once
 
@@ -7,7 +7,7 @@
 
 namespace robocell::python {
 
-// For all functions, methods, constructors and setters that the module has; call it last.
+// Applies to all functions, methods, constructors and setters that the module has; call it last.
 void ExplainArgumentErrors(nb::module_& m);
 
 }  // namespace robocell::python

@@ -6,7 +6,7 @@
 #include <array>
 #include <string_view>
 
-// Numpy's own functions. Their addresses are asked for at the first use.
+// Numpy's own functions. Their addresses are looked up at the first use.
 #define NPY_NO_DEPRECATED_API NPY_2_0_API_VERSION
 #include <numpy/arrayobject.h>
 
@@ -36,7 +36,7 @@ bool IsNumpyArray(nb::handle value) {
   return PyArray_Check(value.ptr());
 }
 
-// For the buffer protocol numpy writes down type and shape each time.
+// The buffer protocol is slower: numpy writes type and shape each time.
 std::optional<std::span<const double>> RowOfArray(PyArrayObject* array) {
   const bool is_row = PyArray_NDIM(array) == 1 && PyArray_TYPE(array) == NPY_DOUBLE &&
                       PyArray_ISCARRAY_RO(array);  // native, aligned, contiguous
@@ -45,7 +45,7 @@ std::optional<std::span<const double>> RowOfArray(PyArrayObject* array) {
                    static_cast<size_t>(PyArray_DIM(array, 0)));
 }
 
-// Others may make their buffer for the asking, and let go of it with it.
+// Other objects may create their buffer on request, and release it with the request.
 std::optional<std::span<const double>> RowOfView(nb::handle value) {
   if (!PyMemoryView_Check(value.ptr())) return std::nullopt;
   Py_buffer buffer;
@@ -73,7 +73,7 @@ int NumpyType(nb::dlpack::dtype type) {
   throw Error("no array has numbers of this type");
 }
 
-// With numbers of its own when none are given; flags would then mean columns first.
+// Uses numbers of its own if none are given; flags would then mean columns first.
 nb::object MakeArray(void* numbers, nb::dlpack::dtype type, std::span<const size_t> shape) {
   ImportNumpy();
   std::array<npy_intp, NPY_MAXDIMS> sizes;
@@ -134,7 +134,7 @@ Doubles::Doubles(nb::handle value, const char* what) {
     if (!e.matches(PyExc_TypeError) && !e.matches(PyExc_ValueError)) throw;
     refuse();
   }
-  // Numpy would make NaN of None, numbers of text, and leave out what is imaginary.
+  // Numpy would turn None into NaN, text into numbers, and drop imaginary parts.
   if (!HasRealNumbers(array)) refuse();
   array_ = nb::cast<decltype(array_)>(array.attr("astype")("float64", "order"_a = "C"));
   if (array_.ndim() == 0) refuse();

@@ -1,4 +1,4 @@
-// Finding models: resolving names and listing built-in ones.
+// Finds models: resolves names and lists built-in ones.
 
 #include "bindings.h"
 #include "robocell/assets/resolve.h"

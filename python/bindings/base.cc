@@ -1,4 +1,4 @@
-// Errors with Python's own classes as further bases, so that `except ValueError` and the like work.
+// Errors that also derive from Python's own classes, so that `except ValueError` and the like work.
 #include <nanobind/nanobind.h>
 
 #include <cstring>
@@ -35,7 +35,7 @@ PyObject* NewClass(nb::module_& m, const char* name, const char* doc, PyObject* 
   return type;
 }
 
-// Messages may quote a file whose bytes are no UTF-8.
+// Messages may quote a file whose bytes are not UTF-8.
 void Raise(PyObject* type, const char* what) {
   const nb::object text =
       nb::steal(PyUnicode_DecodeUTF8(what, Py_ssize_t(strlen(what)), "replace"));
@@ -83,7 +83,7 @@ void Translate(const std::exception_ptr& p, void*) {
 void SetCaughtError() {
   try {
     Translate(std::current_exception(), nullptr);
-  } catch (nb::python_error& error) {  // of a group of the user's own
+  } catch (nb::python_error& error) {  // of a user's own group
     error.restore();
   } catch (const std::exception& error) {
     PyErr_SetString(PyExc_RuntimeError, error.what());

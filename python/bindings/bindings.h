@@ -1,10 +1,10 @@
 // The parts of the extension robocell._core: one function per C++ folder. core.cc calls them in the
-// order of the layers, so that a class is known before it appears in a signature.
+// order of the layers, so that a class is registered before it appears in a signature.
 #pragma once
 
 #include <nanobind/nanobind.h>
-// Type casters are templates: a file that forgets one makes another meaning of the same cast, and
-// the linker keeps either. So all files see all of them.
+// Type casters are templates: a file that forgets one gives the same cast another meaning, and the
+// linker keeps either. Therefore all files see all of them.
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
@@ -25,18 +25,18 @@ void BindLog(nb::module_& m);           // the log
 void BindMujoco(nb::module_& m);        // known defects of the engine
 void BindMath(nb::module_& m);          // Pose
 void BindSpec(nb::module_& m);          // SceneSpec, RobotConfig, ...
-void BindAssets(nb::module_& m);        // where models are found
-void BindScene(nb::module_& m);         // scenes, compiled and alive
+void BindAssets(nb::module_& m);        // paths of models
+void BindScene(nb::module_& m);         // compiled and live scenes
 void BindKinematics(nb::module_& m);    // inverse kinematics
 void BindRobot(nb::module_& m);         // robots and groups, with the stepper
 void BindRender(nb::module_& m);        // images and videos
 void BindTask(nb::module_& m);          // tasks and experts
-void BindSampler(nb::module_& m);       // where episodes start
-void BindSceneSources(nb::module_& m);  // where runs take place
+void BindSampler(nb::module_& m);       // starts of episodes
+void BindSceneSources(nb::module_& m);  // sources of scenes
 void BindPick(nb::module_& m);          // the pick task: judge, sampler, expert
-void BindFeatures(nb::module_& m);      // what cells observe and command
+void BindFeatures(nb::module_& m);      // observations and commands of cells
 void BindRunEnv(nb::module_& m);        // cells of runs, step by step
-void BindTaskKinds(nb::module_& m);     // what environments are about
+void BindTaskKinds(nb::module_& m);     // kinds of tasks
 void BindEnv(nb::module_& m);           // environments
 void BindEnvBatch(nb::module_& m);      // copies of one, in step
 void BindColumn(nb::module_& m);        // columns of episodes

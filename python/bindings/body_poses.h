@@ -1,4 +1,4 @@
-// Poses of bodies by their names, as Python gives them: {name: Pose}.
+// Poses of bodies by their names, in Python {name: Pose}.
 #pragma once
 
 #include "bindings.h"
@@ -7,7 +7,8 @@
 
 namespace robocell::python {
 
-// Converts any mapping. TypeError "<path>.cube must be a Pose, got ..."; a PyKDL.Frame is accepted.
+// Converts any mapping. Raises TypeError "<path>.cube must be a Pose, got ..."; a PyKDL.Frame is
+// accepted.
 BodyPoses ToBodyPoses(nb::handle value, const FieldPath& path);
 nb::dict ToDict(const BodyPoses& poses);
 

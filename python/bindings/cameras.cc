@@ -15,7 +15,7 @@ using namespace nb::literals;
 
 namespace {
 
-// The body by its name: ids change when a scene is built anew.
+// Refers to the body by its name: ids change when a scene is built anew.
 struct NamedTracking {
   std::string body;
   TrackingCamera camera;

@@ -1,4 +1,4 @@
-// Cameras that are no part of a model, and what Python says for a camera.
+// Cameras outside of a model, and Python's ways to name a camera.
 #pragma once
 
 #include <string_view>
@@ -8,12 +8,12 @@
 
 namespace robocell::python {
 
-// Makes the view of a camera's name ("" is the view of the whole model), an OrbitCamera, FreeCamera
-// or TrackingCamera. `place` is for messages: NotFoundError for unknown names, TypeError for
-// anything else.
+// Returns the view of a camera's name ("" is the view of the whole model), an OrbitCamera,
+// FreeCamera or TrackingCamera. `place` is for messages: NotFoundError for unknown names, TypeError
+// for anything else.
 CameraView ViewOf(const mjModel* model, nb::handle camera, std::string_view place);
 
-// Three numbers. ArgumentError "lookat must be 3 numbers, got 2".
+// Converts three numbers. Throws ArgumentError "lookat must be 3 numbers, got 2".
 Eigen::Vector3d ToPoint(nb::handle lookat);
 
 void BindCameras(nb::module_& m);

@@ -31,7 +31,7 @@ Sizes SizesOf(const Array& array) {
 
 std::string TextOf(const nb::object& value) { return nb::cast<std::string>(nb::str(value)); }
 
-// A PyKDL.JntArray, or a list whose items are no rows.
+// Returns true for a PyKDL.JntArray, or a list whose items are not rows.
 bool IsOneRow(nb::handle value) {
   if (nb::hasattr(value, "rows") && nb::hasattr(value, "columns")) return true;
   if (!nb::isinstance<nb::list>(value) && !nb::isinstance<nb::tuple>(value)) return false;
@@ -40,7 +40,7 @@ bool IsOneRow(nb::handle value) {
   return nb::isinstance<nb::str>(first) || !nb::hasattr(first, "__len__");
 }
 
-// Numbers of one argument, one row or many.
+// The numbers of one argument, one row or many.
 class RowsArgument {
  public:
   RowsArgument(nb::handle value, const char* name, size_t width) : path_(name), width_(width) {
@@ -100,8 +100,8 @@ class RowsArgument {
   std::span<const double> values_;
 };
 
-// The arguments of one call, the number of configurations that they mean together, and where the
-// answer goes.
+// The arguments of one call, their common number of configurations, and the destination of the
+// result.
 class BatchCall {
  public:
   explicit BatchCall(const Chain& chain) : chain_(chain) {}
@@ -122,7 +122,7 @@ class BatchCall {
 
   bool is_batch() const { return rows_.has_value(); }
 
-  // Where to write; `row` is the shape of one configuration's numbers.
+  // Returns the output memory; `row` is the shape of one configuration's numbers.
   std::span<double> Written(const char* name, nb::handle out, Sizes row) {
     AddRows(&row);
     const std::span<double> numbers(NumbersIn(FieldPath(name), out, row), SizeOf(row));

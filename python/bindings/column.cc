@@ -26,7 +26,7 @@ nb::object ReadAs(const Column& column, const RowRange& range, const std::vector
 
 bool IsConstant(const Column& column) { return column.info->table.empty(); }
 
-// The row that an index means, which may count from the end.
+// Returns the row of an index, which may count from the end.
 int64_t RowAt(const Column& column, int64_t index) {
   const int64_t rows = column.info->rows;
   if (index >= -rows && index < rows) return index < 0 ? index + rows : index;
@@ -36,7 +36,7 @@ int64_t RowAt(const Column& column, int64_t index) {
                             .c_str());
 }
 
-// Rows to read, and which of those were asked for.
+// Rows to read, and the selected ones among them.
 struct Chosen {
   int64_t first = 0;
   int64_t count = 0;
@@ -54,7 +54,7 @@ Chosen RowsOfSlice(const Column& column, nb::handle slice) {
   return {low, high - low + 1, among};
 }
 
-// Row numbers, or truth values for each row: reads from the first to the last of them.
+// Selects row numbers, or truth values for each row: reads from the first to the last of them.
 Chosen RowsOfArray(const Column& column, nb::handle key) {
   nb::object wanted = Numpy("asarray")(key);
   const auto size = nb::cast<int64_t>(wanted.attr("size"));
@@ -85,7 +85,7 @@ Chosen RowsOfArray(const Column& column, nb::handle key) {
   return {least, most - least + 1, index()};
 }
 
-// Not arrays, although numpy's have an __index__ too, nor truth values.
+// Excludes arrays, although numpy's have an __index__ too, and truth values.
 bool IsInteger(nb::handle key) {
   return PyIndex_Check(key.ptr()) && !PyBool_Check(key.ptr()) && !nb::hasattr(key, "__len__");
 }

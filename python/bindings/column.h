@@ -1,4 +1,4 @@
-// A column of an episode as Python sees it: what is known of it, and its rows, read when asked for.
+// A column of an episode in Python: its description, and its rows, read on demand.
 #pragma once
 
 #include "bindings.h"
@@ -13,13 +13,13 @@ namespace robocell::python {
 
 namespace nb = nanobind;
 
-// Belongs to an episode, which must live as long.
+// Belongs to an episode, which must outlive it.
 struct Column {
   const Episode* episode;
   const ColumnInfo* info;
 };
 
-// A range of rows as a new array; of a constant its value.
+// Returns a range of rows as a new array; for a constant its value.
 nb::object ReadRows(const Column& column, int64_t first, std::optional<int64_t> count);
 
 }  // namespace robocell::python

@@ -42,7 +42,7 @@ CtrlMode ToCtrlMode(nb::handle value) {
 }
 
 // Returns the most specific class that Python knows. The object keeps the robot alive, and itself
-// when it is replaced.
+// if it is replaced.
 nb::object ControllerObject(const Robot& robot, const std::string& group) {
   const std::shared_ptr<Controller> shared = robot.shared_controller(group);
   if (auto c = std::dynamic_pointer_cast<JointImpedanceController>(shared)) return nb::cast(c);
@@ -54,7 +54,7 @@ nb::object ControllerObject(const Robot& robot, const std::string& group) {
 
 using View = nb::ndarray<nb::numpy, double, nb::ndim<1>>;
 
-// A writable view of a command port; it keeps the robot alive, and the port when its controller is
+// A writable view of a command port; it keeps the robot alive, and the port if its controller is
 // replaced.
 View PortView(const Robot& robot, std::span<double> port) {
   using Keeper = std::shared_ptr<Controller>;

@@ -1,4 +1,4 @@
-// The extension module robocell._core: everything of the C++ library that Python sees. Users import
+// The extension module robocell._core: everything of the C++ library that Python uses. Users import
 // the package robocell, which re-exports it.
 #include "argument_errors.h"
 #include "bindings.h"

@@ -1,4 +1,4 @@
-// What datasets are checked, repaired and locked with.
+// Checks, repairs and locks datasets.
 #include <fmt/format.h>
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/function.h>

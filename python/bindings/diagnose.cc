@@ -1,5 +1,4 @@
-// Checks of other people's files: what is wrong with a robot or a run, and what works and is probably
-// not meant.
+// Checks of robots and runs: reports errors, and valid settings that are probably unintended.
 #include <nanobind/nanobind.h>
 
 #include "bindings.h"

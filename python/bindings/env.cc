@@ -1,5 +1,5 @@
-// Environments: actions and observations as dictionaries of arrays. What has to do with Gymnasium
-// is written in Python (robocell.gym).
+// Environments: actions and observations as dictionaries of arrays. Everything for Gymnasium is
+// written in Python (robocell.gym).
 #include "robocell/env/env.h"
 
 #include <algorithm>
@@ -34,7 +34,7 @@ std::vector<std::string> RobotNamesOf(const Env& env) {
   return names;
 }
 
-// Says what is wrong with the keys of a dictionary.
+// Reports wrong keys of a dictionary.
 void RequireKeys(const Env& env, const FieldPath& path, const nb::dict& values, const char* kind,
                  const std::vector<std::string>& keys, const std::string& why = "") {
   for (const auto& [key, value] : values) {
@@ -66,19 +66,19 @@ void PutNumbers(nb::handle value, const FieldPath& path, const VectorPart& part,
   std::copy(numbers.span().begin(), numbers.span().end(), out.begin() + part.begin);
 }
 
-// A number, or a list or array of one.
+// Accepts a number, or a list or array of one.
 double ToGripper(nb::handle value, const FieldPath& path) {
   const bool many = PySequence_Check(value.ptr()) != 0 && !IsNumber(value);
   return many ? Numbers(value, path, 1)[0] : ToDouble(value, path);
 }
 
-// What a dictionary has under a key; null without.
+// Returns the value of a key in a dictionary; null if it is missing.
 nb::object Find(const nb::dict& values, const std::string& key) {
   const auto name = nb::steal(PyUnicode_FromStringAndSize(key.data(), Py_ssize_t(key.size())));
   return nb::borrow(PyDict_GetItem(values.ptr(), name.ptr()));
 }
 
-// The robots' parts of an action; nothing but these are in it.
+// Returns the robots' parts of an action, which must contain nothing else.
 std::vector<nb::object> RobotsOf(const Env& env, const FieldPath& path, const nb::dict& action) {
   const std::vector<RobotLayout>& robots = env.layout().robots;
   std::vector<nb::object> found;
@@ -118,7 +118,7 @@ std::vector<double> ToAction(const Env& env, nb::handle value) {
   return out;
 }
 
-// A vector's numbers in a new array, of which its parts are slices: an array of their own for each
+// A vector's numbers in a new array, whose parts are slices: an array of its own for each part
 // would cost several times as much.
 class Sliced {
  public:
@@ -137,7 +137,7 @@ class Sliced {
   nb::object all_;
 };
 
-// The parts of a vector by robot.
+// Returns the parts of a vector by robot.
 nb::dict RobotParts(const std::vector<RobotLayout>& robots, const Sliced& part, bool observation) {
   nb::dict out;
   for (const RobotLayout& robot : robots) {
@@ -156,8 +156,8 @@ nb::dict RobotParts(const std::vector<RobotLayout>& robots, const Sliced& part, 
   return out;
 }
 
-// Fills in what the task adds, objects as {name: {tquat}} and task as {signal: numbers}, and the
-// features that were chosen, as {name: numbers}.
+// Adds the task's parts, objects as {name: {tquat}} and task as {signal: numbers}, and the selected
+// features, as {name: numbers}.
 void AddTaskParts(const EnvLayout& layout, const Sliced& part, nb::dict& out) {
   if (!layout.features.empty()) {
     nb::dict features;
@@ -181,7 +181,7 @@ void AddTaskParts(const EnvLayout& layout, const Sliced& part, nb::dict& out) {
   out["objects"] = objects;
 }
 
-// {rgb | depth | segmentation: {data, intrinsics, extrinsics}, time}.
+// Returns {rgb | depth | segmentation: {data, intrinsics, extrinsics}, time}.
 nb::dict FrameDict(const EnvFrame& frame) {
   nb::dict out;
   const auto h = static_cast<size_t>(frame.height), w = static_cast<size_t>(frame.width);
@@ -212,7 +212,7 @@ nb::tuple RangeParts(const Env& env, const VectorRange& range, bool observation)
   return nb::make_tuple(dict(range.lower), dict(range.upper));
 }
 
-// (path, begin, size) of each feature.
+// Returns (path, begin, size) of each feature.
 nb::tuple PartsOf(const FeatureSchema& schema, const std::vector<std::vector<std::string>>& paths) {
   nb::list out;
   int64_t begin = 0;
@@ -287,7 +287,7 @@ nb::dict Info(const Env& env, const EnvStep& step) {
 }
 
 void InitEnv(Env* self, const EnvConfig& config) {
-  ImportMujoco();  // before the work is done
+  ImportMujoco();  // before the work starts
   // Another thread may change the configuration while the lock is released.
   const EnvConfig copy = config;  // NOLINT(performance-unnecessary-copy-initialization)
   const nb::gil_scoped_release release;
@@ -317,8 +317,8 @@ nb::tuple StepEnv(Env& env, nb::handle action) {
   return nb::make_tuple(Observation(env), step.reward, step.success, diverged, Info(env, step));
 }
 
-// A task that is written in Python refers to its class, that to the variables of its script, and
-// the environment is often among them.
+// A task written in Python refers to its class, the class to the variables of its script, and the
+// environment is often among them.
 int TraverseEnv(PyObject* self, visitproc visit, void* arg) {
   Py_VISIT(Py_TYPE(self));
   if (nb::inst_ready(self)) Py_VISIT(TargetOfTask(*nb::inst_ptr<Env>(self)));
@@ -359,7 +359,7 @@ void BindEnv(nb::module_& m) {
       env,
       [](const Env& e, SceneClaims&) {
         RequireIdle(e, &Place);
-        // Long calls claim it for themselves, others are over before another thread has its turn.
+        // Long calls claim it for themselves, short ones end before another thread has its turn.
         const SceneUse::Claim free(e.scene().use(), "Env");
       },
       [](const Env& e) {

@@ -1,4 +1,4 @@
-// What the bindings of environments share.
+// The common part of the bindings of environments.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace robocell::python {
 
-// "environment 'duo'", "batch of environment 'duo'".
+// Returns "environment 'duo'" or "batch of environment 'duo'".
 std::string Place(const Env& env);
 std::string Place(const EnvBatch& batch);
 
@@ -31,21 +31,22 @@ inline constexpr std::array kMotionFields = {
     MotionField{"position_taken_back", &ArmMotion::position_taken_back},
     MotionField{"rotation_taken_back", &ArmMotion::rotation_taken_back}};
 
-// The last observation, as dictionaries of copies.
+// Returns the last observation, as dictionaries of copies.
 nb::dict Observation(const Env& env);
 
-// ((path, begin, size), ...) of a vector's parts: where a path leads to in dictionaries.
+// Returns ((path, begin, size), ...) of a vector's parts: the place of each path of the
+// dictionaries.
 nb::tuple ActionParts(const EnvLayout& layout);
 nb::tuple ObservationParts(const EnvLayout& layout);
 
-// The Python object of its task, for the collector; null for other tasks, and while something else
-// in C++ shares that reference.
+// Returns the Python object of its task, for the garbage collector; null for other tasks, and while
+// another C++ object shares that reference.
 PyObject* TargetOfTask(const Env& env);
 
-// "world" or "root". Raises for anything else.
+// Converts "world" or "root". Raises for anything else.
 StateFrame ToStateFrame(const std::string& text);
 
-// EnvState, and what an environment does with it.
+// EnvState, and the functions of an environment that use it.
 void BindEnvState(nb::module_& m);
 void DefEnvState(nb::class_<Env>& env);
 

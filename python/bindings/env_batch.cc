@@ -1,4 +1,4 @@
-// Copies of one environment as flat arrays. robocell.gym makes a vector environment of it.
+// Copies of one environment as flat arrays. robocell.gym turns them into a vector environment.
 #include "robocell/env/env_batch.h"
 
 #include "arrays.h"
@@ -35,7 +35,7 @@ nb::object Observations(const EnvBatch& batch) {
                     {CopyCount(batch), batch.observations().size() / CopyCount(batch)});
 }
 
-// One image of each copy, one after another.
+// Joins one image of each copy, one after another.
 template <class T>
 nb::object Stacked(EnvBatch& batch, size_t stream, std::vector<T> EnvFrame::*image,
                    std::vector<size_t> shape) {
@@ -47,7 +47,7 @@ nb::object Stacked(EnvBatch& batch, size_t stream, std::vector<T> EnvFrame::*ima
   return NewArray<T>(all, std::move(shape));
 }
 
-// The frame of a stream of all copies: as that of one, with the copies in front.
+// Returns the frame of a stream of all copies: like that of one, with the copies as the first axis.
 nb::dict BatchFrame(EnvBatch& batch, size_t stream) {
   std::vector<double> intrinsics, extrinsics, time;
   for (int i = 0; i < batch.size(); ++i) {
@@ -85,7 +85,7 @@ nb::dict BatchFrames(EnvBatch& batch) {
   return out;
 }
 
-// A picture of each copy: (count, H, W, 3).
+// Returns a picture of each copy: (count, H, W, 3).
 nb::object Pictures(EnvBatch& batch, nb::handle camera, int width, int height) {
   const CameraView view = ViewOf(batch.env(0).scene().model(), camera, Place(batch));
   const InUse use(batch, &Place, "drawn");
@@ -120,7 +120,7 @@ nb::tuple StepBatch(EnvBatch& batch, nb::handle actions, const std::vector<bool>
                         reasons);
 }
 
-// {robot: {key: (count,) array}} of what was left of each robot's motion in the last step.
+// Returns {robot: {key: (count,) array}} of each robot's remaining motion in the last step.
 nb::dict BatchMotions(EnvBatch& batch) {
   nb::dict robots;
   std::vector<double> numbers(CopyCount(batch));

@@ -44,8 +44,8 @@ class PythonRecorder {
     Do("recorded",
        [&] { recorder_ = std::make_unique<EnvRecorder>(env_, dataset, std::move(options)); });
   }
-  // A step on another thread, or the step of this one whose task lets go of the recorder, goes on
-  // with it: then the recorder is freed when that step has ended.
+  // A step on another thread, or a step on this one whose task releases the recorder, still uses
+  // it: then the recorder is freed when that step has ended.
   ~PythonRecorder() {
     if (!recorder_) return;
     const void* used = batch_ ? static_cast<const void*>(batch_) : &env_;

@@ -1,4 +1,4 @@
-// Episodes: what they are, their columns and their images.
+// Episodes: their description, columns and images.
 #include <fmt/format.h>
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/map.h>
@@ -38,7 +38,7 @@ nb::object Json(const std::string& text) {
   return nb::module_::import_("json").attr("loads")(text);
 }
 
-// The images of one stream, and how they look as an array.
+// The images of one stream, and their array type.
 struct Stream {
   const CameraInfo& camera;
   ImageKind kind;
@@ -53,7 +53,7 @@ struct Stream {
 
 constexpr ImageKind kKinds[] = {ImageKind::kColour, ImageKind::kDepth, ImageKind::kSegmentation};
 
-// A camera with a kind of its images, or without one a stream by its own name.
+// Finds a camera with a kind of its images, or without a kind a stream by its own name.
 Stream FindStream(const Episode& episode, const std::string& name,
                   const std::optional<std::string>& kind) {
   if (!kind) {

@@ -1,4 +1,5 @@
-// Features: what a cell observes and commands, by name; those of an episode, and a user's own.
+// Features: the observations and commands of a cell, by name; those of an episode, and a user's
+// own.
 #include <fmt/format.h>
 #include <nanobind/nanobind.h>
 
@@ -27,7 +28,7 @@ nb::dict FeatureFunctions() {
   return nb::cast<nb::dict>(nb::module_::import_("robocell._core").attr(kFeatures));
 }
 
-// The numbers of features, one after another, as arrays by their names.
+// Returns the numbers of features, one after another, as arrays by their names.
 nb::dict ToArrays(const FeatureSchema& schema, std::span<const double> numbers) {
   nb::dict arrays;
   for (const Feature& feature : schema.features()) {
@@ -53,7 +54,7 @@ nb::object Ravel(nb::handle value) {
   try {
     return nb::module_::import_("numpy").attr("ravel")(value);
   } catch (const nb::python_error&) {
-    return nb::borrow(value);  // rows of several lengths, say
+    return nb::borrow(value);  // for example rows of different lengths
   }
 }
 
@@ -83,7 +84,7 @@ void RegisterPythonFeature(const std::string& name, nb::object function, Feature
   if (!PyCallable_Check(function.ptr()))
     ThrowType(FieldPath("function"), "a function (scene) -> numbers", function);
   nb::dict functions = FeatureFunctions();
-  // Python's own may be replaced, as when a notebook's cell is run again.
+  // Python's own may be replaced, for example when a notebook's cell is run again.
   const bool replace = functions.contains(name.c_str());
   RegisterFeature(name, std::move(feature),
                   [name](const Scene& scene, std::span<double> out) {

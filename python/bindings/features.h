@@ -11,9 +11,9 @@
 
 namespace robocell::python {
 
-// {name: numbers}, as actions are given.
+// Converts {name: numbers}, the form of actions.
 std::map<std::string, std::vector<double>> ToNumbersByName(const nanobind::dict& values);
-// Numbers of any shape, a single one too, in a row. What are no numbers stays what it is.
+// Flattens numbers of any shape, including a single one. Returns other values unchanged.
 nanobind::object Ravel(nanobind::handle value);
 // A list of Feature objects.
 nanobind::list FeatureList(const FeatureSchema& schema);

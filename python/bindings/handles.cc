@@ -24,7 +24,7 @@ auto& GuardedClasses() {
   return *classes;
 }
 
-// `word` in `text`, not as part of another one.
+// Finds `word` in `text`, not as part of another one.
 bool HasWord(std::string_view text, std::string_view word) {
   const auto in_name = [](char c) {
     return c == '_' || std::isalnum(static_cast<unsigned char>(c));
@@ -47,7 +47,7 @@ SceneClaims::~SceneClaims() {
 void SceneClaims::Add(SceneUse& use) {
   if (Has(use)) return;
   const bool is_one_of_many = count_ == claimed_.size();
-  if (is_one_of_many) more_.reserve(more_.size() + 1);  // what is begun is remembered
+  if (is_one_of_many) more_.reserve(more_.size() + 1);  // so that a begun claim can be recorded
   use.Begin(function_);
   if (is_one_of_many) return more_.push_back(&use);
   claimed_[count_++] = &use;

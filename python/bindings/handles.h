@@ -1,12 +1,12 @@
-// Checks of handles to a scene and to what belongs to one (groups, controllers, renderers ...), for
-// every call:
-// - another thread that uses the scene meanwhile is an Error (scene_use.h). Long calls let go of
-//   Python's lock, so that a second thread could change what the first one works on. Calls claim
-//   the scenes of their object and of all handles among their arguments, to their end.
-// - After the scene was closed it is a ClosedError.
+// Checks of handles to a scene and to objects that belong to one (groups, controllers, renderers
+// ...), for every call:
+// - Another thread that uses the scene meanwhile is an Error (scene_use.h). Long calls release
+// Python's lock, so a second thread could change the scene of the first one. Calls claim the scenes
+// of their object and of all handles among their arguments, until they end.
+// - After the scene was closed a call raises ClosedError.
 //
 // All functions of their classes begin with these checks. argument_errors.cc wraps all functions in
-// one place, so none can forget them.
+// one place, so that no function lacks them.
 //
 //   GuardHandle<MoveGroup>(
 //       cls, [](const MoveGroup& g, SceneClaims& claims) { claims.Add(g.scene()); },
@@ -30,14 +30,14 @@ namespace robocell::python {
 // The scenes that one call of a function uses; claimed until the call ends.
 class SceneClaims {
  public:
-  // The function's name, for the Error that another thread gets meanwhile. It lives as long as the
+  // `function`: its name, for the Error that another thread gets meanwhile. It lives as long as the
   // module.
   explicit SceneClaims(const char* function) : function_(function) {}
   ~SceneClaims();
   SceneClaims(const SceneClaims&) = delete;
   SceneClaims& operator=(const SceneClaims&) = delete;
 
-  // Error when another thread uses it.
+  // Throws Error if another thread uses it.
   void Add(SceneUse& use);
   void Add(const Scene& scene) { Add(scene.use()); }
   void Add(const Scene* scene) {  // nothing for null
@@ -53,17 +53,17 @@ class SceneClaims {
   std::vector<SceneUse*> more_;
 };
 
-// Claims the scene of an object, then requires that it is open, if it has to be.
+// Claims the scene of an object, then requires that it is open, if necessary.
 using HandleGuard = std::function<void(nb::handle self, SceneClaims&, bool must_be_open)>;
 
-// Functions with fewer checks: `always` none, because their result never changes; `closed` not that
-// the handle is open.
+// Functions with fewer checks: `always` has those without any check, because their result never
+// changes; `closed` those that also work with a closed handle.
 struct Excepted {
   std::set<std::string, std::less<>> always = {}, closed = {};
 };
 
-// For the functions that `type` itself defines, and for handles of it among the arguments of all.
-// `__repr__` is excepted always.
+// Applies to the functions that `type` itself defines, and to its handles among the arguments of
+// all functions. `__repr__` is always excepted.
 void AddGuard(nb::handle type, HandleGuard guard, Excepted excepted);
 
 // The checks of the object of a class's function: none without a guard; with `never` none of its
@@ -92,11 +92,11 @@ void GuardHandle(nb::handle type, Use use, RequireOpen require_open, Excepted ex
       std::move(excepted));
 }
 
-// Makes the exception that is being handled the present Python error, of the class that it has
-// everywhere else.
+// Makes the exception being handled the present Python error, with the same class as everywhere
+// else.
 void SetCaughtError();
 
-// ClosedError "<thing> is closed: its scene 'pick' was closed".
+// Throws ClosedError "<thing> is closed: its scene 'pick' was closed".
 void RequireOpen(const Scene& scene, std::string_view thing);
 
 }  // namespace robocell::python

@@ -43,7 +43,7 @@ Eigen::Vector3d ToThree(nb::handle value, const char* name) {
 }
 
 nb::handle Namespace() {
-  static PyObject* type = nullptr;  // kept for good, with the GIL
+  static PyObject* type = nullptr;  // kept for ever, with the GIL
   if (!type)
     type = nb::object(nb::module_::import_("types").attr("SimpleNamespace")).release().ptr();
   return type;
@@ -63,8 +63,8 @@ struct Targets {
   IkTargets all{};
 };
 
-// The 4x4 numbers of an item of a list. Matrices are not changed, so that a list of matrices gives
-// the same results as an array of them.
+// Appends the 4x4 numbers of an item of a list. Matrices are not changed, so that a list of
+// matrices gives the same results as an array of them.
 void AppendMatrix(nb::handle item, std::vector<double>* numbers) {
   const auto pose = nb::cast<Pose>(nb::type<Pose>()(item));
   if (!nb::isinstance<Pose>(item) && !nb::hasattr(item, "M")) {
@@ -83,7 +83,7 @@ std::vector<double> MatricesOf(nb::handle list) {
   std::vector<double> numbers;
   for (const nb::handle item : list) {
     const size_t row = numbers.size() / 16;
-    if (item.is_none())  // of which Pose would make the identity
+    if (item.is_none())  // Pose would turn it into the identity
       throw ArgumentError(fmt::format("targets[{}] must be a pose, got None", row));
     try {
       AppendMatrix(item, &numbers);

@@ -53,8 +53,8 @@ void ApplyPreference(nb::handle value, IkOptions* options) {
                        "'." + DidYouMean(text, names));
 }
 
-// Converts the result of a filter to booleans. Numpy converts anything to booleans (indices of rows,
-// clearances, names), so other types are rejected.
+// Converts the result of a filter to booleans. Numpy converts anything to booleans (indices of
+// rows, clearances, names), so other types are rejected.
 nb::object MaskFrom(const nb::object& answer, size_t rows) {
   const nb::object numpy = nb::module_::import_("numpy");
   const auto refuse = [&](const std::string& got) {
@@ -100,7 +100,7 @@ void ApplyFilter(nb::handle value, IkOptions* options) {
   }
   if (!PyCallable_Check(value.ptr()))
     ThrowType(FieldPath("filter"), "a CollisionFilter or a function of joint values (k, n)", value);
-  // A handle only: copies of the options need no GIL.
+  // A plain handle: copies of the options need no GIL.
   options->filter = [value](std::span<const double> q, int count, std::span<uint8_t> keep) {
     CallFilter(value, q, count, keep);
   };

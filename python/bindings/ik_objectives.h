@@ -6,24 +6,26 @@
 
 namespace robocell::python {
 
-// Keyword arguments of `ik`, `ik_batch` and `ik_solutions`; None where they were not given.
+// Keyword arguments of `ik`, `ik_batch` and `ik_solutions`; None if not given.
 struct IkObjectives {
   nb::handle position_weights, rotation_weights, axis;
   double cone = 0;
   nb::handle prefer, filter;
 
-  // Into the options, which may be used as long as the objects live, with or without the GIL.
+  // Sets them in the options, which may be used as long as the objects live, with or without the
+  // GIL.
   void Apply(IkOptions* options) const;
 };
 
-// Values of as many joints as a chain may have; an ArgumentError names them otherwise.
+// Converts at most as many values as a chain may have joints. Throws an ArgumentError that names
+// them otherwise.
 JointVector ToJointVector(std::span<const double> values, const char* name);
 
-// The seed of one query: empty for None. ArgumentError for no numbers at all, which would be none
-// as well; how many they are, `ik` says.
+// Returns the seed of one query: empty for None. Throws ArgumentError for an empty sequence, which
+// would also be empty; `ik` checks the number.
 JointVector IkSeed(nb::handle seed, const Chain& chain);
 
-// For nb::sig and docstrings of what takes them.
+// For nb::sig and docstrings of functions that take them.
 #define ROBOCELL_IK_OBJECTIVES_SIG                                           \
   "position_weights: numpy.typing.ArrayLike | None = None, "                 \
   "rotation_weights: numpy.typing.ArrayLike | None = None, "                 \

@@ -46,13 +46,13 @@ PyType_Slot solver_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&Traverse
 
 IkSolver::IkSolver(Chain chain, IkOptions options, nb::object filter)
     : chain_(std::move(chain)), options_(std::move(options)), filter_(std::move(filter)) {
-  // The object is kept here, once: a copy of it would keep its scene where no one sees.
+  // The object is kept here, once: a copy would keep its scene alive invisibly to the collector.
   if (CollisionFilter* ready = nullptr; nb::try_cast(filter_, ready) && ready) {
     options_.filter = [ready](std::span<const double> q, int count, std::span<uint8_t> keep) {
       (*ready)(q, count, keep);
     };
   }
-  options_.seed = JointVector(chain_.n_joints());  // of every call
+  options_.seed = JointVector(chain_.n_joints());  // for every call
   result_.q = options_.seed;
   RequireIkOptions(chain_, options_);
   is_short_ = options_.prefer == IkPrefer::kFirst && !options_.filter &&

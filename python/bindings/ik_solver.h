@@ -1,7 +1,7 @@
-// IkSolver: inverse kinematics prepared once and asked in loops. Chain and options are looked at
-// when it is made, so that a call has only a pose, a seed and an array to write into.
+// IkSolver: inverse kinematics prepared once for calls in loops. Its constructor checks chain and
+// options, so that a call has only a pose, a seed and an array to write into.
 //
-// In C++ it is not needed: Ik takes options that were made before.
+// C++ does not need it: Ik takes options that were made before.
 #pragma once
 
 #include "bindings.h"
@@ -11,16 +11,16 @@ namespace robocell::python {
 
 class IkSolver {
  public:
-  // `filter` is the Python object that options.filter calls, or None. ArgumentError for options
-  // that Ik refuses.
+  // `filter` is the Python object that options.filter calls, or None. Throws ArgumentError for
+  // options that Ik rejects.
   IkSolver(Chain chain, IkOptions options, nb::object filter);
 
-  // Solves for a pose (Pose, Frame or matrix), starting at `seed`; true when it found a solution,
-  // which is then in `out`, unless that is None.
+  // Solves for a pose (Pose, Frame or matrix), starting at `seed`. Returns true if it found a
+  // solution, and writes it into `out`, unless that is None.
   bool Solve(nb::handle target, nb::handle seed, nb::handle out);
 
   const Chain& chain() const { return chain_; }
-  // Of the last call; nothing found before the first.
+  // Returns the result of the last call; a failed one before the first.
   const IkResult& result() const { return result_; }
 
   const nb::object& filter() const { return filter_; }
@@ -28,14 +28,14 @@ class IkSolver {
   void Clear();
 
  private:
-  // Without Python's lock, on copies: other threads may ask the same solver meanwhile.
+  // Runs without Python's lock, on copies: other threads may use the same solver meanwhile.
   void SolveForLong(const Pose& target);
 
   Chain chain_;
   IkOptions options_;
   IkResult result_;
   nb::object filter_;
-  bool is_short_ = false;  // takes microseconds, tenths of a millisecond where there is no solution
+  bool is_short_ = false;  // microseconds; tenths of a millisecond without a solution
 };
 
 void BindIkSolver(nb::module_& m);

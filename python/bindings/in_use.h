@@ -1,5 +1,5 @@
-// Objects that work without Python's lock, and may be used by one thread at a time: what a second
-// thread asks for meanwhile is an Error, and no crash.
+// Objects that work without Python's lock, and may be used by one thread at a time: a call of a
+// second thread meanwhile is an Error instead of a crash.
 //
 //   const InUse use(env, &Place, "stepped");  // to the end of the scope; Place(env) is its name
 //   { const nb::gil_scoped_release release; env.Step(action); }
@@ -14,26 +14,26 @@
 
 namespace robocell::python {
 
-// Who uses an object, and what is done with it.
+// The thread that uses an object, and its action.
 struct Use {
   std::thread::id thread;
   const char* done = "";
 };
 
-// Claims an object, unless somebody uses it: who that is.
+// Claims an object, unless another thread uses it: then returns that use.
 std::optional<Use> Claim(const void* object, const char* done);
 void Release(const void* object);
-// Calls f while nobody else uses the object: now, or at the end of the call that uses it, on that
+// Calls f while no thread uses the object: now, or at the end of the call that uses it, on that
 // call's thread. Needs Python's lock.
 void WhenIdle(const void* object, std::function<void()> f);
-// The thread that uses it, if that is another one.
+// Returns the use by another thread, if any.
 std::optional<Use> UseByOthers(const void* object);
-// Error "<thing> is being <done> by another thread".
+// Throws Error "<thing> is being <done> by another thread".
 [[noreturn]] void ThrowInUse(const std::string& thing, const Use& use);
 
 class InUse {
  public:
-  // Error when somebody else uses it. Names are made for messages only: steps are counted in
+  // Throws Error if another thread uses it. Names are made for messages only: steps take
   // microseconds.
   template <class T>
   InUse(const T& object, std::string (*place)(const std::type_identity_t<T>&), const char* done)
@@ -48,7 +48,7 @@ class InUse {
   const void* object_;
 };
 
-// The same Error, unless it is this thread that uses it, as from a function of a task's.
+// Throws the same Error, unless this thread uses it, for example through a task's function.
 template <class T>
 void RequireIdle(const T& object, std::string (*place)(const std::type_identity_t<T>&)) {
   if (const std::optional<Use> use = UseByOthers(&object)) ThrowInUse(place(object), *use);

@@ -167,8 +167,8 @@ nb::object ToPyKdl(std::span<const double> values) {
   return array;
 }
 
-// PyKDL's solvers keep a pointer to their chain, not the chain. What was handed out lives as long
-// as the chain that it was made from; it is handed out again unless segments were added to it.
+// PyKDL's solvers keep a pointer to their chain, not the chain. A returned chain lives as long as
+// the chain that it was made from; it is returned again unless segments were added to it.
 nb::object ToPyKdl(const Chain& chain) {
   if (!chain.companion()) chain.companion() = KeepAlive(nb::list());
   nb::list given = nb::borrow<nb::list>(ObjectOf(chain.companion()));

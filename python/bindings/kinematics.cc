@@ -55,8 +55,8 @@ void StartAtTheArm(const Robot& robot, IkOptions* options) {
   if (options->seed.empty()) options->seed = JointVector(robot.arm().joint_pos());
 }
 
-// A copy of the present chain, for work without Python's lock: another thread may reset the scene
-// or add objects meanwhile, which replaces the robot's chain.
+// Returns a copy of the present chain, for work without Python's lock: another thread may reset the
+// scene or add objects meanwhile, which replaces the robot's chain.
 Chain SteadyChain(const Robot& robot) { return robot.chain(); }
 
 // `Self` is a robot or its kinematics.
@@ -157,7 +157,7 @@ void RequireRest(const Kinematics& k) {
       k.robot.name(), k.robot.scene().name()));
 }
 
-// Default: the world's gravity, in the axes of the robot base frame.
+// By default the world's gravity, in the axes of the robot base frame.
 nb::object GravityFor(const Kinematics& k, nb::handle gravity) {
   if (!gravity.is_none()) return nb::borrow(gravity);
   const Eigen::Vector3d g = k.robot.gravity_in_base();
@@ -271,7 +271,7 @@ void DefRobotIk(nb::class_<Robot>& robot) {
 bool MayBePose(nb::handle value) noexcept {
   if (nb::hasattr(value, "M") && nb::hasattr(value, "p")) return true;
   if (!PySequence_Check(value.ptr()) || PyUnicode_Check(value.ptr())) return false;
-  const bool has_length = PySequence_Size(value.ptr()) >= 0;  // not so an array without dimensions
+  const bool has_length = PySequence_Size(value.ptr()) >= 0;  // not so a 0-d array
   PyErr_Clear();
   return has_length;
 }

@@ -1,5 +1,5 @@
-// What `robot.kinematics` is in Python: the robot's kinematic functions under one name; and what
-// kinematics takes from and gives to PyKDL.
+// `robot.kinematics` in Python: the robot's kinematic functions under one name; and conversions
+// between kinematics and PyKDL.
 #pragma once
 
 #include "bindings.h"
@@ -14,37 +14,39 @@ struct Kinematics {
 };
 
 // An argument that is a Pose, a PyKDL.Frame, which has no type that annotations could name, or a
-// 4x4 matrix. What is no Pose becomes one in the function, so that its error says why it is none.
+// 4x4 matrix. Other values than a Pose are converted in the function, so that its error explains a
+// failed conversion.
 struct PoseOrFrame {
   Pose pose;
   nb::object other = {};  // set when it is not a Pose yet
 
-  // With the GIL.
+  // Needs the GIL.
   Pose get() const { return other.is_valid() ? nb::cast<Pose>(nb::type<Pose>()(other)) : pose; }
 };
 
 // Returns true if the value may be meant as a pose: a Pose, a Frame, or rows of numbers.
 bool MayBePose(nb::handle value) noexcept;
 
-// "base", "tip" or "world".
+// Converts "base", "tip" or "world".
 TwistFrame ToTwistFrame(nb::handle name);
 const char* TwistFrameName(TwistFrame frame);
 
 // `ik` and `ik_solver` of robots.
 void DefRobotIk(nb::class_<Robot>& robot);
 
-// Chains on their own. Needs IkResult to be bound.
+// Binds chains that belong to no robot. Needs IkResult to be bound.
 void BindChain(nb::module_& m);
 
-// A PyKDL.Chain that lives as long as a copy of `chain`; ImportError says how to get PyKDL.
+// Returns a PyKDL.Chain that lives as long as a copy of `chain`. Raises ImportError with the way to
+// get PyKDL.
 nb::object ToPyKdl(const Chain& chain);
-// From a PyKDL.Chain, with limits as ChainFromSegments takes them. TypeError for anything else.
+// Converts a PyKDL.Chain, with limits as for ChainFromSegments. Raises TypeError for anything else.
 Chain FromPyKdl(nb::handle chain, std::span<const std::array<double, 2>> limits);
-// A PyKDL.Wrench.
+// Returns a PyKDL.Wrench.
 nb::object ToPyKdl(const Wrench& wrench);
-// From a PyKDL.Wrench; nothing for anything else.
+// Converts a PyKDL.Wrench; unset for anything else.
 std::optional<Wrench> FromPyKdlWrench(nb::handle wrench);
-// A PyKDL.JntArray.
+// Returns a PyKDL.JntArray.
 nb::object ToPyKdl(std::span<const double> values);
 
 }  // namespace robocell::python

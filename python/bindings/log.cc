@@ -13,7 +13,7 @@ namespace robocell::python {
 namespace {
 
 nb::object Text(std::string_view text) {
-  // Messages may quote a file whose bytes are no UTF-8.
+  // Messages may quote a file whose bytes are not UTF-8.
   const auto size = static_cast<Py_ssize_t>(text.size());
   nb::object decoded = nb::steal(PyUnicode_DecodeUTF8(text.data(), size, "replace"));
   if (!decoded.is_valid()) throw nb::python_error();
@@ -30,7 +30,7 @@ class PythonSink {
   // Its exceptions go to sys.unraisablehook. The next check for signals sees a Ctrl-C.
   void operator()(LogLevel level, std::string_view message) const {
     const nb::gil_scoped_acquire gil;
-    const nb::error_scope other;  // what is being logged may be about an error that is set
+    const nb::error_scope other;  // the message may be about an error that is set
     const std::shared_ptr<PyObject> function = function_.share();  // it may replace itself
     if (!function) return;
     try {
@@ -83,7 +83,7 @@ void BindLog(nb::module_& m) {
         "thread that logs, possibly by several threads at once, in the middle of the call that "
         "logs: it should not use the scene of that call. Its exceptions go to sys.unraisablehook, "
         "and the call continues. Raises TypeError for a sink that cannot be called.");
-  // Other threads may log when Python is no longer there to be asked.
+  // Other threads may log when Python is no longer available.
   nb::module_::import_("atexit").attr("register")(nb::cpp_function([] { SetLogSink({}); }));
 }
 

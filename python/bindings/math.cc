@@ -36,7 +36,7 @@ Eigen::Matrix<double, N, N> ToSquare(nb::handle value, const char* name) {
   return Eigen::Map<const Eigen::Matrix<double, N, N, Eigen::RowMajor>>(numbers.data());
 }
 
-// PyKDL.Frame, told by what it has.
+// Recognises a PyKDL.Frame by its attributes.
 bool IsFrame(nb::handle value) {
   return nb::hasattr(value, "M") && nb::hasattr(value, "p") &&
          nb::hasattr(value.attr("M"), "GetQuaternion");
@@ -54,7 +54,7 @@ int Given(nb::handle a, nb::handle b, nb::handle c, nb::handle d) {
   return !a.is_none() + !b.is_none() + !c.is_none() + !d.is_none();
 }
 
-// Three numbers in the place of the matrix.
+// Rejects three numbers in the place of the matrix.
 void RequireIsNoPosition(nb::handle matrix) {
   if (!nb::hasattr(matrix, "__len__") || nb::len(matrix) != 3 || IsText(matrix)) return;
   if (nb::hasattr(nb::object(matrix[0]), "__len__")) return;
@@ -96,7 +96,7 @@ std::string Repr(const Pose& pose) {
                      t[2], q[0], q[1], q[2], q[3]);
 }
 
-// Exact: the state is the numbers themselves.
+// Exact: the state consists of the numbers themselves.
 nb::tuple State(const Pose& pose) {
   const auto& t = pose.translation();
   const auto& q = pose.quaternion();

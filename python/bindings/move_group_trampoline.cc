@@ -24,7 +24,7 @@ bool IsInherited(nb::handle method, const char* name) {
   return nb::object(method.attr("__self__").type().attr(name)).is(nb::object(base.attr(name)));
 }
 
-// The bound method; an Error names the class that does not define it.
+// Returns the bound method. Throws Error with the class that does not define it.
 nb::object Method(nb::handle self, const char* name) {
   const nb::object method = nb::getattr(self, name, nb::none());
   if (!method.is_none() && !IsInherited(method, name)) return method;
@@ -61,7 +61,7 @@ double Finite(nb::handle self, const char* name, double value) {
       fmt::format("{}.{}() must return a finite number, got {}", ClassName(self), name, value));
 }
 
-// Returns what the method returned for these arguments.
+// Returns the result of the method for these arguments.
 template <class T, class... Args>
 T Ask(const WrittenInPython& group, const char* name, const Args&... args) {
   const nb::gil_scoped_acquire gil;
@@ -77,7 +77,7 @@ double AskNumber(const WrittenInPython& group, const char* name, const Args&... 
   return Finite(self, name, Returned<double>(self, name, Method(self, name)(args...)));
 }
 
-// A group as a robot keeps it.
+// The group that a robot keeps.
 template <class Calls>
 class KeptGroup : public Calls {
  public:

@@ -1,9 +1,9 @@
 // Move groups written in Python: a subclass of MoveGroup, GripperGroup or BaseGroup defines methods
 // (get_joint_pos, set_ctrl, ...) that return or take arrays. Each call takes the GIL.
 //
-// Such a group is two C++ objects: the one inside the Python object (PyGroup), and what a robot
-// keeps of it (KeptGroup), which lets go of the Python object when the interpreter ends. Both make
-// the same calls.
+// Such a group consists of two C++ objects: the one inside the Python object (PyGroup), and the one
+// that a robot keeps (KeptGroup), which releases the Python object when the interpreter ends. Both
+// make the same calls.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -23,20 +23,20 @@ namespace robocell::python {
 class WrittenInPython {
  public:
   virtual ~WrittenInPython() = default;
-  // Null when it was let go of. With the GIL.
+  // Returns null after it was released. Needs the GIL.
   virtual PyObject* python_object() const = 0;
-  // The same as a reference, with the GIL; ClosedError when it was let go of.
+  // Returns a reference; needs the GIL. Throws ClosedError after it was released.
   nb::object object() const;
 };
 
 // Calls to methods of a group; they take the GIL.
 namespace group_call {
-// A method's result that is copied. ArgumentError for any other shape: "MyGroup.get_joint_pos:
+// Copies a method's result. Throws ArgumentError for any other shape: "MyGroup.get_joint_pos:
 // expected 7 values, got 3", "MyGroup.get_jacobian: expected an array of shape (6, 7), got (7, 6)".
 void Get(const WrittenInPython& group, const char* method, std::span<double> out);
 void Set(const WrittenInPython& group, const char* method, std::span<const double> values);
 int Count(const WrittenInPython& group, const char* method);
-// ArgumentError unless it is finite.
+// Throws ArgumentError unless the number is finite.
 double Number(const WrittenInPython& group, const char* method);
 // Converts the result of a method with `count` rows of two.
 std::vector<Interval> Intervals(const WrittenInPython& group, const char* method, int count);
@@ -140,8 +140,8 @@ using PyMoveGroup = PyGroup<MoveGroupCalls>;
 using PyGripperGroup = PyGroup<GripperGroupCalls>;
 using PyBaseGroup = PyGroup<BaseGroupCalls>;
 
-// A group as a robot keeps it. `object` is an instance of MoveGroup, written in Python or not.
-// TypeError for a subclass whose __init__ did not call that of its base.
+// The group that a robot keeps. `object` is an instance of MoveGroup, written in Python or not.
+// Raises TypeError for a subclass whose __init__ did not call that of its base.
 std::shared_ptr<MoveGroup> KeepGroup(nb::object object);
 
 }  // namespace robocell::python

@@ -1,5 +1,5 @@
-// Which Python objects are numbers and which are booleans, for fields that take more than one kind
-// of value. values.h converts them.
+// Decides which Python objects are numbers and which are booleans, for fields that take more than
+// one kind of value. values.h converts them.
 #pragma once
 
 #include <string>
@@ -9,20 +9,20 @@
 
 namespace robocell::python {
 
-// True or False, also NumPy's.
+// Accepts True or False, also NumPy's.
 inline bool IsBool(nb::handle value) {
   if (PyBool_Check(value.ptr())) return true;
   const std::string_view type = Py_TYPE(value.ptr())->tp_name;
   return type == "numpy.bool" || type == "numpy.bool_";
 }
 
-// The kind of NumPy's type of a scalar or array, such as 'f' or 'i'; 0 for other objects.
+// Returns the kind of NumPy's type of a scalar or array, such as 'f' or 'i'; 0 for other objects.
 inline char NumpyKind(nb::handle value) {
   if (!nb::hasattr(value, "dtype") || !nb::hasattr(value.attr("dtype"), "kind")) return 0;
   return nb::cast<std::string>(value.attr("dtype").attr("kind")).front();
 }
 
-// Any numbers.Real but a boolean, also NumPy's and in an array without dimensions.
+// Accepts any numbers.Real except booleans, also NumPy's and in an array without dimensions.
 inline bool IsNumber(nb::handle value) {
   PyObject* p = value.ptr();
   if (PyFloat_Check(p) || (PyLong_Check(p) && !PyBool_Check(p))) return true;
@@ -34,7 +34,8 @@ inline bool IsNumber(nb::handle value) {
          (nb::hasattr(value, "ndim") && nb::cast<int>(value.attr("ndim")) == 0);
 }
 
-// Whether a number is whole by its type. Arrays have __index__ whatever they hold.
+// Returns true if the type of a number is an integer type. Arrays have __index__ whatever they
+// hold.
 inline bool IsWholeNumber(nb::handle number) {
   const char kind = NumpyKind(number);
   return kind == 0 ? PyIndex_Check(number.ptr()) != 0 : kind == 'i' || kind == 'u';

@@ -25,7 +25,7 @@ namespace {
 
 using Unlocked = nb::call_guard<nb::gil_scoped_release>;
 
-// A list of copies, which Python may keep.
+// Returns a list of copies, which Python may keep.
 nb::list ToList(const std::vector<SceneObject>& objects) {
   nb::list list;
   for (const SceneObject& object : objects) list.append(nb::cast(object));
@@ -190,7 +190,7 @@ void BindPickTask(nb::module_& m) {
           "Restores the result of memory().");
 }
 
-// What every scripted planner has.
+// The common part of all scripted planners.
 template <class Planner>
 auto BindPlanner(nb::module_& m, const char* name, const char* doc) {
   return nb::class_<Planner, Expert, PyExpertOf<Planner>>(m, name, doc)

@@ -15,7 +15,7 @@ int ReleaseAbandonedPending(void*) {
 }
 
 // Returns true if this thread may use Python's objects; also while the interpreter ends and its
-// modules go, when Py_IsInitialized() is false already.
+// modules are destroyed, when Py_IsInitialized() is already false.
 bool HoldsGil() {
 #if PY_VERSION_HEX >= 0x030D0000
   const PyThreadState* running = PyThreadState_GetUnchecked();
@@ -26,7 +26,7 @@ bool HoldsGil() {
 }
 
 struct DropObject {
-  PyObject* object;  // also found through a pointer that refers to something in it
+  PyObject* object;  // also found through a pointer to a part of it
 
   void operator()(void*) const noexcept {
     if (HoldsGil()) return Py_DECREF(object);
@@ -36,11 +36,11 @@ struct DropObject {
       abandoned.push_back(object);
     }
     Py_AddPendingCall(&ReleaseAbandonedPending,
-                      nullptr);  // when its queue is full, a later call does it
+                      nullptr);  // a later call does it if its queue is full
   }
 };
 
-// Guarded by the GIL; never destroyed, for what outlives static objects.
+// Guarded by the GIL; never destroyed, because some users outlive static objects.
 auto& Slots() {
   static auto* slots = new std::vector<std::weak_ptr<void>>;
   return *slots;

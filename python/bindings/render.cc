@@ -76,7 +76,7 @@ nb::dict Render(SceneRenderer& self, nb::handle camera, int width, int height, b
   return out;
 }
 
-// What makes an array of some type one of bytes, in Python.
+// Returns the Python code that converts an array of some type to bytes.
 const char* BytesHint(std::string_view dtype) {
   if (dtype.starts_with("float")) return "; of values 0 ... 1: (x * 255).astype(np.uint8)";
   if (dtype == "bool") return ": x.astype(np.uint8) * 255";

@@ -37,7 +37,8 @@ std::string WrongInAction(nb::handle action) {
   return "";
 }
 
-// "; an Expert has act, begin, ...": the methods of robocell's class that `self` derives from.
+// Returns "; an Expert has act, begin, ...": the methods of robocell's class that `self` derives
+// from.
 std::string WhatItHas(nb::handle self) {
   for (nb::handle base : nb::borrow<nb::tuple>(self.type().attr("__mro__"))) {
     const auto module = nb::cast<std::string>(nb::str(base.attr("__module__")));
@@ -79,7 +80,7 @@ std::string PlaceOfCode(nb::handle function) {
                        nb::cast<int>(code.attr("co_firstlineno")),
                        nb::cast<std::string>(code.attr("co_name")));
   } catch (const std::exception&) {
-    return "";  // a message without a place says more than an error about it
+    return "";  // a message without a place is better than an error about the place
   }
 }
 
@@ -87,7 +88,7 @@ std::string PlaceOfMethod(nb::handle self, const char* method) {
   const nb::gil_scoped_acquire gil;
   const nb::object own = nb::borrow(self);
   const nb::object written =
-      nb::getattr(own, "_code_of", own);  // of those that call another's code
+      nb::getattr(own, "_code_of", own);  // for functions that call another one's code
   const nb::object function = nb::getattr(written, method, nb::none());
   return PlaceOfCode(function);
 }

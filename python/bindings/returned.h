@@ -1,6 +1,6 @@
 // Converts the results of methods and functions written in Python, or throws a HookError (a
-// TypeError in Python) with class and method, what is expected, what was returned, and where the
-// method is written. With the GIL.
+// TypeError in Python) with class and method, the expected and the returned value, and the place of
+// the method. Needs the GIL.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -15,21 +15,22 @@
 
 namespace robocell::python {
 
-// "MyExpert".
+// Returns "MyExpert".
 std::string ClassName(nb::handle self);
-// repr(), cut when it is long.
+// Returns repr(), truncated if it is long.
 std::string ShortRepr(nb::handle value);
 
-// Where a function, a method or a class is written: "/folder/tasks.py:12, in judge"; "" for what is
-// not written in Python.
+// Returns where a function, a method or a class is written: "/folder/tasks.py:12, in judge"; "" for
+// code that is not written in Python.
 std::string PlaceOfCode(nb::handle function);
-// Of a method of `self`. Takes the GIL.
+// Returns the place of a method of `self`. Takes the GIL.
 std::string PlaceOfMethod(nb::handle self, const char* method);
 
-// Throws the exception that is being handled, one of a conversion, as a HookError.
+// Rethrows the exception of a conversion that is being handled as a HookError.
 [[noreturn]] void RethrowAsHookError(const std::string& place);
 
-// What `convert` makes of that which `method` of `self` returned; errors are those of the method.
+// Returns the conversion by `convert` of the value that `method` of `self` returned; errors name
+// the method.
 template <class Convert>
 std::invoke_result_t<Convert> ConvertReturned(nb::handle self, const char* method,
                                               Convert&& convert) {
@@ -42,17 +43,18 @@ std::invoke_result_t<Convert> ConvertReturned(nb::handle self, const char* metho
   }
 }
 
-// "MyExpert.act() must return <expected>, got None". `place`: of the function.
+// Throws "MyExpert.act() must return <expected>, got None". `place`: that of the function.
 [[noreturn]] void ThrowReturned(const std::string& what, const std::string& expected,
                                 nb::handle got, const std::string& place);
 // The same for a method of `self`.
 [[noreturn]] void ThrowReturned(nb::handle self, const char* method, const std::string& expected,
                                 nb::handle got);
-// "MyExpert must define begin()". Takes the GIL.
+// Throws "MyExpert must define begin()". Takes the GIL.
 [[noreturn]] void ThrowMissing(nb::handle self, const char* method);
-// TypeError that names the class unless its __init__ called super().__init__().
+// Raises TypeError that names the class unless its __init__ called super().__init__().
 void RequireInitialised(nb::handle object);
-// TypeError unless it is None or can be called; `expected` as in "a function (run) -> TaskSampler".
+// Raises TypeError unless it is None or can be called; `expected` as in "a function (run) ->
+// TaskSampler".
 void RequireCallable(nb::handle value, const char* argument, const char* expected);
 
 // Describes the expected result of a method, for messages.
@@ -76,8 +78,8 @@ struct Expected<std::optional<T>> {
 
 Action ReturnedAction(nb::handle self, const char* method, nb::handle value);
 
-// `value`, which method `method` of `self` returned. NumPy's numbers are numbers: comparing them
-// gives a numpy bool.
+// Converts `value`, which method `method` of `self` returned. NumPy's numbers are accepted:
+// comparing them gives a numpy bool.
 template <class R>
 R Returned(nb::handle self, const char* method, nb::handle value) {
   if constexpr (std::is_void_v<R>) {

@@ -1,5 +1,5 @@
-// The Python class Rng: a stream of its own, or one that C++ lends to a Python function for the
-// time of a call. A lent stream that Python keeps says so when it is used later; it never dangles.
+// The Python class Rng: a stream of its own, or one that C++ lends to a Python function during a
+// call. A lent stream that Python keeps raises an error when it is used later; it never dangles.
 #pragma once
 
 #include <memory>
@@ -14,7 +14,7 @@ class PythonRng {
  public:
   explicit PythonRng(Rng own) : own_(own) {}
 
-  // Error once the call for which it was lent is over.
+  // Throws Error once the call that it was lent for is over.
   Rng& get();
 
  private:
@@ -25,7 +25,7 @@ class PythonRng {
   std::shared_ptr<Rng*> lent_;
 };
 
-// Lends a stream while it lives. With the GIL.
+// Lends a stream during its lifetime. Needs the GIL.
 class RngLoan {
  public:
   explicit RngLoan(Rng& rng) : lent_(std::make_shared<Rng*>(&rng)) {}
@@ -33,7 +33,7 @@ class RngLoan {
   RngLoan(const RngLoan&) = delete;
   RngLoan& operator=(const RngLoan&) = delete;
 
-  // The object that draws from the stream itself, for Python.
+  // Returns the object that draws from the stream itself, for Python.
   PythonRng rng() const { return PythonRng(lent_); }
 
  private:

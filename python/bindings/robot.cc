@@ -40,7 +40,7 @@ nb::object GroupJacobian(const MoveGroup& group) {
   return NewArray<double>(flat, {6, static_cast<size_t>(j.cols())});
 }
 
-// Those that Python gets of C++'s (Robot::shared_group) have a handle to their robot.
+// Groups that Python gets from C++ (Robot::shared_group) have a handle to their robot.
 int VisitMoveGroup(const MoveGroup& group, visitproc visit, void* arg) {
   const bool own = dynamic_cast<const WrittenInPython*>(&group) != nullptr;
   return own || !group.scene() ? 0 : VisitScene(*group.scene(), visit, arg);
@@ -285,7 +285,7 @@ nb::object Values(std::span<const double> values) {
   return NewArray<double>(values, {values.size()});
 }
 
-// As the most specific class that Python knows; it keeps the robot alive, and itself when it is
+// Returns the most specific class that Python knows; it keeps the robot alive, and itself if it is
 // replaced. A group written in Python is its own object, and lives without the robot.
 nb::object GroupObject(const Robot& robot, MoveGroup& group) {
   if (const auto* own = dynamic_cast<WrittenInPython*>(&group)) return own->object();

@@ -1,5 +1,5 @@
-// Plans and the runner. A run is interrupted through a StopFlag, which signal handlers and other
-// threads may set.
+// Plans and the runner. A StopFlag, which signal handlers and other threads may set, interrupts a
+// run.
 #include <fmt/format.h>
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/pair.h>
@@ -118,8 +118,8 @@ void BindReplay(nb::module_& m) {
       "than the tolerance (m, rad, m/s, rad/s, s).");
 }
 
-// The factory's arguments and what it makes may be kept: the arguments are copies that share scene
-// and task, the expert lives as long as either side uses it.
+// The factory's arguments and its result may be kept: the arguments are copies that share scene and
+// task, the expert lives as long as either side uses it.
 std::function<std::shared_ptr<Expert>(const RunConfig&, const EpisodeStart&)> MakeExpertFactory(
     const SharedKeeper& factory) {
   if (!*factory) return {};
@@ -133,8 +133,8 @@ std::function<std::shared_ptr<Expert>(const RunConfig&, const EpisodeStart&)> Ma
   };
 }
 
-// Of the exception that is being handled: class, text, file and line of one that Python code raised.
-// What ends a process is none.
+// Describes the exception being handled if Python code raised it: class, text, file and line.
+// Exceptions that end a process do not count.
 std::string TellPythonError() {
   try {
     throw;
@@ -150,9 +150,9 @@ std::string TellPythonError() {
 
 std::string PlaceOfRunner(const Runner& runner) { return "runner of '" + runner.run().run + "'"; }
 
-// A runner that the collector can look into. What is defined in a script, functions and classes,
-// refers to the script's variables, the runner often among them: without this the circle lives
-// until the process ends, and nanobind reports it as leaked.
+// A runner that the collector can traverse. Functions and classes of a script refer to the script's
+// variables, and the runner is often among them: otherwise this cycle lives until the process ends,
+// and nanobind reports it as leaked.
 class PythonRunner : public Runner {
  public:
   PythonRunner(const RunConfig& run, SharedKeeper expert, SharedKeeper sampler,
@@ -176,7 +176,7 @@ class PythonRunner : public Runner {
   }
 
  private:
-  std::array<SharedKeeper, 3> kept_;  // the functions, and the sampler that one has made
+  std::array<SharedKeeper, 3> kept_;  // the functions, and the sampler that one of them has made
 };
 
 PyType_Slot runner_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&PythonRunner::Traverse)},

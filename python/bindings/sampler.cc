@@ -1,4 +1,4 @@
-// Where episodes start: samplers, and subclassing them in Python. C++ threads may call them: each
+// Samplers of episodes' starts, and subclassing them in Python. C++ threads may call them: each
 // call takes the GIL.
 #include "sampler.h"
 

@@ -13,8 +13,8 @@ namespace robocell::python {
 
 using SamplerFactory = std::function<std::shared_ptr<TaskSampler>(const RunConfig&)>;
 
-// From a Python function (run) -> TaskSampler; empty without one. `made` is a slot for the
-// sampler's Python object, which lives as long as it is in there.
+// Wraps a Python function (run) -> TaskSampler; empty without one. `made` is a slot for the
+// sampler's Python object, which lives as long as it is in the slot.
 SamplerFactory MakeSamplerFactory(const SharedKeeper& make_sampler, const SharedKeeper& made);
 
 }  // namespace robocell::python

@@ -1,4 +1,4 @@
-// Scene, what it is compiled to, and what its calls return.
+// Scene, its compiled form, and the results of its calls.
 #include "robocell/scene/scene.h"
 
 #include <algorithm>
@@ -34,7 +34,7 @@ int VisitContext(const HookContext& context, visitproc visit, void* arg) {
 // --- Calls ---------------------------------------------------------------------------------------
 
 Scene Build(const SceneSpec& spec) {
-  ImportMujoco();  // before the work is done
+  ImportMujoco();  // before the work starts
   // Another thread may change the spec while the lock is released.
   const SceneSpec copy = spec;  // NOLINT(performance-unnecessary-copy-initialization)
   const nb::gil_scoped_release release;
@@ -57,7 +57,7 @@ Scene FromCompiled(std::shared_ptr<CompiledScene> compiled) {
   return Scene::FromCompiled(std::move(compiled), PythonData());
 }
 
-// Converts the argument of that name; None for none.
+// Converts the argument of that name; empty for None.
 BodyPoses GivenBodyPoses(nb::handle given) {
   return given.is_none() ? BodyPoses() : ToBodyPoses(given, FieldPath("body_poses"));
 }
@@ -75,7 +75,7 @@ ResetInfo Reset(Scene& scene, const ResetOptions* options, std::optional<Keyfram
   return scene.Reset(given);
 }
 
-// In parts, so that Ctrl-C is heard in between.
+// Steps in parts, so that Ctrl-C is handled in between.
 StepResult StepN(Scene& scene, int n) {
   constexpr int kPart = 64;
   SignalPoll poll;
@@ -89,7 +89,7 @@ StepResult StepN(Scene& scene, int n) {
   return result;
 }
 
-// A Pose or a PyKDL.Frame, or a position and a quaternion.
+// Accepts a Pose or a PyKDL.Frame, or a position and a quaternion.
 Pose ToPose(nb::handle pose_or_pos, nb::handle quat) {
   const Pose* pose = nullptr;
   const bool is_pose = nb::try_cast(pose_or_pos, pose) && pose;
@@ -636,7 +636,7 @@ void BindScene(nb::module_& m) {
       "    >>> round(scene.time(), 3)\n"
       "    1.0",
       nb::type_slots(kHandleSlots<Scene, &VisitScene>), nb::is_weak_referenceable());
-  // By a call that every scene that is open answers.
+  // The guard of calls that need an open scene.
   GuardHandle<Scene>(
       c, [](const Scene& s, SceneClaims& claims) { claims.Add(s); },
       [](const Scene& s) { s.time(); },

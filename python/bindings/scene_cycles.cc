@@ -8,7 +8,7 @@
 namespace robocell::python {
 namespace {
 
-// What Python's collector sees of a scene.
+// A scene as Python's collector sees it.
 struct SceneNode {
   Scene::Weak scene;
 };
@@ -16,16 +16,17 @@ struct SceneNode {
 struct Tracked {
   Scene::Weak scene;
   PyObject* node = nullptr;
-  size_t references = 0;  // to the node, that are held here
+  size_t references = 0;  // to the node, held here
 };
 
-// By the id of the scene; guarded by the GIL, never destroyed, as what outlives static objects.
+// Keyed by the scene's id; guarded by the GIL, and never destroyed, because some users outlive
+// static objects.
 auto& TrackedScenes() {
   static auto* tracked = new std::unordered_map<size_t, Tracked>;
   return *tracked;
 }
 
-// One reference for each handle; the last ones go with the scene.
+// Holds one reference for each handle; the last ones go with the scene.
 void CountHandles(Tracked& tracked, size_t handles) {
   for (; tracked.references < handles; ++tracked.references) Py_INCREF(tracked.node);
   for (; tracked.references > handles; --tracked.references) Py_DECREF(tracked.node);
@@ -42,7 +43,7 @@ void StopTracking() {
   TrackedScenes().clear();
 }
 
-// Collections are watched from the first node to the end of the interpreter.
+// Collections are observed from the first node to the end of the interpreter.
 void WatchCollections() {
   static bool watched = false;
   if (watched) return;

@@ -18,7 +18,7 @@ namespace {
 
 uintptr_t AddressOf(const void* pointer) { return reinterpret_cast<uintptr_t>(pointer); }
 
-// One hand-over at a time: while Python makes the object, other threads may get the GIL and ask for
+// One hand-over at a time: while Python makes the object, other threads may get the GIL and request
 // the same model, and a second hand-over of one model would free it.
 class HandOverLock {
  public:
@@ -40,7 +40,7 @@ void HandOver(CompiledScene& compiled) {
   const nb::object take_over = ImportMujoco().attr("MjModel").attr("_from_model_ptr");
   const HandOverLock lock;
   static const CompiledScene* present = nullptr;  // guarded by the lock
-  if (compiled.model_is_external()) return;       // by another thread, meanwhile
+  if (compiled.model_is_external()) return;       // another thread did it meanwhile
   if (present == &compiled) throw Error("the model is being handed over to Python already");
   present = &compiled;
   nb::object model;
@@ -48,15 +48,15 @@ void HandOver(CompiledScene& compiled) {
     model = take_over(AddressOf(compiled.model()));
   } catch (...) {
     present = nullptr;
-    compiled.LoseModel();  // it frees the model when it fails
+    compiled.LoseModel();  // a failure frees the model
     throw;
   }
   present = nullptr;
   compiled.AdoptModelKeeper(KeepAlive(model));
 }
 
-// Makes the arrays among an object's attributes read-only, for good: the engine's objects give the
-// same array every time.
+// Makes the arrays among an object's attributes read-only permanently: the engine's objects return
+// the same array every time.
 void ProtectArrays(nb::handle owner) {
   const nb::object array = nb::module_::import_("numpy").attr("ndarray");
   for (const nb::handle name : nb::steal<nb::list>(PyObject_Dir(owner.ptr()))) {
@@ -76,7 +76,7 @@ void MakeReadOnly(nb::handle model) {
   ProtectArrays(model);
 }
 
-// The package refuses to be imported at all when MUJOCO_GL has a value that it does not know.
+// The package cannot be imported if MUJOCO_GL has an unknown value.
 nb::object ImportWithAnyGl() {
   try {
     return nb::module_::import_("mujoco");
@@ -91,8 +91,8 @@ nb::object ImportWithAnyGl() {
   }
 }
 
-// The package has the engine read the clock dozens of times in every step, for MjData.timer: a
-// tenth of the time of a small robot's step. A clock that somebody set is left.
+// The package makes the engine read the clock dozens of times in every step, for MjData.timer: a
+// tenth of the time of a small robot's step. A clock that a user installed is kept.
 void StopEngineTimers(const nb::object& mujoco) {
   const char* wanted = std::getenv("ROBOCELL_ENGINE_TIMERS");
   if (wanted && *wanted && std::string_view(wanted) != "0") return;

@@ -1,7 +1,7 @@
 // A scene's model and data as real mujoco.MjModel and mujoco.MjData, without copies.
 //
-// The model is compiled in C++ and handed over to Python once; the data is made by Python and used
-// by C++. Both sides keep the Python objects alive.
+// C++ compiles the model and hands it over to Python once; Python makes the data and C++ uses it.
+// Both sides keep the Python objects alive.
 #pragma once
 
 #include "bindings.h"
@@ -9,19 +9,20 @@
 
 namespace robocell::python {
 
-// The package mujoco, imported now; an Error when its version is not the one we were built for, or
-// when MUJOCO_GL keeps it from being imported.
+// Imports the package mujoco. Throws Error if its version is not the one that robocell was built
+// for, or if MUJOCO_GL prevents the import.
 nb::object ImportMujoco();
 
-// mujoco.MjModel of a compiled scene, the same object every time. Its arrays are read-only when the
-// scene is frozen.
+// Returns the mujoco.MjModel of a compiled scene, the same object every time. Its arrays are
+// read-only if the scene is frozen.
 nb::object ModelOf(CompiledScene& compiled);
-// Freezes it, and makes the arrays of a model that Python has already read-only.
+// Freezes it, and makes the arrays of a model that Python already has read-only.
 void Freeze(CompiledScene& compiled);
-// mujoco.MjData of a scene. An Error for a scene that C++ made without Python's data.
+// Returns the mujoco.MjData of a scene. Throws Error for a scene that C++ made without Python's
+// data.
 nb::object DataOf(const Scene& scene);
 
-// Makes data that Python owns. For scenes made by C++ code that Python will see; takes the GIL.
+// Makes data that Python owns. For scenes made by C++ code that Python will use; takes the GIL.
 DataFactory PythonData();
 
 }  // namespace robocell::python

@@ -1,4 +1,4 @@
-// Sources of scenes and what is known of their scenes; subclassing them in Python. C++ threads may
+// Sources of scenes and their descriptions of scenes; subclassing them in Python. C++ threads may
 // call them: each call takes the GIL.
 #include "robocell/scenes/scene_source.h"
 
@@ -277,7 +277,7 @@ void BindSceneSources(nb::module_& m) {
       .def(
           "annotations",
           [](SceneSource& source, int index) -> std::optional<SceneAnnotations> {
-            // For a Python subclass this is the base's method: asking what it knows would call the
+            // For a Python subclass this is the base's method: describing the scene would call the
             // method of the subclass, which may be calling this one.
             RequireScene(source, index, "scene source");
             if (dynamic_cast<PySceneSource*>(&source) != nullptr) return source.Derive(index);

@@ -1,4 +1,4 @@
-// Ctrl-C and other signals while C++ works: their Python handlers run only when somebody asks.
+// Ctrl-C and other signals while C++ works: their Python handlers only run on request.
 #pragma once
 
 #include <chrono>
@@ -8,14 +8,14 @@
 
 namespace robocell::python {
 
-// Runs the handlers of signals that have come, and throws what they raise (KeyboardInterrupt).
-// Without the GIL or with it; handlers run on the main thread only, so on others it does nothing.
+// Runs the handlers of pending signals, and throws their exceptions (KeyboardInterrupt). Works
+// without the GIL or with it; handlers run on the main thread only, so on others it does nothing.
 inline void HearSignals() {
   const nb::gil_scoped_acquire gil;
   if (PyErr_CheckSignals() != 0) throw nb::python_error();
 }
 
-// Called often from C++ code that works for long; hears signals every few milliseconds.
+// Call it often in long-running C++ code; it runs handlers every few milliseconds.
 class SignalPoll {
  public:
   void operator()() {
@@ -30,7 +30,7 @@ class SignalPoll {
       std::chrono::steady_clock::now() + std::chrono::milliseconds(10);
 };
 
-// The same for what may be done in microseconds, such as a step of the engine.
+// The same for work that may take microseconds, such as a step of the engine.
 class SparsePoll {
  public:
   void operator()() {

@@ -13,14 +13,14 @@
 namespace robocell::python {
 namespace {
 
-// "shared_base" -> "SHARED_BASE".
+// Converts "shared_base" to "SHARED_BASE".
 std::string Upper(std::string_view name) {
   std::string out(name);
   for (char& c : out) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
   return out;
 }
 
-// "shared_base" -> "SharedBase".
+// Converts "shared_base" to "SharedBase".
 std::string Camel(std::string_view name) {
   std::string out;
   bool start = true;

@@ -1,5 +1,5 @@
 // A spec struct as a Python class: keyword constructor, fields by reference, equality, copies,
-// pickling, repr, YAML, and garbage collection that sees the Python objects a spec holds.
+// pickling, repr, YAML, and garbage collection that traverses the Python objects in a spec.
 // Included by spec*.cc only.
 #pragma once
 
@@ -18,9 +18,9 @@ namespace robocell::python {
 // --- Garbage collection --------------------------------------------------------------------------
 //
 // A spec made in Python owns its boxes. A box whose deleter is nanobind's holds a reference to a
-// Python object, which is visited. A box made in C++ is looked into when nobody else holds it; if a
-// Python object holds it too, what is inside counts as referenced from outside and stays. Objects
-// that only refer to a spec inside another one own nothing and visit nothing.
+// Python object, which is visited. A box made in C++ is traversed if it has no other owner; if a
+// Python object holds it too, its content counts as referenced from outside and stays. Objects that
+// only refer to a spec inside another one own nothing and visit nothing.
 
 template <HasFields T, class F>
 void ForEachBox(T& spec, F&& f);
@@ -65,7 +65,8 @@ int TraverseBoxes(T& spec, visitproc visit, void* arg) {
   return result;
 }
 
-// The spec that a Python object owns; null for one under construction or one that only refers.
+// Returns the spec that a Python object owns; null for one under construction or one that only
+// refers.
 template <class T>
 T* Owned(PyObject* self) {
   const auto [ready, owns] = nb::inst_state(self);
@@ -95,16 +96,16 @@ PyType_Slot kSpecSlots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&TraverseSp
 
 // --- The class -----------------------------------------------------------------------------------
 
-// Texts that nanobind keeps pointers to.
+// Keeps texts to which nanobind has pointers.
 const char* KeepText(std::string text);
-// "def __init__(self, *, name: str = ..., ...) -> None".
+// Returns "def __init__(self, *, name: str = ..., ...) -> None".
 std::string InitSignature(const std::vector<Field>& fields);
-// "RobotSpec(path='arm.xml', prefix='left_')": the fields that differ from the default.
+// Returns "RobotSpec(path='arm.xml', prefix='left_')": the fields that differ from the default.
 std::string ReprOf(const std::vector<Field>& fields, const char* type, void* spec,
                    const void* plain, nb::handle self);
-// A new object of the same Python class, without its value.
+// Returns a new object of the same Python class, without its value.
 nb::object AllocateLike(nb::handle self);
-// Attributes that a Python subclass added.
+// Copies the attributes that a Python subclass added.
 void CopyAttributes(nb::handle from, nb::handle to);
 
 template <HasFields T>
@@ -148,20 +149,20 @@ void ForEachSourceDir(T& value, F&& f) {
   }
 }
 
-// Whether relative paths start at the working folder when it has no folder; those of a robot
-// without one start at the folder of what the robot is part of.
+// True if relative paths start at the working folder when the spec has no folder. Those of a robot
+// without a folder start at the folder of the spec that contains the robot.
 template <class T>
 constexpr bool kOwnsPaths = requires(T& value) {
   value.source_dir;
 }
 &&!std::is_same_v<T, RobotConfig>;
 
-// The working folder for "".
+// Returns the working folder for "".
 inline std::string AbsoluteFolder(const std::string& folder) {
   return std::filesystem::absolute(folder.empty() ? "." : folder).lexically_normal().string();
 }
 
-// Pickled as YAML, and the folders of files.
+// Pickles the spec as YAML, with the folders of its files.
 template <HasFields T>
 void DefCopies(nb::class_<T>& c) {
   c.def(
@@ -174,7 +175,7 @@ void DefCopies(nb::class_<T>& c) {
       "__getstate__",
       [](T& self) {
         std::vector<std::string> state = {ToYaml(self)};
-        // Whoever takes it may work in another folder.
+        // The reader may work in another folder.
         ForEachSourceDir(self, [&](const std::string& folder) {
           const bool owner = kOwnsPaths<T> && state.size() == 1;
           state.push_back(folder.empty() && !owner ? "" : AbsoluteFolder(folder));

@@ -70,7 +70,7 @@ nb::object Pop(SpecList& self, Py_ssize_t i) {
   return out;
 }
 
-// The objects as a Python list; slices and searches work on it.
+// Returns the objects as a Python list, for slices and searches.
 nb::list Objects(const SpecList& self) {
   nb::list out;
   for (size_t i = 0; i < Size(self); ++i) out.append(Get(self, i));
@@ -88,7 +88,7 @@ void AssignObjects(SpecList& self, nb::handle objects) {
   AssignList(ListOf(self), *self.ops, objects, path);
 }
 
-// Edits a Python list of the objects, then takes it over.
+// Edits a Python list of the objects, then adopts it.
 template <class F>
 void Rewrite(SpecList& self, F&& edit) {
   nb::object objects = Objects(self);
@@ -103,7 +103,7 @@ void SetItem(SpecList& self, Py_ssize_t i, nb::handle value) {
 
 void SetSlice(SpecList& self, nb::slice slice, nb::handle values) {
   const FieldPath path(self.name);
-  ToBoxes(*self.ops, values, path);  // refuses wrong elements by their own index
+  ToBoxes(*self.ops, values, path);  // rejects wrong elements by their own index
   Rewrite(self, [&](nb::object& objects) { objects[slice] = values; });
 }
 
@@ -115,7 +115,7 @@ void DelSlice(SpecList& self, nb::slice slice) {
   Rewrite(self, [&](nb::object& objects) { nb::del(objects[slice]); });
 }
 
-// By identity first, then by equality, as Python's list does.
+// Compares by identity first, then by equality, like Python's list.
 Py_ssize_t Find(const SpecList& self, nb::handle value) {
   const nb::list objects = Objects(self);
   for (size_t i = 0; i < objects.size(); ++i) {

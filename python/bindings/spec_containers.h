@@ -1,6 +1,6 @@
 // List<T> and Map<T> of specs as Python's mutable sequence and mapping. The Python objects are
-// views: they hold the spec that the container belongs to, and everything done to them is done to
-// the spec. What the elements are is hidden behind a table of functions.
+// views: they hold the spec that the container belongs to, and every change applies to the spec. A
+// table of functions hides the type of the elements.
 #pragma once
 
 #include <memory>
@@ -50,7 +50,7 @@ struct SpecMap {
   const MapOps* ops;
 };
 
-// All elements replaced, as in `spec.robots = [...]`. Nothing is changed when one is refused.
+// Replaces all elements, as in `spec.robots = [...]`. If one is rejected, nothing changes.
 void AssignList(void* list, const ListOps& ops, nb::handle value, const FieldPath& path);
 void AssignMap(void* map, const MapOps& ops, nb::handle value, const FieldPath& path);
 

@@ -1,4 +1,4 @@
-// EnvConfig and what it holds.
+// EnvConfig and its parts.
 #include "spec_class.h"
 #include "spec_parts.h"
 #include "robocell/spec/env_config.h"

@@ -26,7 +26,7 @@ const Field& FindField(const std::vector<Field>& fields, const std::string& name
   throw nb::type_error((NoSuchName(place, "field", name, Names(fields)) + hint).c_str());
 }
 
-// The only entry of {kind: value}.
+// Returns the only entry of {kind: value}.
 std::pair<std::string, nb::object> OnlyEntry(nb::handle value, const FieldPath& path,
                                              const std::string& example) {
   const nb::dict dict = nb::borrow<nb::dict>(value);

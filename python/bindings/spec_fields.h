@@ -1,9 +1,9 @@
-// A spec's fields in Python, made from its field declaration (robocell/spec/fields.h): how each
-// kind of field is read, written and annotated. Included by spec*.cc only.
+// A spec's fields in Python, made from its field declaration (robocell/spec/fields.h): reading,
+// writing and annotation of each kind of field. Included by spec*.cc only.
 //
-// Reading gives a reference wherever something can be edited: nested specs, lists and mappings as
-// live views, fixed arrays as NumPy views. What is read as a value cannot be changed (tuples, Pose,
-// AttachTarget, ElementRef), so that no edit is ever lost silently.
+// Reading gives a reference to everything that can be edited: nested specs, lists and mappings as
+// live views, fixed arrays as NumPy views. Values cannot be changed (tuples, Pose, AttachTarget,
+// ElementRef), so that no edit is ever lost silently.
 #pragma once
 
 #include <limits>
@@ -24,7 +24,7 @@
 
 namespace robocell::python {
 
-// What is done to fields of one type, whatever class they are in.
+// The operations on fields of one type, independent of their class.
 struct FieldOps {
   std::string (*type)();  // annotations
   std::string (*set_type)();
@@ -33,7 +33,7 @@ struct FieldOps {
   bool (*equal)(const void* a, const void* b);
 };
 
-// One field of a spec class, its type hidden.
+// A field of a spec class, with its type hidden.
 struct Field {
   const char* name;
   const char* doc;
@@ -56,8 +56,8 @@ struct Field {
 void AddField(std::vector<Field>* fields, const char* name, const char* doc, const void* spec,
               const void* value, const FieldOps& ops);
 
-// Sets fields from keyword arguments or a dictionary. TypeError names an unknown one with the
-// nearest; `path` is what is being set, "" for a constructor.
+// Sets fields from keyword arguments or a dictionary. Raises TypeError that names an unknown one
+// with the nearest; `path` is the target, "" for a constructor.
 void SetFields(const std::vector<Field>& fields, void* spec, const char* type, nb::handle values,
                const FieldPath* path);
 
@@ -114,7 +114,7 @@ struct Convert<std::string> {
   }
 };
 
-// A value of the enum, or its name as in YAML.
+// Accepts a value of the enum, or its name in YAML.
 template <HasEnumNames E>
 struct Convert<E> {
   static std::string Type() { return kEnumName<E>; }
@@ -227,7 +227,7 @@ struct Convert<Pose> {
   }
 };
 
-// A single item stands for a list of one where YAML allows it too.
+// A single item stands for a list of one if YAML allows that too.
 template <class T>
 requires(!std::is_arithmetic_v<T>) struct Convert<std::vector<T>> {
   static constexpr bool kSingle = !std::is_same_v<T, std::array<std::string, 2>>;
@@ -318,12 +318,13 @@ Box<S> PairToSpecBox(nb::handle pair, const FieldPath& path) {
   return box;
 }
 
-// Whether what a dictionary has is no field, but written as whole specs are.
+// Returns true if a dictionary has keys other than fields, in the form of whole specs.
 bool HoldsOthers(const std::vector<Field>& fields, nb::handle dict);
 
 inline bool IsPath(nb::handle value) { return IsText(value) || nb::hasattr(value, "__fspath__"); }
 
-// An object of class S, a dictionary of its fields, or what else it can be written as.
+// Accepts an object of class S, a dictionary of its fields, or another form in which it can be
+// written.
 template <HasFields S>
 Box<S> ToSpecBox(nb::handle value, const FieldPath& path) {
   if constexpr (IsPair<S>) {
@@ -404,8 +405,8 @@ const ListOps* ListOpsOf() {
       [](void* list, size_t i) { return nb::cast(static_cast<List<S>*>(list)->boxes()[i]); },
       [](nb::handle value, const FieldPath& path) -> AnyBox { return ToSpecBox<S>(value, path); },
       [](void* list, size_t at, size_t count, const std::vector<AnyBox>& boxes) {
-        // Built aside and swapped: what is dropped may run Python code, which must see a whole
-        // list.
+        // Builds the list aside and swaps it: destroying the old elements may run Python code,
+        // which must see a complete list.
         const Boxes& old = static_cast<List<S>*>(list)->boxes();
         Boxes result(old.begin(), old.begin() + at);
         for (const AnyBox& box : boxes) result.push_back(std::static_pointer_cast<S>(box));
@@ -433,8 +434,8 @@ struct Convert<List<S>> {
 template <class T>
 const MapOps* MapOpsOf();
 
-// What a mapping's values are: specs, enums, poses, lists of numbers, or mappings of these.
-// Element() is what messages call them.
+// The values of a mapping: specs, enums, poses, lists of numbers, or mappings of these. Element()
+// is their name in messages.
 template <class T>
 struct MapValue {
   static std::string Type() { return Convert<T>::Type(); }
@@ -568,13 +569,13 @@ struct Convert<SceneSourceSpec> {
   }
 };
 
-// The task of a run or environment: its fields, as their kind's class (spec_task.cc).
+// The task of a run or environment: its fields, as an object of their kind's class (spec_task.cc).
 nb::object TaskSpecToPython(TaskSpec& value);
 TaskSpec TaskSpecFromPython(nb::handle value, const FieldPath& path);
 
 template <>
 struct Convert<TaskSpec> {
-  // Which class it is follows from the kind, which no annotation knows.
+  // The class depends on the kind, which an annotation cannot express.
   static std::string Type() { return "typing.Any"; }
   static std::string SetType() {
     return "PickTaskConfig | PickAndPlaceTaskConfig | TaskFields | dict[str, typing.Any]";

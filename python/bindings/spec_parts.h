@@ -1,4 +1,4 @@
-// The spec classes in the order of what they hold.
+// The spec classes, each after its parts.
 #pragma once
 
 #include "bindings.h"

@@ -1,4 +1,4 @@
-// RobotConfig, RobotSpec and what they hold.
+// RobotConfig, RobotSpec and their parts.
 #include "spec_class.h"
 #include "spec_parts.h"
 #include "robocell/spec/robot_spec.h"

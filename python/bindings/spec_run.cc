@@ -1,4 +1,4 @@
-// RunConfig and what it holds.
+// RunConfig and its parts.
 #include "spec_class.h"
 #include "spec_parts.h"
 

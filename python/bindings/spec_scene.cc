@@ -1,4 +1,4 @@
-// SceneSpec and what it holds beside robots.
+// SceneSpec and its parts except robots.
 #include "spec_class.h"
 #include "spec_parts.h"
 #include "robocell/spec/scene_spec.h"

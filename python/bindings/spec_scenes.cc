@@ -1,4 +1,4 @@
-// The `scenes` of a run: the kind of source, which of its scenes, and the fields of that kind.
+// The `scenes` of a run: the kind of source, the selected scenes, and the fields of that kind.
 #include "spec_class.h"
 #include "spec_kinds.h"
 #include "spec_parts.h"
@@ -21,7 +21,7 @@ SceneSourceSpec ScenesOfDict(const nb::dict& values, const FieldPath& path) {
   return spec;
 }
 
-// What keeps views of the fields alive when the spec gets another kind.
+// Keeps views of the fields alive when the spec gets another kind.
 nb::object OwnerOf(SceneSourceSpec& spec) {
   return nb::cast(KindFieldsView{spec.kind(), spec.shared_fields()});
 }

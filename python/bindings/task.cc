@@ -1,5 +1,5 @@
 // Tasks and experts, and subclassing them in Python. C++ threads may call them: each call takes the
-// GIL. Those of the pick task are in pick.cc.
+// GIL. pick.cc has those of the pick task.
 #include <fmt/format.h>
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/array.h>
@@ -43,7 +43,7 @@ TaskVerdict ToVerdict(nb::handle self, nb::handle made) {
 
 namespace {
 
-// {name: (lower, upper)}, privileged; a Feature in the place of a pair has all that it says.
+// Converts {name: (lower, upper)}, privileged; a Feature instead of a pair sets everything itself.
 Feature ToSignal(const std::string& name, nb::handle value, const FieldPath& path) {
   if (nb::isinstance<Feature>(value)) {
     Feature feature = nb::cast<Feature>(value);
@@ -133,7 +133,7 @@ void BindTaskParts(nb::module_& m) {
       .def(
           "__init__",
           [](TaskVerdict* self, double reward, nb::handle success, double progress, int subtask) {
-            // Comparing NumPy's numbers gives a bool of NumPy's.
+            // Comparing NumPy's numbers gives a NumPy bool.
             new (self)
                 TaskVerdict{reward, ToBool(success, FieldPath("success")), progress, subtask};
           },
@@ -182,7 +182,7 @@ void BindTaskParts(nb::module_& m) {
               "Smallest and largest height that is added, metres.");
 }
 
-// Methods that a subclass need not define call the base class's own.
+// Methods that a subclass may omit call the base class's own.
 void BindTaskClass(nb::module_& m) {
   nb::class_<Task, PyTaskOf<Task>>(
       m, "Task",

@@ -1,7 +1,7 @@
 // Kinds of tasks and experts that are written in Python.
 //
-// The functions that make them are kept in dictionaries of the module: C++ holds names only, so
-// that nothing of Python outlives it.
+// The functions that make them are kept in dictionaries of the module: C++ only has names, so that
+// no Python object outlives the module.
 #include "robocell/task/task_kind.h"
 
 #include <nanobind/stl/tuple.h>
@@ -46,7 +46,7 @@ nb::object ToPython(const ValueField::Value& value) {
   return std::visit([](const auto& of) { return nb::cast(of); }, value);
 }
 
-// The source files that define a task or an expert, as they are now.
+// Returns the present source files that define a task or an expert.
 std::vector<std::string> FilesOf(const char* registry, const std::string& kind) {
   const nb::gil_scoped_acquire acquire;
   const nb::dict files = Makers(registry);
@@ -54,7 +54,7 @@ std::vector<std::string> FilesOf(const char* registry, const std::string& kind) 
   return nb::cast<std::vector<std::string>>(files[kind.c_str()]());
 }
 
-// The values of the fields of a kind that has no struct.
+// Returns the values of the fields of a kind that has no struct.
 nb::dict ValuesOf(const KindSpec& spec) {
   nb::dict fields;
   if (const auto* values = spec.If<ValueFields>()) {
@@ -77,7 +77,7 @@ class PythonTaskKind final : public TaskKind {
     return ConvertReturned(made, "__init__", [&] { return Shared<Task>(made); });
   }
   std::vector<std::string> CodeFiles() const override { return FilesOf(kTaskCode, kind_); }
-  // Its own, when one of the same name was registered.
+  // Returns its own expert, if one of the same name was registered.
   std::string expert() const override {
     for (const std::string& known : ExpertKinds()) {
       if (known == kind_) return kind_;
@@ -93,7 +93,7 @@ class PythonExpertKind final : public ExpertKind {
  public:
   explicit PythonExpertKind(std::string kind) : kind_(std::move(kind)) {}
 
-  // The arguments and what is made may be kept: the arguments are copies that share scene and task,
+  // The arguments and the result may be kept: the arguments are copies that share scene and task,
   // the expert lives as long as either side uses it.
   std::shared_ptr<Expert> Make(const RunConfig& run, const EpisodeStart& start) const override {
     const nb::gil_scoped_acquire acquire;
@@ -149,7 +149,7 @@ class PythonSamplerKind final : public SamplerKind {
   std::string kind_;
 };
 
-// A field by its default.
+// Makes a field from its default.
 ValueField ToField(const std::string& name, nb::handle value, const std::string& doc) {
   const FieldPath parent("fields of a kind");
   const FieldPath path(parent, name);
@@ -193,7 +193,7 @@ void RegisterPythonTask(const std::string& kind, nb::object maker, const nb::lis
   if (!PyCallable_Check(maker.ptr()))
     ThrowType(FieldPath("maker"), "a function (fields) -> Task, or its class", maker);
   nb::dict tasks = Makers(kTasks);
-  // Python's own may be replaced, as when a notebook's cell is run again.
+  // Python's own may be replaced, for example when a notebook's cell is run again.
   RegisterTask(kind, ToFields(fields, "task"), std::make_shared<PythonTaskKind>(kind),
                tasks.contains(kind.c_str()));
   tasks[kind.c_str()] = maker;

@@ -1,9 +1,9 @@
-// Tasks, samplers and experts that are subclassed in Python. Each class here stands between a C++
-// class, abstract or not, and its Python subclasses: a method that Python defines is called, with
-// the GIL; else the C++ class's own, if it has one.
+// Tasks, samplers and experts that are subclassed in Python. Each class here is between a C++
+// class, abstract or not, and its Python subclasses: it calls a method that Python defines, with
+// the GIL, else the C++ class's own, if it has one.
 //
-// What is bound for Python of a class that is not abstract calls that class's own method, so that
-// super().reward(scene) in a subclass means what it says.
+// For a class that is not abstract, Python's binding calls that class's own method, so that
+// super().reward(scene) in a subclass works as expected.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -26,11 +26,11 @@
 
 namespace robocell::python {
 
-// What Task.places returns; TypeError names what is none.
+// Converts the result of Task.places; raises TypeError that names an invalid place.
 Map<ObjectPlace> ToPlaces(nanobind::handle made);
 
-// Calls the Python method when there is one, else `own`. TypeError without either, and
-// for what returned.h cannot convert. `own` is a generic lambda: for abstract classes it is not
+// Calls the Python method if there is one, else `own`. Raises TypeError without either, and for
+// results that returned.h cannot convert. `own` is a generic lambda: for abstract classes it is not
 // compiled.
 template <class R, class Base, class Own, class... Args>
 R CallMethod(const nb::detail::trampoline& trampoline, const char* name, Base* self, Own own,
@@ -53,17 +53,17 @@ R CallWithRng(const nb::detail::trampoline& trampoline, const char* name, Base* 
   return CallMethod<R>(trampoline, name, self, own, args..., loan.rng());
 }
 
-// Whether Python defines a method.
+// Returns true if Python defines a method.
 inline bool Defines(const nb::detail::trampoline& trampoline, const char* name) {
   return nb::detail::ticket(trampoline, name, nb::detail::str_hash(name), false).key.is_valid();
 }
 
-// "MyTask.signals()", for messages.
+// Returns "MyTask.signals()", for messages.
 inline std::string MethodText(nb::handle self, const char* method) {
   return ClassName(self) + "." + method + "()";
 }
 
-// What the methods of a task return, converted; errors name class and method.
+// Converts the results of a task's methods; errors name class and method.
 TaskVerdict ToVerdict(nb::handle self, nb::handle made);
 std::vector<Feature> ToSignals(nb::handle self, nb::handle made);
 void PutSignals(nb::handle self, nb::handle made, const std::vector<Feature>& signals,
@@ -202,7 +202,8 @@ class PyTaskOf : public Base {
   mutable std::vector<Feature> signals_;
 };
 
-// What is recorded of a state: {name: array}, images by the names of their streams; copies.
+// Returns the recorded values of a state: {name: array}, images by the names of their streams;
+// copies.
 nb::dict RowArrays(const CellRow& row);
 
 template <class Base>
@@ -254,14 +255,15 @@ class PyExpertOf : public Base {
   }
 };
 
-// What sample() of `self` returned; TypeError for anything but an EpisodeStart or a Refusal.
+// Converts the result of sample() of `self`; raises TypeError for anything but an EpisodeStart or a
+// Refusal.
 SampleResult ToSampleResult(nb::handle self, nb::handle made);
-// Samples without the GIL; Ctrl-C ends it. An EpisodeStart or a Refusal.
+// Samples without the GIL; Ctrl-C ends it. Returns an EpisodeStart or a Refusal.
 nb::object SampleForPython(const SampleRequest& request, PythonRng& rng,
                            const std::function<SampleResult(const SampleRequest&, Rng&)>& sample);
 
-// A request for Python, which may keep it: what asks whether to stop is lent for the time of a
-// call, and a copy that is kept says no when it is asked later.
+// A request for Python, which may keep it: its stop function is lent during a call, and a kept copy
+// returns false later.
 class RequestLoan {
  public:
   explicit RequestLoan(const SampleRequest& request)

@@ -1,9 +1,9 @@
-// A dataset that somebody changed: no byte can change unnoticed, and opening it answers with an
-// episode or an Error.
+// Fuzzes changed datasets: no byte can change unnoticed, and opening one gives an episode or an
+// Error.
 //
-// The first byte chooses what is done: edits of one of the files, each a position and a value, or
-// an episode.json of the fuzzer's own without its last field, `run`, and last brace; its hash is right,
-// so that it is looked into.
+// The first byte selects the change: edits of one of the files, each a position and a value, or an
+// episode.json from the fuzzer without its last field, `run`, and last brace; its hash is correct,
+// so that it is parsed.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -46,18 +46,19 @@ void Write(const fs::path& file, const std::string& bytes) {
   std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes;
 }
 
-// Opens and reads what can be opened. Files do not stay open: the next input writes over them.
+// Opens and reads everything that can be opened. Files do not stay open: the next input overwrites
+// them.
 void Use(const fs::path& episode) {
   robocell::ReleaseIdleFiles();
   try {
     const robocell::Episode opened(episode);
     for (const robocell::ColumnInfo& column : opened.columns()) (void)column.rows;
   } catch (const robocell::Error&) {
-    return;  // refused, which is fine
+    return;  // a rejection is fine
   }
 }
 
-// Three bytes of position and one of value each.
+// Each edit has three bytes of position and one of value.
 std::string Edited(std::string bytes, const uint8_t* edits, size_t size) {
   for (; size >= 4 && !bytes.empty(); edits += 4, size -= 4) {
     const size_t at = (edits[0] | edits[1] << 8 | edits[2] << 16) % (bytes.size() + 1);

@@ -1,8 +1,8 @@
-// Names and paths from anybody: suggestions come from the candidates, no path leaves its root,
-// models are found where they may be and nowhere else, and ranges of names are what they say. The
-// first line is the name, the others are the candidates; their number chooses the folder of the
-// file that names a model. `@` at the name's beginning is the folder that the models are searched
-// in, which has links out of it, in circles and to nothing.
+// Fuzzes names and paths: suggestions come from the candidates, no path leaves its root, models are
+// found exactly where they may be, and ranges of names are expanded correctly. The first line is
+// the name, the others are the candidates; their number selects the folder of the file that names a
+// model. `@` at the beginning of the name is the searched folder of models, which has links out of
+// it, in circles and to nothing.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// What there is to find, and what must not be found, in a folder of its own.
+// Files that may be found, and files that must not, in a folder of its own.
 class Tree {
  public:
   Tree() {
@@ -79,17 +79,17 @@ bool IsBelow(const fs::path& path, const fs::path& root) {
   return !relative.empty() && *relative.begin() != "..";
 }
 
-// One place or several, found by the name alone or from the folder of a file.
+// Resolves by the name alone or from the folder of a file, in one place or several.
 void Resolve(const Tree& tree, const std::string& name, const fs::path& directory) {
   std::string found;
   try {
     found = robocell::assets::Resolve(name, directory.string());
   } catch (const robocell::Error&) {
-    return;  // refused or not there, which is fine
+    return;  // rejected or missing, which is fine
   }
   if (!fs::path(found).is_absolute() || !fs::is_regular_file(found)) std::abort();
   const bool menagerie = name.starts_with("menagerie:");
-  if (!menagerie && fs::path(name).is_absolute()) return;  // means that file, wherever it is
+  if (!menagerie && fs::path(name).is_absolute()) return;  // an absolute path means that file
   const fs::path real = fs::canonical(found);
   if (menagerie) {
     if (!IsBelow(real, tree.root() / "menagerie") && !IsBelow(real, tree.root() / "cache"))
@@ -102,7 +102,7 @@ void Resolve(const Tree& tree, const std::string& name, const fs::path& director
   if (!IsBelow(real, tree.root() / "path") && !IsBelow(real, tree.root() / "models")) std::abort();
 }
 
-// A range counts up by one, and writing out what it stands for changes nothing.
+// A range counts up by one, and expanding its names changes nothing.
 void Expand(const std::string& text) {
   try {
     const robocell::NameList list = robocell::NameList::Expand(text);
@@ -115,7 +115,7 @@ void Expand(const std::string& text) {
       if (robocell::NameList::Expand(two).names != std::vector{list[i - 1], list[i]}) std::abort();
     }
   } catch (const robocell::Error&) {
-    return;  // refused, which is fine
+    return;  // a rejection is fine
   }
 }
 
@@ -143,7 +143,7 @@ void Join(const std::string& name) {
         robocell::internal::ConfinedPath(root, name).lexically_normal().lexically_relative(root);
     if (inside.empty() || *inside.begin() == "..") std::abort();
   } catch (const robocell::Error&) {
-    return;  // refused, which is fine
+    return;  // a rejection is fine
   }
 }
 

@@ -1,5 +1,5 @@
-// A video file of any bytes: its tables are told or refused with an Error, and what is told makes
-// sense.
+// Fuzzes a video file of any bytes: its tables are returned or rejected with an Error, and returned
+// ones are consistent.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -21,7 +21,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         info.fps_den < 1)
       std::abort();
   } catch (const robocell::Error&) {
-    return 0;  // refused, which is fine
+    return 0;  // a rejection is fine
   }
   return 0;
 }

@@ -1,5 +1,5 @@
-// The YAML reader over any bytes: it answers with a spec or an Error, and what it read it can write
-// and read again. The first byte chooses the kind of spec.
+// Fuzzes the YAML reader with any bytes: it returns a spec or an Error, and can write a spec and
+// read it again. The first byte selects the kind of spec.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -20,7 +20,7 @@ void Read(std::string_view text) {
   try {
     written = robocell::ToYaml(robocell::ParseYaml<T>(text));
   } catch (const robocell::Error&) {
-    return;  // refused, which is fine
+    return;  // a rejection is fine
   }
   if (robocell::ToYaml(robocell::ParseYaml<T>(written)) != written) std::abort();
 }

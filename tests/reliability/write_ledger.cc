@@ -1,10 +1,10 @@
-// Writes a dataset as a run does: manifest, lock, models, episodes. Says of each episode, once it
-// is committed, that it is there: the ledger against which tests hold the disk after a fault.
+// Writes a dataset like a run does: manifest, lock, models, episodes. Prints each episode once it
+// is committed: tests compare the disk with this ledger after a fault.
 //
 //   write_ledger DATASET MODEL plain filmed ...    episodes e0, e1, ...; those there are skipped
 //
 // A filmed episode has videos, in colour and of depth.
-// Exit codes: 0 all there, 3 writing failed (the message is on standard error).
+// Exit codes: 0 all written, 3 writing failed (the message is on standard error).
 #include <unistd.h>
 
 #include <cstdio>

@@ -1,4 +1,5 @@
-// What a project with robocell in its tree does first: build a cell of a built-in robot, step it.
+// The first program of a project with robocell in its tree: builds a cell of a built-in robot and
+// steps it.
 #include <robocell/robocell.h>
 
 #include <iostream>

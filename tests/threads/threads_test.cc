@@ -1,5 +1,5 @@
-// Everything that users may do from several threads at once, each with its own scene. Run by
-// `make check-tsan` under ThreadSanitizer, which sees races that do no harm on the day.
+// Everything that users may do from several threads at once, each with its own scene. `make
+// check-tsan` runs it under ThreadSanitizer, which also detects races without a visible effect.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ SceneSpec Cell(const std::string& name) {
   return spec;
 }
 
-// Builds, resets and drives a cell; the state at the end.
+// Builds, resets and drives a cell; returns its final state.
 std::vector<double> Drive() {
   Scene scene = Scene::Build(Cell("cell"));
   int resets = 0;

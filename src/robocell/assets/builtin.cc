@@ -1,4 +1,4 @@
-// The models that come with robocell.
+// The built-in models.
 #include <dlfcn.h>
 #include <fmt/format.h>
 
@@ -21,7 +21,7 @@ bool HoldsModels(const fs::path& folder) {
   return fs::is_directory(folder / "robots", error);
 }
 
-// The folder that holds the robocell library.
+// Returns the folder of the robocell library.
 fs::path LibraryFolder() {
   Dl_info info;
   std::error_code error;
@@ -32,7 +32,7 @@ fs::path LibraryFolder() {
 fs::path FindModelsRoot() {
   if (const std::string root = internal::Environment("ROBOCELL_MODELS"); !root.empty()) {
     if (HoldsModels(root)) return root;
-    throw NotFoundError(fmt::format("ROBOCELL_MODELS is {}, which holds no folder `robots`", root));
+    throw NotFoundError(fmt::format("ROBOCELL_MODELS is {}, which has no folder `robots`", root));
   }
   const fs::path library = LibraryFolder();
   std::vector<std::string> looked;
@@ -45,12 +45,12 @@ fs::path FindModelsRoot() {
   internal::ThrowNotFound("the folder of built-in models", looked, "Set ROBOCELL_MODELS to it.");
 }
 
-// Names N of root/N/N.xml.
+// Returns the names N of root/N/N.xml.
 std::vector<std::string> ModelsWithFolder(const char* kind) {
   std::vector<std::string> names;
   const fs::path root = fs::path(ModelsRoot()) / kind;
   for (const std::string& name : FolderNamesIfAny(root)) {
-    std::error_code error;  // of a circle of links
+    std::error_code error;  // for a circle of links
     if (fs::exists(root / name / (name + ".xml"), error)) names.push_back(name);
   }
   return names;
@@ -60,7 +60,7 @@ fs::path CellsFolder() {
   return (fs::path(ModelsRoot()) / ".." / "examples" / "envs").lexically_normal();
 }
 
-// Names N of folder/N<ending>.
+// Returns the names N of folder/N<ending>.
 std::vector<std::string> FilesWith(const char* ending, const fs::path& folder) {
   std::vector<std::string> names;
   for (const std::string& file : FolderNamesIfAny(folder)) {

@@ -40,8 +40,9 @@ bool IsVersionOf(const std::string& folder, const std::string& robot) {
   return folder.size() == robot.size() + 1 + kVersionDigits && folder.rfind(robot + "-", 0) == 0;
 }
 
-// The folder of the version that `robocell fetch` has recorded, which stays until another is
-// requested; empty without one. It need not exist. `robocell fetch` reports problems of the record.
+// Returns the folder of the version that `robocell fetch` has recorded, which stays until another
+// is requested; empty without one. It need not exist. `robocell fetch` reports problems of the
+// record.
 fs::path RecordedFolder(const std::string& robot) {
   const fs::path record = UserCache() / "robocell/menagerie.json";
   if (!internal::CanReadFile(record)) return {};
@@ -52,7 +53,7 @@ fs::path RecordedFolder(const std::string& robot) {
   return CacheModels() / (robot + "-" + json[tree].get<std::string>().substr(0, kVersionDigits));
 }
 
-// Once a process for each robot: names are looked up many times.
+// Warns once per process for each robot: names are looked up many times.
 void WarnOfOtherVersion(const std::string& robot, const fs::path& recorded, const fs::path& other) {
   static std::mutex mutex;
   static std::set<std::string> told;
@@ -67,7 +68,7 @@ void WarnOfOtherVersion(const std::string& robot, const fs::path& recorded, cons
                   robot, recorded.string(), other.filename().string()));
 }
 
-// The version of a robot that was published last; empty when there is none.
+// Returns the version of a robot that was published last; empty if there is none.
 fs::path NewestFolder(const std::string& robot) {
   fs::path newest;
   fs::file_time_type newest_time{};
@@ -81,7 +82,8 @@ fs::path NewestFolder(const std::string& robot) {
   return newest;
 }
 
-// The recorded version of a robot, else the one that was published last; empty when there is none.
+// Returns the recorded version of a robot, else the one that was published last; empty if there is
+// none.
 fs::path CachedFolder(const std::string& robot) {
   std::error_code error;
   const fs::path recorded = RecordedFolder(robot);
@@ -89,7 +91,7 @@ fs::path CachedFolder(const std::string& robot) {
   return NewestFolder(robot);
 }
 
-// The robot models in a folder: neither scenes nor the variants for MJX.
+// Returns the robot models in a folder: neither scenes nor the variants for MJX.
 std::vector<std::string> ModelStems(const fs::path& folder) {
   std::vector<std::string> stems;
   for (const std::string& file : FolderNamesIfAny(folder)) {
@@ -110,7 +112,8 @@ bool EndsWith(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
-// The model named like its folder without the maker (kinova_gen3/gen3.xml), else the only one.
+// Returns the model named like its folder without the maker (kinova_gen3/gen3.xml), else the only
+// one.
 std::string MainFile(const std::string& robot, const fs::path& folder) {
   const std::vector<std::string> stems = ModelStems(folder);
   std::string best;
@@ -129,13 +132,13 @@ std::string MainFile(const std::string& robot, const fs::path& folder) {
                   robot, stems[0], ListNames(stems)));
 }
 
-// The name of a cached version without its digits; empty when it is none.
+// Returns the name of a cached version without its digits; empty if it is not a version.
 std::string RobotOfVersion(const std::string& folder) {
   const std::string robot = folder.substr(0, folder.rfind('-'));
   return IsVersionOf(folder, robot) ? robot : "";
 }
 
-// The robot that was probably meant, of those on this machine, or how to get another.
+// Returns the robot on this machine that was probably meant, or how to get another.
 std::string Remedy(const std::string& robot) {
   std::vector<std::string> robots;
   for (const auto& [name, folder] : RobotFolders()) robots.push_back(name);

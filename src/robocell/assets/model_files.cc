@@ -24,14 +24,14 @@ enum class NameKind { kAsset, kInclude, kModel };
 
 struct FileName {
   NameKind kind = NameKind::kAsset;
-  std::string name;  // with `/` between folders; the engine takes `\` for the same
+  std::string name;  // with `/` between folders; the engine accepts `\` too
 };
 
 struct ModelText {
-  std::string problem;  // why it is no XML; "" when it is
+  std::string problem;  // why it is not XML; "" if it is
   std::vector<FileName> names;
   std::vector<std::string> folders;  // of assets: meshdir, texturedir, assetdir
-  bool strips_paths = false;         // assets are named without their folders
+  bool strips_paths = false;         // the engine removes folders from names
 };
 
 using tinyxml2::XMLElement;
@@ -50,7 +50,8 @@ NameKind KindOf(const XMLElement& element) {
   return Is(element, "model") ? NameKind::kModel : NameKind::kAsset;
 }
 
-// All elements alike: what else may name files in the next engine is found, too.
+// Reads the attributes of all elements alike, to find elements that name files in the next engine
+// too.
 void ReadAttributes(const XMLElement& element, ModelText& text) {
   for (const auto* it = element.FirstAttribute(); it; it = it->Next()) {
     const std::string_view attribute = it->Name();
@@ -87,7 +88,8 @@ namespace fs = std::filesystem;
 
 constexpr const char* kScheme = "it may be no file at all";
 
-// "package://arm/link.stl": the engine first asks whoever registered for "package".
+// Returns true for names like "package://arm/link.stl", which the engine first passes to the
+// provider registered for "package".
 bool HasScheme(std::string_view name) {
   const size_t colon = name.find(':');
   return colon != std::string_view::npos && colon > 0 &&
@@ -101,13 +103,13 @@ bool MayNeverEnd(fs::file_type type) {
          type == fs::file_type::character || type == fs::file_type::block;
 }
 
-// Joins them as the engine does: what it takes for an absolute name stands alone.
+// Joins them like the engine: a name that it takes for absolute stands alone.
 fs::path Join(const fs::path& folder, const fs::path& name) {
   return name.native().find(":/") == std::string::npos ? folder / name : fs::absolute(name);
 }
 
-// Walks from a model to all that it names. Includes are followed first: an asset folder that is
-// written anywhere holds for the names in all of them.
+// Walks from a model to all files that it names. Includes are followed first: an asset folder set
+// anywhere applies to the names in all of them.
 class Walk {
  public:
   explicit Walk(const fs::path& model) { ReadModel(model); }
@@ -119,7 +121,7 @@ class Walk {
   }
 
  private:
-  // One model with what it includes. Other models that it names have asset folders of their own.
+  // One model with its includes. Other models that it names have asset folders of their own.
   struct Model {
     fs::path folder;
     std::set<fs::path> documents;
@@ -163,8 +165,8 @@ class Walk {
     }
   }
 
-  // Every file that the engine might open for it: from the folder of the model or of the document,
-  // assets from the asset folders, with and without the folder in their name.
+  // Returns every file that the engine might open for it: from the folder of the model or of the
+  // document, assets from the asset folders, with and without the folder in their name.
   static std::vector<fs::path> Candidates(const Model& model, const fs::path& document,
                                           const FileName& named) {
     const bool asset = named.kind == NameKind::kAsset;

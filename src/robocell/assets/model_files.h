@@ -1,7 +1,7 @@
-// The files that models are made from, found in their text, without the engine: the file itself,
-// what it includes, meshes, textures, height fields, other models. Names are read and looked for as
-// the engine does (XML of any suffix; asset folders wherever they are written), in every place
-// where it might look.
+// The files that models are made from, found in their text without the engine: the file itself, its
+// includes, meshes, textures, height fields, other models. Names are read and looked up like the
+// engine does (XML of any suffix; asset folders wherever they are set), in every place where it
+// might look.
 //
 //   const FileSet arm = ModelFileSet("/menagerie/ufactory_xarm7/xarm7.xml");
 //   const ModelFiles found = FindModelFiles(stored);   // also what is named and not there
@@ -16,27 +16,27 @@
 
 namespace robocell::internal {
 
-// A name that no file has. The engine reports it when the model is compiled.
+// A name without a file. The engine reports it when the model is compiled.
 struct MissingFile {
-  std::filesystem::path document;  // that names it
-  std::string name;                // as written; "" when the document itself cannot be read
+  std::filesystem::path document;  // the document that names it
+  std::string name;                // as written; "" if the document itself cannot be read
   std::string reason;
 };
 
 struct ModelFiles {
   std::vector<std::filesystem::path> files;  // absolute, sorted, with the model
   std::vector<MissingFile> missing;
-  std::vector<MissingFile> no_files;  // there is a pipe, a socket or a device, which may never end
+  std::vector<MissingFile> no_files;  // pipes, sockets and devices, which may never end
 };
 
-// IoError when `model` cannot be read.
+// Throws IoError if `model` cannot be read.
 ModelFiles FindModelFiles(const std::filesystem::path& model);
 
-// Raises SpecError if `model`, or a file that it includes, names a pipe, a socket or a device: the
+// Throws SpecError if `model`, or a file that it includes, names a pipe, a socket or a device: the
 // engine would open it and wait for ever. The engine reports files that cannot be read.
 void RequireOnlyFiles(const std::filesystem::path& model);
 
-// Those that are there, known by what they hold.
+// Returns the existing files, identified by their content.
 FileSet ModelFileSet(const std::filesystem::path& model, const Hashing& hashing = {});
 
 }  // namespace robocell::internal

@@ -37,7 +37,7 @@ std::string MeshModel(const std::string& file, const std::string& compiler = "")
          "'/></asset><worldbody><geom type='mesh' mesh='s'/></worldbody></mujoco>";
 }
 
-// Within the folder of the model.
+// Returns names within the folder of the model.
 std::vector<std::string> Names(const fs::path& model) {
   std::vector<std::string> names;
   for (const fs::path& file : FindModelFiles(model).files)
@@ -51,7 +51,7 @@ std::vector<std::string> Missing(const fs::path& model) {
   return names;
 }
 
-// Empty when the engine compiles it.
+// Returns "" if the engine compiles it.
 std::string EngineError(const fs::path& model) {
   char error[1000] = "";
   mjModel* compiled = mj_loadXML(model.c_str(), nullptr, error, sizeof error);
@@ -73,7 +73,7 @@ TEST(ModelFiles, IncludesMeshesAndTexturesAreFoundWithTheirFolders) {
   EXPECT_THAT(Missing(temp / "arm/arm.xml"), ElementsAre("none.png"));
 }
 
-// The engine would open them, and wait.
+// The engine would open them and wait.
 TEST(ModelFiles, PipesAndDevicesAreNoFiles) {
   TempDir temp;
   const fs::path arm = temp / "arm/arm.xml";
@@ -95,7 +95,7 @@ TEST(ModelFiles, PipesAndDevicesAreNoFiles) {
   expect_refused("<mujoco><asset><model file='hand.xml'/></asset></mujoco>", "is a pipe");
   Write(temp / "arm/part.xml", "<mujoco><include file='hand.xml'/></mujoco>");
   expect_refused("<mujoco><include file='part.xml'/></mujoco>", "part.xml' names the file 'hand");
-  Write(arm, "<mujoco><include file='gone.xml'/></mujoco>");  // the engine says that better
+  Write(arm, "<mujoco><include file='gone.xml'/></mujoco>");  // the engine's message is better
   EXPECT_NO_THROW(RequireOnlyFiles(arm));
   EXPECT_NO_THROW(RequireOnlyFiles(temp / "none.xml"));
 }
@@ -113,7 +113,7 @@ TEST(ModelFiles, AreWhereTheEngineFindsThem) {
     EXPECT_THAT(Names(temp / "main.xml"), ::testing::Contains(mesh));
     EXPECT_THAT(Missing(temp / "main.xml"), IsEmpty());
   };
-  // An asset folder that is written after the names, and in another file.
+  // The asset folder is set after the names, and in another file.
   expect_found({{"main.xml", includes}, {"a.xml", MeshModel("s.obj")}, {"b.xml", folder}},
                "meshes/s.obj");
   expect_found({{"main.xml", "<mujoco><include file='in/a.xml'/></mujoco>"},
@@ -125,7 +125,7 @@ TEST(ModelFiles, AreWhereTheEngineFindsThem) {
       "y/s.obj");
   expect_found({{"main.xml", MeshModel("/none/s.obj", "<compiler strippath='true'/>")}}, "s.obj");
   expect_found({{"main.xml", MeshModel("x\\s.obj", "<compiler meshdir='m'/>")}}, "m/x/s.obj");
-  // Names are XML: entities, and comments that are none.
+  // Names are XML: with entities, and comments that are not comments.
   expect_found({{"main.xml", MeshModel("&#115;.obj")}}, "s.obj");
   expect_found({{"main.xml",
                  "<mujoco model='&lt;!--'><compiler meshdir='m'/>" + MeshModel("s.obj").substr(8)}},
@@ -146,7 +146,7 @@ TEST(ModelFiles, AreWhereTheEngineFindsThem) {
                "sub/own/s.obj");
 }
 
-// They are copied into datasets: what only a comment names stays where it is.
+// The files are copied into datasets: a file that only a comment names stays where it is.
 TEST(ModelFiles, FilesInCommentsAreNone) {
   TempDir temp;
   AtomicWrite(temp / "secret", "");
@@ -173,13 +173,13 @@ TEST(ModelFiles, WhatCannotBeFoundOrReadIsNamed) {
   EXPECT_THAT(FindModelFiles(temp / "a.xml").missing[0].reason, Not(IsEmpty()));
 }
 
-// ---- oracle: what the engine's own reader found ------------------------------------------------
+// ---- oracle: the files that the engine's own reader finds --------------------------------------
 
 std::string Folder(const mjSpec* spec, bool textures) {
   return mjs_getString(textures ? spec->compiler.texturedir : spec->compiler.meshdir);
 }
 
-// A file as the compiled spec names it, in its asset folder.
+// Adds a file as the compiled spec names it, in its asset folder.
 void Add(const mjSpec* spec, const std::string& folder, std::string file,
          std::set<fs::path>& files) {
   if (file.empty()) return;

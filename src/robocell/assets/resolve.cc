@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr std::string_view kMenagerie = "menagerie:";
 
-// Looks in one place after the other and remembers them for the message.
+// Looks in one place after the other and records them for the message.
 class Search {
  public:
   bool TryFile(const fs::path& path) {
@@ -54,8 +54,8 @@ bool TryBuiltin(Search& search, const std::string& name) {
          search.TryBelow(root / "scenes", name + ".xml");
 }
 
-// " Did you mean 'menagerie:franka_emika_panda'?" for the name of a robot of the Menagerie that is
-// on this machine, or of a file of one, without the prefix.
+// Returns " Did you mean 'menagerie:franka_emika_panda'?" for the name, without the prefix, of a
+// robot of the Menagerie that is on this machine, or of one of its files.
 std::string MenagerieHint(const std::string& name) {
   const size_t slash = std::min(name.find('/'), name.size());
   std::vector<std::string> robots;
@@ -71,8 +71,8 @@ std::string BuiltinHint(const std::string& name) {
   return "Built-in models: " + ListNames(names) + "." + (near.empty() ? MenagerieHint(name) : near);
 }
 
-// "Did you mean 'models/stork.xml'?" for `name`, whose file is missing at `path`, when its folder
-// has a model of nearly that name.
+// Returns "Did you mean 'models/stork.xml'?" for `name`, whose file is missing at `path`, if its
+// folder has a model with a similar name.
 std::string NeighbourHint(const std::string& name, const fs::path& path) {
   std::vector<std::string> models = FolderNamesIfAny(path.parent_path());
   std::erase_if(models, [](const fs::path& name) { return name.extension() != ".xml"; });
@@ -81,7 +81,7 @@ std::string NeighbourHint(const std::string& name, const fs::path& path) {
   return "Did you mean '" + (fs::path(name).parent_path() / near[0]).string() + "'?";
 }
 
-// A file of the Menagerie asked for without its prefix is a likely slip.
+// A requested file of the Menagerie without its prefix is a likely mistake.
 std::string PathHint(const std::string& name) {
   return "More roots can be given in ROBOCELL_MODEL_PATH; robots of the Menagerie are named like "
          "menagerie:ufactory_xarm7/xarm7.xml" +
@@ -146,7 +146,7 @@ bool Means(const std::string& name, const fs::path& path) {
   }
 }
 
-// What the file would be called if it were a built-in one or of the Menagerie.
+// Returns the names that the file would have as a built-in model or in the Menagerie.
 std::vector<std::string> Candidates(const fs::path& path) {
   const std::string robot = path.parent_path().filename().string();
   const std::string file = path.filename().string();

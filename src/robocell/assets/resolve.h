@@ -25,7 +25,8 @@
 
 namespace robocell::assets {
 
-// Absolute path of an existing file. `directory`: folder of the file that refers to the model.
+// Returns the absolute path of an existing file. `directory`: folder of the file that refers to the
+// model.
 std::string Resolve(const std::string& name, const std::string& directory = "");
 
 // The variable that replaces a model. `menagerie:` in front of the name is left out.
@@ -37,22 +38,23 @@ std::optional<std::string> OverrideFile(const std::string& name);
 // The roots of ROBOCELL_MODEL_PATH, in order.
 std::vector<std::string> ModelPathRoots();
 
-// Folder of the built-in models: ROBOCELL_MODELS, else beside the library (installed), else the
-// source tree that the library was built in. NotFoundError when there is none.
+// Returns the folder of the built-in models: ROBOCELL_MODELS, else beside the library (installed),
+// else the source tree in which the library was built. Throws NotFoundError if there is none.
 std::string ModelsRoot();
-// Names of built-in models, sorted (models/robots/NAME/NAME.xml, the same with objects and
-// equipment, models/scenes/NAME.xml). Objects are what tasks pick; equipment is what a cell has
-// else: furniture, sensors, vessels.
+// Return names of built-in models, sorted (models/robots/NAME/NAME.xml, the same with objects and
+// equipment, models/scenes/NAME.xml). Objects are what tasks pick; equipment is everything else in
+// a cell: furniture, sensors, vessels.
 std::vector<std::string> BuiltinRobots();
 std::vector<std::string> BuiltinObjects();
 std::vector<std::string> BuiltinEquipment();
 std::vector<std::string> BuiltinScenes();
 std::vector<std::string> BuiltinModels();  // all of these
-// The YAML file of a built-in robot; NotFoundError with the nearest names.
+// Returns the YAML file of a built-in robot. Throws NotFoundError with the nearest names.
 std::string BuiltinRobotFile(const std::string& name);
 
-// Ready-made environments, for EnvConfig::Load: names, sorted, and the file of each
-// (examples/envs/NAME.yaml beside the folder of the models). NotFoundError with the nearest names.
+// Return the names of ready-made environments, sorted, and the file of each for EnvConfig::Load
+// (examples/envs/NAME.yaml beside the folder of the models). Throws NotFoundError with the nearest
+// names.
 std::vector<std::string> BuiltinCells();
 std::string BuiltinCellFile(const std::string& name);
 
@@ -68,16 +70,16 @@ std::optional<std::string> PortableName(const std::string& path);
 
 namespace robocell::menagerie {
 
-// Main model file of a Menagerie robot: "kinova_gen3" -> .../kinova_gen3/gen3.xml; also
-// "ufactory_xarm7/xarm7.xml". Looked for below MENAGERIE_ROOT, then in the cache of the Python
-// package mujoco-menagerie (MENAGERIE_CACHE_DIR, else the user's cache folder).
-// NotFoundError with the command that fetches it; ArgumentError when a robot has several models and
-// none is named like it (the message lists them).
+// Returns the main model file of a Menagerie robot: "kinova_gen3" -> .../kinova_gen3/gen3.xml; also
+// "ufactory_xarm7/xarm7.xml". Looks below MENAGERIE_ROOT, then in the cache of the Python package
+// mujoco-menagerie (MENAGERIE_CACHE_DIR, else the user's cache folder). Throws NotFoundError with
+// the command that fetches it, and ArgumentError if a robot has several models and none has its
+// name (the message lists them).
 std::string ModelPath(const std::string& name);
 
-// A robot's folder, found by the same rule.
+// Returns a robot's folder, found by the same rule.
 std::string RobotFolder(const std::string& robot);
-// Every robot that this rule finds here, with its folder.
+// Returns every robot that this rule finds here, with its folder.
 std::map<std::string, std::string> RobotFolders();
 
 }  // namespace robocell::menagerie

@@ -166,7 +166,7 @@ TEST_F(Resolving, EquipmentIsFoundByNameAndIsNothingToPick) {
   EXPECT_THAT(BuiltinModels(), ::testing::IsSupersetOf({"rc7", "mug", "cabinet", "tabletop"}));
 }
 
-// Both ended in an exception that is no Error.
+// Both must raise an Error: an earlier version let a foreign exception escape.
 TEST_F(Resolving, LinksInACircleAndNamesOfNoRobotAreErrorsLikeOthers) {
   Write("robots/mine/mine.xml");
   fs::create_symlink("circle", folder_ / "robots/circle");
@@ -221,7 +221,7 @@ TEST_F(Resolving, TheMenagerieCacheHoldsCompleteVersionsOnly) {
   EXPECT_EQ(Resolve("menagerie:franka_fr3"), file);
 }
 
-// A run would else be made with another robot than before, and nobody told.
+// Otherwise a run would silently use another robot than before.
 TEST_F(Resolving, ARecordedVersionThatIsNotInTheCacheIsToldOnce) {
   const std::string other = "models/franka_fr3-0123456789abcdef/";
   const std::string file = Write(other + "fr3.xml");
@@ -293,7 +293,7 @@ TEST(PortableName, IsNoneForAFileOfOnesOwn) {
   AtomicWrite(temp / "arm.xml", "<mujoco/>");
   EXPECT_EQ(PortableName(temp / "arm.xml"), std::nullopt);
   std::filesystem::create_directory(temp / "rc7");
-  AtomicWrite(temp / "rc7/rc7.xml", "<mujoco/>");  // called like a built-in one
+  AtomicWrite(temp / "rc7/rc7.xml", "<mujoco/>");  // named like a built-in one
   EXPECT_EQ(PortableName(temp / "rc7/rc7.xml"), std::nullopt);
 }
 

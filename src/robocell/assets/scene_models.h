@@ -1,4 +1,4 @@
-// The model files that a scene's spec names: of its base, robots, attachments, objects and
+// The model files that a scene's spec names: those of its base, robots, attachments, objects and
 // cameras.
 #pragma once
 
@@ -15,8 +15,7 @@ void ForEachCameraModel(Cameras& cameras, const std::string& directory, F&& f) {
   }
 }
 
-// Calls f(name, directory) for each, as for Resolve. When `scene` is not const, `name` may be
-// replaced.
+// Calls f(name, directory) for each, as for Resolve. If `scene` is not const, f may replace `name`.
 template <class Scene, class F>
 void ForEachModel(Scene& scene, F&& f) {
   if (scene.base) f(*scene.base, scene.source_dir);

@@ -1,9 +1,9 @@
 // The error hierarchy of robocell.
 //
-// A message says what is wrong, where, the alternatives and the next step, for example
+// A message gives the problem, its place, the alternatives and the next step, for example
 //   robot 'left': no joint 'joint8'. Its joints: joint1 ... joint7. Did you mean 'joint7'?
-// base/suggestions.h helps to write such messages. Results of normal running (IK not converged, diverged,
-// grasp failed) are values, not exceptions.
+// base/suggestions.h helps to write such messages. Results of normal operation (IK not converged,
+// diverged, grasp failed) are values, not exceptions.
 //
 // In Python: Error is a RuntimeError; SpecError and ArgumentError are also ValueErrors,
 // NotFoundError also a LookupError, IoError also an OSError.
@@ -26,7 +26,7 @@ class SpecError : public Error {
   using Error::Error;
 };
 
-// A name that does not exist was asked for.
+// A requested name does not exist.
 class NotFoundError : public Error {
  public:
   using Error::Error;
@@ -44,7 +44,7 @@ class ClosedError : public Error {
   using Error::Error;
 };
 
-// The simulation diverged and the caller asked for an exception instead of a value.
+// The simulation diverged and the caller requested an exception instead of a value.
 class DivergedError : public Error {
  public:
   using Error::Error;
@@ -60,8 +60,8 @@ class EngineError : public Error {
 // reason.
 class IoError : public Error {
  public:
-  // `system_error` is the errno of the call that failed, 0 when none did: then what was read is
-  // not what it should be, and it will be the same the next time.
+  // `system_error` is the errno of the failed call. 0 if no call failed: then the content is wrong,
+  // and it will be the same the next time.
   explicit IoError(const std::string& message, int system_error = 0)
       : Error(message), system_error_(system_error) {}
   int system_error() const { return system_error_; }

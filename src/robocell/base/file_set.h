@@ -1,12 +1,12 @@
-// Files that belong together, such as a model with its meshes and textures, known by what they
-// hold: the same files have the same hash wherever they are.
+// Files that belong together, such as a model with its meshes and textures, identified by their
+// content: the same files have the same hash wherever they are.
 //
 //   const FileSet arm = MakeFileSet("/m/arm/arm.xml", {"/m/arm/arm.xml", "/m/arm/assets/a.stl"});
 //   arm.main;   // "arm.xml"; the other one is "assets/a.stl"
 //   arm.hash;   // of names and contents
 //
-// Hashes of files are remembered for as long as the process lives and the file is the same to the
-// system (inode, size, times). IoError names a file that cannot be read. Any thread.
+// Hashes of files are cached in the process as long as the system reports the same file (inode,
+// size, times). Throws IoError for a file that cannot be read. Any thread.
 #pragma once
 
 #include <filesystem>
@@ -20,9 +20,9 @@
 
 namespace robocell {
 
-// SHA-256 of a file, remembered.
+// Returns the SHA-256 of a file, cached.
 std::string HashOfFile(const std::filesystem::path& path);
-// Its fingerprint (hash.h), remembered: quicker, for files that nobody forges.
+// Returns its fingerprint (hash.h), cached: faster, for files that nobody would forge.
 std::string FingerprintOfFile(const std::filesystem::path& path);
 
 // The hash functions for files and their names.
@@ -33,8 +33,8 @@ struct Hashing {
 inline constexpr Hashing kFingerprints = {FingerprintOfFile, Fingerprint};
 
 struct FileSet {
-  std::string main;                                    // the name of the one that names the others
-  std::map<std::string, std::filesystem::path> files;  // by their names from the common folder on
+  std::string main;                                    // the name of the file that names the others
+  std::map<std::string, std::filesystem::path> files;  // by names relative to the common folder
   std::string hash;                                    // of names and contents, hexadecimal
 };
 
@@ -45,13 +45,13 @@ FileSet MakeFileSet(const std::filesystem::path& main,
 // Name -> SHA-256.
 using FileSums = std::map<std::string, std::string>;
 
-// Computes the sums of all files in a folder. IoError names entries that are neither files nor
-// folders.
+// Computes the sums of all files in a folder. Throws IoError with entries that are neither files
+// nor folders.
 FileSums SumsOfFolder(const std::filesystem::path& folder);
 
-// A line each, as `sha256sum` prints and reads them. Its own SHA-256 is the hash of the set.
+// Returns one line each, in the format of `sha256sum`. Its own SHA-256 is the hash of the set.
 std::string TextOf(const FileSums& sums);
-// Unset when it is no such text.
+// Unset for another text.
 std::optional<FileSums> ParseSums(const std::string& text);
 
 }  // namespace robocell

@@ -35,7 +35,7 @@ TEST(FileSet, HasTheSameHashWhereverItIs) {
   EXPECT_EQ(Arm(here.path()).hash, Sha256(TextOf(SumsOfFolder(there.path()))));
 }
 
-// Files of the same length written at once: the second must not be taken for the first.
+// Files of the same length written at the same time must be distinguished.
 TEST(FileSet, HasAnotherHashWhenAFileChanges) {
   TempDir temp;
   const std::string before = Arm(temp.path()).hash;

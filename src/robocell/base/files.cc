@@ -24,7 +24,7 @@ namespace robocell {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr size_t kBlock = 1 << 18;  // stays in the processor's cache until it is used
+constexpr size_t kBlock = 1 << 18;  // fits into the processor's cache until it is used
 
 enum SyncKind { kContent, kFolder };
 
@@ -49,7 +49,7 @@ class File {
 
   int descriptor() const { return descriptor_; }
 
-  // `needed_bytes`: for the message, when the disk turns out to be full.
+  // `needed_bytes`: for the message about a full disk.
   void Sync(SyncKind kind, std::optional<uint64_t> needed_bytes = std::nullopt) {
     int result;
     do {
@@ -109,7 +109,7 @@ void SyncTree(const fs::path& folder) {
   FsyncDirectory(folder);
 }
 
-// After a rename: what was renamed is in place and stays, only a power cut may still undo it.
+// After a rename the new name is in place and stays; only a power cut may still undo it.
 void FlushRename(const fs::path& path) {
   try {
     FsyncDirectory(ParentOf(path));
@@ -119,8 +119,8 @@ void FlushRename(const fs::path& path) {
   }
 }
 
-// rename(2) that never replaces anything, where the file system can do that; else a check and a
-// rename.
+// Calls rename(2) such that it never replaces anything, if the file system can do that; otherwise
+// checks first.
 void RenameToNew(const fs::path& from, const fs::path& to) {
   if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return;
   if (errno == EINVAL || errno == ENOSYS) {
@@ -146,7 +146,7 @@ std::string ReadFile(const fs::path& path) {
   struct stat status = {};
   if (::fstat(file.descriptor(), &status) != 0) ThrowIoError("read", path, errno);
   std::string bytes;
-  bytes.resize(static_cast<size_t>(status.st_size) + 1);  // one more, so that the end is seen
+  bytes.resize(static_cast<size_t>(status.st_size) + 1);  // one more, to detect the end
   size_t size = 0;
   for (;;) {
     const ssize_t count = ::read(file.descriptor(), bytes.data() + size, bytes.size() - size);
@@ -154,7 +154,7 @@ std::string ReadFile(const fs::path& path) {
     if (count < 0) ThrowIoError("read", path, errno);
     if (count == 0) break;
     size += static_cast<size_t>(count);
-    if (size == bytes.size()) bytes.resize(2 * size);  // it grows, or is one of /proc
+    if (size == bytes.size()) bytes.resize(2 * size);  // it grows, or is in /proc
   }
   bytes.resize(size);
   return bytes;
@@ -231,7 +231,7 @@ void CommitDirectory(const fs::path& temporary, const fs::path& final) {
 
 namespace {
 
-// A range-based loop would throw the system's own error where the folder cannot be read further.
+// A range-based loop would throw the system's own error if the folder becomes unreadable.
 std::vector<std::string> ReadNames(const std::filesystem::path& folder, std::error_code& error) {
   std::vector<std::string> names;
   for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end;

@@ -138,7 +138,7 @@ TEST_F(FilesTest, AClosedPipeIsAnError) {
 
 TEST_F(FilesTest, InterruptedAndPartialWritesAreContinued) {
   struct sigaction action = {}, former = {};
-  action.sa_handler = [](int) {};  // without SA_RESTART: system calls return EINTR or what they did
+  action.sa_handler = [](int) {};  // no SA_RESTART: system calls return EINTR or partial results
   ::sigaction(SIGUSR1, &action, &former);
   int ends[2];
   ASSERT_EQ(::pipe(ends), 0);
@@ -150,7 +150,7 @@ TEST_F(FilesTest, InterruptedAndPartialWritesAreContinued) {
     done = true;
     ::close(ends[1]);
   });
-  // Nobody reads yet: the first signal ends a partial write, the others find nothing written.
+  // There is no reader yet: the first signal ends a partial write, the others find nothing written.
   for (int i = 0; i < 20; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
     ::pthread_kill(writer.native_handle(), SIGUSR1);
@@ -226,7 +226,7 @@ TEST_F(FilesTest, TempDirectoriesAreHiddenDifferentAndRecognised) {
                        "cannot create a folder in '" + (root() / "no").native() + "'");
 }
 
-// On a shared disk processes of several machines have the same number.
+// On a shared disk, processes of several machines may have the same number.
 TEST_F(FilesTest, TemporaryNamesThatOthersHaveArePassedBy) {
   const auto number = [](const fs::path& path) {
     return internal::TemporaryName::Parse(path.filename().native())->number;
@@ -302,7 +302,7 @@ TEST(IoError, SaysWhatToDoWhereThatIsKnown) {
   ExpectThrow<IoError>([] { ThrowIoError("write", "/proc/x", EDQUOT); }, "0 bytes are free there.");
 }
 
-// Who may write into a folder but not read it can rename in it, and not flush it.
+// A user who may write into a folder but not read it can rename in it, but not flush it.
 TEST_F(FilesTest, AFailureAfterTheRenameSaysThatTheThingIsThere) {
   const fs::path dataset = root() / "dataset", work = dataset / "work", final = dataset / "episode";
   fs::create_directories(work);

@@ -13,10 +13,10 @@ namespace robocell {
 
 std::string Sha256(std::string_view bytes);
 
-// Reads the file in blocks; its size does not matter. IoError when it cannot be read.
+// Reads a file of any size in blocks. Throws IoError if it cannot be read.
 std::string Sha256File(const std::filesystem::path& path);
 
-// The hash of what is handed over piece by piece.
+// Hashes data that arrives in pieces.
 class Sha256Stream {
  public:
   Sha256Stream();
@@ -33,13 +33,12 @@ class Sha256Stream {
   std::unique_ptr<Impl> impl_;
 };
 
-// XXH3 (128 bits) of bytes and files, as 32 lower-case hexadecimal digits: whether something is
-// what it was, many times quicker than SHA-256. For a user's own files only: whoever wants to can
-// make two files with the same fingerprint, so what others have to trust is known by its SHA-256
-// instead.
+// Returns XXH3 (128 bits) of bytes and files, as 32 lower-case hexadecimal digits: detects changes
+// many times faster than SHA-256. Only for a user's own files: two files with the same fingerprint
+// can be made on purpose, so data that others have to trust is identified by its SHA-256 instead.
 std::string Fingerprint(std::string_view bytes);
 
-// Reads the file in blocks; its size does not matter. IoError when it cannot be read.
+// Reads a file of any size in blocks. Throws IoError if it cannot be read.
 std::string FingerprintFile(const std::filesystem::path& path);
 
 // Two little-endian words, low word first.

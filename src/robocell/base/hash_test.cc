@@ -56,7 +56,7 @@ TEST(Sha256, PiecesAreTheSameAsTheWhole) {
 
 namespace {
 
-// What `xxhsum -H2` prints.
+// The output of `xxhsum -H2`.
 TEST(Fingerprint, IsTheOneThatOthersCompute) {
   EXPECT_EQ(Fingerprint(""), "99aa06d3014798d86001c324468d497f");
   EXPECT_EQ(Fingerprint("abc"), "06b05ab6733a618578af5f94892f3950");

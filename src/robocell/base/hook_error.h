@@ -1,6 +1,6 @@
 // Hooks: methods of tasks, experts and samplers, and functions of features, which users may write.
-// HookError: one of them failed, or returned what cannot be used. Runs end the attempt with it,
-// whoever noticed.
+// HookError: a hook failed, or returned an unusable value. It ends the attempt of a run, whatever
+// code detected it.
 #pragma once
 
 #include <string>
@@ -13,8 +13,8 @@ class HookError : public ArgumentError {
  public:
   // In Python: TypeError, ArgumentError, Error.
   enum class Kind { kType, kValue, kFailed };
-  // `place`: where the hook is written, "my_task.py:12, in judge"; it ends the message. "" when it
-  // is not known yet, or for compiled code.
+  // `place`: where the hook is written, "my_task.py:12, in judge"; it ends the message. "" if
+  // unknown, or for compiled code.
   HookError(const std::string& message, const std::string& place, Kind kind = Kind::kValue)
       : ArgumentError(place.empty() ? message : message + " (" + place + ")"),
         has_place_(!place.empty()),
@@ -27,11 +27,11 @@ class HookError : public ArgumentError {
   Kind kind_;
 };
 
-// What has hooks.
+// An object with hooks.
 class Hooks {
  public:
   virtual ~Hooks() = default;
-  // Where a method is written, as HookError has it; "" for compiled code.
+  // Returns where a method is written, in the form of HookError; "" for compiled code.
   virtual std::string PlaceOfHook(const char* /*method*/) const { return ""; }
 };
 

@@ -18,7 +18,7 @@ std::optional<uint64_t> ProcessStart(int64_t process) {
   std::ifstream file(fmt::format("/proc/{}/stat", process));
   std::string line, field;
   std::getline(file, line);
-  const size_t name = line.rfind(')');  // it may hold anything, also ") "
+  const size_t name = line.rfind(')');  // it may contain anything, also ") "
   if (name == std::string::npos) return std::nullopt;
   std::istringstream fields(line.substr(name + 1));
   for (int i = 0; i < kFieldsBefore; ++i) fields >> field;

@@ -1,4 +1,4 @@
-// The machine we run on.
+// The machine that runs this process.
 #pragma once
 
 #include <cstdint>
@@ -7,11 +7,12 @@
 
 namespace robocell::internal {
 
-// "" when the system does not say.
+// Returns "" if the system does not report it.
 std::string HostName();
 
-// When a process of this machine began, in the system's ticks; unset when there is none of this
-// number. With it the number names one process, and no later one that was given the same.
+// Returns when a process of this machine began, in the system's ticks; unset if there is no process
+// of this number. Together with the number it identifies one process, and no later one with the
+// same number.
 std::optional<uint64_t> ProcessStart(int64_t process);
 
 }  // namespace robocell::internal

@@ -26,7 +26,7 @@ TEST(ProcessStart, OfAChildIsNotBeforeItsParents) {
   if (child == 0) {
     close(ends[1]);
     char byte;
-    _exit(read(ends[0], &byte, 1) == 0 ? 0 : 1);  // until the parent is done with it
+    _exit(read(ends[0], &byte, 1) == 0 ? 0 : 1);  // until the parent has finished
   }
   close(ends[0]);
   const auto start = ProcessStart(child);

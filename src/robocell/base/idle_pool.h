@@ -1,5 +1,5 @@
-// Keeps a few expensive values between their uses: open files, running decoders. The caller owns a
-// taken value alone until it gives it back. Above its limit the pool destroys the value that was
+// Keeps a few expensive values between their uses: open files, running decoders. The caller alone
+// owns a taken value until it gives it back. Above its limit the pool destroys the value that was
 // idle longest.
 //
 //   IdlePool<Decoder> pool(8);
@@ -8,8 +8,9 @@
 //   decoder->Read(pixels);            // an exception here destroys the decoder, as it should
 //   pool.Give(std::move(*decoder));
 //
-// Any thread. A fork empties all pools before it happens: what both processes had would be shared
-// (pipes, file positions), and a child that closes descriptors would have values that use others.
+// Any thread may use it. Before a fork all pools are emptied: both processes would share their
+// values (pipes, file positions), and a child that closes descriptors would have values that use
+// others.
 #pragma once
 
 #include <cstddef>
@@ -30,14 +31,14 @@ class ForkSafePool {
 
  protected:
   ForkSafePool();
-  // The derived class calls Leave() first, while it is whole.
+  // The derived class calls Leave() first, while it is complete.
   ~ForkSafePool() = default;
   void Leave();
   static std::mutex& Mutex();
 
  private:
   friend void EmptyBeforeFork();
-  virtual void DropIdle() = 0;  // the mutex is held
+  virtual void DropIdle() = 0;  // called with the mutex held
 };
 
 template <typename Value>
@@ -46,7 +47,8 @@ class IdlePool : private ForkSafePool {
   explicit IdlePool(size_t limit) : limit_(limit) {}
   ~IdlePool() { Leave(); }
 
-  // The most recently used idle value for which `fits(value)` holds; nothing if there is none.
+  // Returns the most recently used idle value for which `fits(value)` holds; unset if there is
+  // none.
   template <typename Fits>
   std::optional<Value> Take(const Fits& fits) {
     const std::lock_guard lock(Mutex());
@@ -67,7 +69,7 @@ class IdlePool : private ForkSafePool {
     if (idle_.size() > limit_) dropped.splice(dropped.end(), idle_, std::prev(idle_.end()));
   }
 
-  // Destroys what is idle.
+  // Destroys the idle values.
   void Clear() {
     std::list<Value> dropped;
     const std::lock_guard lock(Mutex());
@@ -83,7 +85,7 @@ class IdlePool : private ForkSafePool {
   void DropIdle() override { idle_.clear(); }
 
   size_t limit_;
-  std::list<Value> idle_;  // the most recently used first
+  std::list<Value> idle_;  // most recently used first
 };
 
 }  // namespace robocell::internal

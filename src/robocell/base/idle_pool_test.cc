@@ -94,7 +94,7 @@ TEST(IdlePool, AForkWhileOtherThreadsUseItLeavesTheChildNoLockedMutex) {
   for (int i = 0; i < 50; ++i) {
     const pid_t child = fork();
     if (child == 0) {
-      alarm(20);  // a child that waits for a lock that nobody holds is ended by this
+      alarm(20);  // ends a child that waits for a lock that nobody holds
       pool.Give(Counted("y"));
       _exit(pool.Take(Named("y")) ? 0 : 1);
     }

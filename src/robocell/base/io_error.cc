@@ -17,7 +17,7 @@ bool TellsOf(int error, std::string_view said) {
   return said.find(std::generic_category().message(error)) != std::string_view::npos;
 }
 
-// ". 12 bytes are needed, 0 are free there. Make room and try again."
+// Removes ". 12 bytes are needed, 0 are free there. Make room and try again.".
 void CutHint(std::string& said) {
   const size_t end = said.find(kHintEnd);
   if (end == std::string::npos) return;

@@ -1,5 +1,5 @@
-// Texts of failed file operations: what was tried, where, the system's reason, what to do about it;
-// of a full disk or quota how much is needed, and how much there is.
+// Texts of failed file operations: the action, the path, the system's reason, and the next step;
+// for a full disk or quota also the needed and the free space.
 #pragma once
 
 #include <cstdint>
@@ -11,22 +11,23 @@
 namespace robocell {
 
 // Throws IoError "cannot <action> '<path>': <reason>" with a hint for the usual reasons. `error` is
-// an errno; for a full disk or quota the message says how many bytes are needed (when
-// `needed_bytes` is given) and how many are free there.
+// an errno; for a full disk or quota the message contains the needed bytes (if `needed_bytes` is
+// given) and the free ones.
 //
 //   if (::rename(a, b) != 0) ThrowIoError("rename", a, errno);
 [[noreturn]] void ThrowIoError(std::string_view action, const std::filesystem::path& path,
                                int error, std::optional<uint64_t> needed_bytes = std::nullopt);
 
-// Bytes that may still be written on the file system of `path`, or of its nearest existing parent.
+// Returns the bytes that may still be written on the file system of `path`, or of its nearest
+// existing parent.
 uint64_t FreeBytes(const std::filesystem::path& path);
 
-// "123 bytes are needed, 45 are free there. Make room and try again."
+// Returns "123 bytes are needed, 45 are free there. Make room and try again.".
 std::string SpaceHint(const std::filesystem::path& path, std::optional<uint64_t> needed_bytes);
 
-// Adds a hint to the message about a value that is written bit by bit, while the part already
-// written still takes up `written_bytes`. For a full disk the hint says that more is needed than
-// without that part. A hint about the last bit is left out.
+// Adds a hint to the message about a file that is written in parts, while the written part still
+// takes up `written_bytes`. For a full disk the hint adds these to the needed bytes. A hint about
+// the last part is left out.
 std::string WithSpaceHint(std::string said, const std::filesystem::path& path,
                           uint64_t written_bytes);
 

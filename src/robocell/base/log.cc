@@ -23,7 +23,7 @@ constexpr std::array<std::string_view, 5> kLevelNames = {"debug", "info", "warn"
 std::unique_ptr<spdlog::logger> MakeStderrLogger() {
   auto logger = std::make_unique<spdlog::logger>("robocell",
                                                  std::make_shared<spdlog::sinks::stderr_sink_mt>());
-  logger->set_level(spdlog::level::trace);  // our own level decides
+  logger->set_level(spdlog::level::trace);  // the level of SetLogLevel decides
   logger->set_pattern("%H:%M:%S.%e robocell %l: %v");
   logger->flush_on(spdlog::level::trace);
   return logger;

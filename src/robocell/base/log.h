@@ -1,7 +1,6 @@
-// Logging: one process-wide level and one replaceable sink, spoken to by all layers.
+// Logging: one process-wide level and one replaceable sink, shared by all layers.
 //
-// Nothing here is for data: what a run produced belongs into its episodes and reports, not into the
-// log.
+// The log is not for data: results of a run belong in its episodes and reports.
 //
 //   LogWarn(fmt::format("robot '{}': actuator '{}' has no limits", robot, actuator));
 //   const auto keep = [&](LogLevel, std::string_view text) { lines.emplace_back(text); };
@@ -15,12 +14,12 @@
 
 namespace robocell {
 
-// kNone is for SetLogLevel alone: nothing is logged at it.
+// kNone is for SetLogLevel only: no message has this level.
 enum class LogLevel { kDebug = 0, kInfo = 1, kWarn = 2, kError = 3, kNone = 4 };
 
-// "debug", "info", "warn", "error", "none".
+// Returns "debug", "info", "warn", "error", "none".
 std::string_view LogLevelName(LogLevel level);
-// The level of that name; an unknown one is a NotFoundError that lists them.
+// Returns the level of that name. Throws NotFoundError that lists the names.
 LogLevel LogLevelFromName(std::string_view name);
 
 // Messages below this level are dropped, all of them below kNone. The default is kInfo.
@@ -33,16 +32,16 @@ void LogInfo(std::string_view message) noexcept;
 void LogWarn(std::string_view message) noexcept;
 void LogError(std::string_view message) noexcept;
 
-// Receives each message that passes the level, on the thread that logs and with no lock held: it
-// may be called by several threads at once, may itself log, and may wait for Python's interpreter
-// lock. What it throws is written to stderr and goes no further.
+// Receives each message that passes the level, on the thread that logs and with no lock held:
+// several threads may call it at once, it may itself log, and it may wait for Python's interpreter
+// lock. Its exceptions are written to stderr and end there.
 using LogSink = std::function<void(LogLevel, std::string_view)>;
 
-// Replaces the sink and returns the one before; an empty sink means stderr, which is the default.
+// Replaces the sink and returns the previous one; an empty sink means stderr, which is the default.
 // Another thread may still be inside the old sink when this returns.
 LogSink SetLogSink(LogSink sink);
 
-// Replaces the sink for a scope and puts the former one back.
+// Replaces the sink for a scope and restores the former one at its end.
 class ScopedLogSink {
  public:
   explicit ScopedLogSink(LogSink sink) : former_(SetLogSink(std::move(sink))) {}

@@ -15,9 +15,9 @@ namespace robocell::internal {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int kMostLinks = 40;  // as Linux itself
+constexpr int kMostLinks = 40;  // the limit of Linux
 
-// A NUL would cut a message short.
+// A NUL would truncate a message.
 std::string Shown(std::string_view path) {
   std::string shown(path);
   for (size_t at; (at = shown.find('\0')) != std::string::npos;) shown.replace(at, 1, "\\0");
@@ -33,8 +33,8 @@ bool IsInside(const fs::path& path, const fs::path& root) {
   return std::mismatch(root.begin(), root.end(), path.begin(), path.end()).first == root.end();
 }
 
-// Where `path`, an absolute one, leads when all links are followed. Unlike
-// std::filesystem::weakly_canonical it follows links whose target does not exist. "" when there are
+// Returns where `path`, an absolute one, leads when all links are followed. Unlike
+// std::filesystem::weakly_canonical it follows links whose target does not exist. "" if there are
 // too many links.
 fs::path FollowLinks(const fs::path& path) {
   std::deque<fs::path> rest(path.begin(), path.end());
@@ -83,7 +83,7 @@ std::string_view FileNameProblem(std::string_view name) {
 
 fs::path ConfinedPath(const fs::path& root, std::string_view relative) {
   if (relative.empty()) Refuse(root, relative, "is empty");
-  if (relative.size() >= PATH_MAX) {  // no system call takes it, and to follow its links takes long
+  if (relative.size() >= PATH_MAX) {  // no system call accepts it, and its links take long
     Refuse(root, "...",
            fmt::format("has {} bytes, more than the {} of a path", relative.size(), PATH_MAX - 1));
   }
@@ -119,7 +119,7 @@ void RequireFileName(std::string_view what, std::string_view name) {
 
 namespace {
 
-// Whatever the locale says of letters.
+// Independent of the locale's letters.
 bool IsPlain(char c) {
   const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
   const bool digit = c >= '0' && c <= '9';

@@ -10,27 +10,27 @@
 
 namespace robocell::internal {
 
-// root / relative, refused (ArgumentError that names both) when `relative` is empty, absolute,
-// contains ".." or a NUL byte, is longer than a path can be, or when a symbolic link on the way,
-// dangling ones included, leads outside `root`. Any other name is fine: spaces, quotes, $(),
-// Unicode. The path need not exist, and neither need the root. It is a check against mistakes and
-// hostile names, not against someone who swaps links while we run.
+// Returns root / relative. Throws ArgumentError with both if `relative` is empty, absolute,
+// contains ".." or a NUL byte, is longer than a path can be, or if a symbolic link on the way,
+// including dangling ones, leads outside `root`. Any other name is accepted: spaces, quotes, $(),
+// Unicode. Neither the path nor the root needs to exist. This protects against mistakes and hostile
+// names, not against links that are swapped meanwhile.
 std::filesystem::path ConfinedPath(const std::filesystem::path& root, std::string_view relative);
 
-// Raises ArgumentError if `path` contains a NUL byte: the system would open another file, whose
-// name ends there. `what` says what the path belongs to, such as "model".
+// Throws ArgumentError if `path` contains a NUL byte: the system would open another file, whose
+// name ends there. `what` names the owner of the path, such as "model".
 void RequireNoNul(std::string_view what, std::string_view path);
 
-// Whether `name` can be the name of one file on the systems we know: not empty, "." or "..",
-// without '/', NUL and control characters, at most 255 bytes.
+// Returns true if `name` can be the name of one file on the systems we know: not empty, "." or
+// "..", without '/', NUL and control characters, at most 255 bytes.
 bool ValidFileName(std::string_view name);
 
-// Raises ArgumentError with the reason unless ValidFileName(name). `what` says what the name
-// belongs to, such as "camera".
+// Throws ArgumentError with the reason unless ValidFileName(name). `what` names the owner of the
+// name, such as "camera".
 void RequireFileName(std::string_view what, std::string_view name);
 
-// For paths in commands that messages contain: `text` as one word of a POSIX shell, in single quotes where it needs them: 'out/two words'. As
-// Python's shlex.quote.
+// For paths in commands that messages contain: returns `text` as one word of a POSIX shell, in
+// single quotes where it needs them: 'out/two words'. Like Python's shlex.quote.
 std::string ShellWord(std::string_view text);
 
 }  // namespace robocell::internal

@@ -16,8 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A plugin whose function threw keeps its file here, since the kinds that it registered before stay
-// known and their code belongs into hashes.
+// A plugin whose function threw keeps its file here, because its earlier registrations stay valid
+// and their code belongs in hashes.
 struct PluginState {
   bool failed = false;  // its registration threw
   std::string failure;  // its text
@@ -35,7 +35,7 @@ LoadedPlugins& Loaded() {
   return plugins;
 }
 
-// Null when the library has no such function.
+// Returns null if the library has no such function.
 template <class Function>
 Function* FunctionOf(void* library, const char* name) {
   return reinterpret_cast<Function*>(dlsym(library, name));
@@ -43,7 +43,7 @@ Function* FunctionOf(void* library, const char* name) {
 
 thread_local std::string being_loaded;
 
-// Names the plugin that registers on this thread, and the outer one again afterwards.
+// Names the plugin that registers on this thread, and restores the outer one at the end.
 class BeingLoaded {
  public:
   explicit BeingLoaded(const std::string& file) : outer_(std::exchange(being_loaded, file)) {}
@@ -60,7 +60,7 @@ void SetState(const std::string& file, PluginState state) {
   Loaded().files[file] = std::move(state);
 }
 
-// Whether the file needs no loading any more. ArgumentError when its registration failed.
+// Returns true if the file is already loaded. Throws ArgumentError if its registration failed.
 bool IsKnown(const std::string& file) {
   const std::lock_guard lock(Loaded().mutex);
   const auto found = Loaded().files.find(file);
@@ -100,8 +100,8 @@ std::string LoadPlugin(const std::string& path) {
                     "it again",
                     path, built_for, Version()));
   }
-  // Before it registers: kinds are asked where they come from as soon as they are known. The
-  // library stays, since kinds are never forgotten.
+  // Set before it registers: kinds are asked for their origin as soon as they exist. The library
+  // stays loaded, because kinds are never unregistered.
   SetState(file, {});
   try {
     const BeingLoaded scope(file);

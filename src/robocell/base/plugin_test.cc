@@ -11,7 +11,7 @@
 namespace robocell {
 namespace {
 
-// What a plugin does is tried with one that is built, in tests/integration/test_plugin.py.
+// tests/integration/test_plugin.py tests the effects of a plugin with one that is built.
 TEST(Plugin, AFileThatIsNotThereIsNamed) {
   ExpectThrow<IoError>([] { LoadPlugin("no_such_plugin.so"); },
                        "cannot load plugin 'no_such_plugin.so': No such file");

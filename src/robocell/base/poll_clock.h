@@ -1,12 +1,12 @@
-// PollClock: says when to look for what is to be heard within milliseconds, such as Ctrl-C, in work
-// whose steps may take microseconds or seconds:
+// PollClock: decides when to poll for events that need a reaction within milliseconds, such as
+// Ctrl-C, in work whose steps may take microseconds or seconds:
 //
 //   PollClock clock;
 //   while (Work()) {
 //     if (clock.IsDue()) LookForSignals();
 //   }
 //
-// Asking for the time costs 50 ns on some machines: while steps are quick only each eighth asks.
+// Reading the time costs 50 ns on some machines: during quick steps only every eighth one reads it.
 #pragma once
 
 #include <chrono>
@@ -16,8 +16,9 @@ namespace robocell {
 template <class Clock>
 class BasicPollClock {
  public:
-  // Returns true if 10 ms have passed since it was made, or last said so. Said with the first step
-  // after that; up to seven steps later when those before took less than 1 ms each.
+  // Returns true if 10 ms have passed since construction, or since it last returned true. It
+  // returns true with the first step after that; up to seven steps later if the previous ones took
+  // less than 1 ms each.
   bool IsDue() {
     if (++steps_ < steps_to_ask_) return false;
     const auto now = Clock::now();

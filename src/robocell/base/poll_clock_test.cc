@@ -9,7 +9,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// A clock that stands still until it is moved, and counts its readers.
+// A clock that only moves when it is set, and counts its readers.
 struct ToldClock {
   using duration = std::chrono::microseconds;
   using rep = duration::rep;

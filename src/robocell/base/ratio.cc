@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kMostDenominator = 1e9;
 constexpr double kAgreement = 1e-12;
-constexpr double kWhole = 1e-6;  // as many digits as people write of 100/3
+constexpr double kWhole = 1e-6;  // as many digits as people write for 100/3
 
 int64_t Times(int64_t a, int64_t b) {
   int64_t product = 0;
@@ -43,7 +43,7 @@ Ratio operator/(const Ratio& a, int64_t b) {
   return {a.num / shared, Times(a.den, b / shared)};
 }
 
-// By continued fractions.
+// Uses continued fractions.
 Ratio RatioOf(double value) {
   if (!(value > 0) || value > 1e15)
     throw ArgumentError(fmt::format("{:g} cannot be made a ratio of whole numbers", value));

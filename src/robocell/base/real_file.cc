@@ -91,7 +91,7 @@ void ThrowOpenError(std::string_view action, const fs::path& path, int error) {
 
 RealFile::RealFile(const fs::path& path, int flags, std::string_view action) {
   const bool reading = (flags & O_ACCMODE) == O_RDONLY;
-  if (reading) RequireReadable(path);  // before opening: a device may do something then
+  if (reading) RequireReadable(path);  // before opening, which may act on a device
   const int links = reading ? 0 : O_NOFOLLOW;
   // O_NONBLOCK: opening a pipe would wait for its other end.
   do {

@@ -97,7 +97,7 @@ TEST_F(RealFileTest, AMissingOneSaysTheSystemsReason) {
 }
 
 TEST_F(RealFileTest, MoreThanTheLimitIsNotRead) {
-  fs::resize_file(temp / "file", uint64_t{1} << 40);  // takes no room
+  fs::resize_file(temp / "file", uint64_t{1} << 40);  // needs no space
   ExpectThrow<IoError>([&] { ReadRealFile(temp / "file"); },
                        "it has 1099511627776 bytes, 67108864 are the most that is read");
 }

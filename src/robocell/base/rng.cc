@@ -24,9 +24,9 @@ Hash128 HashNumber(const Hash128& id, char kind, uint64_t number) {
   return SipHash128(id, {bytes.data(), bytes.size()});
 }
 
-// The logarithm of x > 0 from IEEE basic operations only, to about 1e-16 relative: libm's differs
-// between versions and between processors with and without fused multiply-add. log m = 2 atanh((m -
-// 1) / (m + 1)) for m near 1.
+// Computes the logarithm of x > 0 from IEEE basic operations only, to about 1e-16 relative: libm's
+// differs between versions and between processors with and without fused multiply-add. log m = 2
+// atanh((m - 1) / (m + 1)) for m near 1.
 double PortableLog(double x) {
   int exponent = 0;
   double m = std::frexp(x, &exponent);  // [0.5, 1)
@@ -56,7 +56,7 @@ Rng Rng::Stream(uint64_t run_seed, std::span<const RngKey> keys) {
 
 Rng Rng::Fork(const RngKey& purpose) const {
   if (purpose.kind_ != RngKey::kText) return Rng(HashNumber(id_, purpose.kind_, purpose.number_));
-  // A text is told from a number by hashing it under another key.
+  // Texts are hashed under another key than numbers.
   return Rng(SipHash128(HashNumber(id_, RngKey::kText, purpose.text_.size()), purpose.text_));
 }
 

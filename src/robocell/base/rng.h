@@ -1,8 +1,8 @@
 // Random streams named by keys: the only source of randomness for anything that ends up in data.
 //
 // A stream is a pure function of its keys, the same on every machine and with every standard
-// library. Who asks for "episode 17, attempt 0, object pose" gets the same numbers whatever was
-// drawn before, by whom, in which process.
+// library. "Episode 17, attempt 0, object pose" gives the same numbers whatever was drawn before,
+// by any code in any process.
 //
 //   Rng rng = Rng::Stream(run_seed, "scene", scene_name, index, attempt, "object pose");
 //   const double x = rng.Uniform(-0.2, 0.2);
@@ -33,7 +33,7 @@ namespace robocell {
 template <typename T>
 concept RngInteger = std::integral<T> && !std::same_as<T, bool> && !std::same_as<T, char>;
 
-// One part of a stream's name: a whole number or a text, converted in place. A text must outlive
+// One part of a stream's name: a whole number or a text, converted implicitly. A text must outlive
 // the call that takes the key.
 class RngKey {
  public:
@@ -55,7 +55,7 @@ class RngKey {
 
 class Rng {
  public:
-  // The stream of these keys.
+  // Returns the stream of these keys.
   static Rng Stream(uint64_t run_seed, std::span<const RngKey> keys);
   template <std::convertible_to<RngKey>... Keys>
   static Rng Stream(uint64_t run_seed, const Keys&... keys) {
@@ -63,30 +63,31 @@ class Rng {
     return Stream(run_seed, std::span(all.data(), sizeof...(Keys)));
   }
 
-  // The stream of this stream's keys and one more; what was drawn from this one does not matter.
+  // Returns the stream of this stream's keys and one more; earlier draws from this one do not
+  // matter.
   Rng Fork(const RngKey& purpose) const;
 
-  // 64 random bits.
+  // Returns 64 random bits.
   uint64_t NextBits();
-  // In [0, 1), a multiple of 2^-53.
+  // Returns a number in [0, 1), a multiple of 2^-53.
   double Uniform();
-  // In [low, high); low itself when they are equal. Refused (ArgumentError) unless low <= high and
-  // both are finite.
+  // Returns a number in [low, high); low itself if they are equal. Throws ArgumentError unless low
+  // <= high and both are finite.
   double Uniform(double low, double high);
-  // In {0, ..., count - 1}, without bias; count 0 is an ArgumentError.
+  // Returns a number in {0, ..., count - 1}, without bias. Throws ArgumentError for count 0.
   uint64_t UniformInt(uint64_t count);
-  // Mean 0, standard deviation 1.
+  // Returns a number with mean 0 and standard deviation 1.
   double Normal();
-  // An index drawn with probability proportional to its weight. Weights are finite and >= 0, one at
-  // least > 0 (ArgumentError otherwise).
+  // Returns an index drawn with probability proportional to its weight. Throws ArgumentError unless
+  // weights are finite and >= 0, and at least one is > 0.
   size_t WeightedIndex(std::span<const double> weights);
 
-  // One of the elements of a container that has size() and operator[].
+  // Returns one of the elements of a container that has size() and operator[].
   template <typename Container>
   decltype(auto) Choice(Container&& items) {
     return items[UniformInt(items.size())];
   }
-  // All orders are equally likely (Fisher-Yates).
+  // Shuffles such that all orders are equally likely (Fisher-Yates).
   template <typename Container>
   void Shuffle(Container&& items) {
     using std::swap;

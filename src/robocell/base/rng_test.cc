@@ -33,7 +33,7 @@ double ChiSquare(const std::vector<int>& counts) {
 }
 
 // The numbers come from a second implementation, written in Python from the papers. If this test
-// fails, recorded seeds no longer reproduce their data: raise kRoot's version and say so in the
+// fails, recorded seeds no longer reproduce their data: raise kRoot's version and add that to the
 // changelog, or undo the change.
 TEST(Rng, StreamsArePinned) {
   EXPECT_THAT(Draw(Rng::Stream(0)),
@@ -67,7 +67,8 @@ TEST(Rng, NumbersArePinned) {
 TEST(Rng, NormalNumbersArePinned) {
   Rng rng = Rng::Stream(7, "normal");
   const std::vector<double> draws = {rng.Normal(), rng.Normal(), rng.Normal()};
-  // Ours to the last bit, on every machine; Python's with libm's logarithm to rounding.
+  // Ours match to the last bit, on every machine; Python's, with libm's logarithm, match to
+  // rounding.
   EXPECT_THAT(draws,
               ElementsAre(-0x1.11ba6e57ab047p+0, 0x1.4e602ce5dcee7p-6, 0x1.3516bcfc1a3f1p-3));
   EXPECT_NEAR(draws[0], -1.0692509616883557, 4e-16);

@@ -1,6 +1,6 @@
-// Copies and range checks of arrays of a few numbers (a state, a configuration), which every control
-// tick makes. They are inlined and handle 16 bytes at a time, the last 16 once more: for so few
-// numbers, a call into the C library takes longer than the work.
+// Copies and range checks of arrays of a few numbers (a state, a configuration), which every
+// control tick makes. They are inlined and handle 16 bytes at a time, the last 16 overlapping: for
+// so few numbers, a call into the C library takes longer than the work.
 #pragma once
 
 #include <bit>
@@ -16,7 +16,7 @@ namespace small_arrays_internal {
 
 using Pair = uint64_t __attribute__((vector_size(16)));
 
-// The compiler knows the size, so that this is no call.
+// The compiler knows the size, so it does not emit a call.
 inline Pair PairAt(const void* from, size_t at) {
   Pair pair;
   std::memcpy(&pair, static_cast<const char*>(from) + at, sizeof pair);
@@ -52,7 +52,7 @@ inline size_t LastPair(size_t bytes) { return bytes - sizeof(Pair); }
   few::PutPair(few::PairAt(from, few::LastPair(bytes)), to, few::LastPair(bytes));
 }
 
-// Returns whether no magnitude is larger than `most` and none is NaN. Magnitudes are compared as
+// Returns true if no magnitude is larger than `most` and none is NaN. Magnitudes are compared as
 // integers, which have the same order with infinity and NaN above all others.
 inline bool AllWithin(double most, const double* x, size_t n) {
   namespace few = small_arrays_internal;

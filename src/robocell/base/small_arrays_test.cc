@@ -13,7 +13,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kHuge = std::numeric_limits<double>::max();
 
-// Of every size, at every alignment, without touching what is beside.
+// Covers every size, at every alignment, without touching neighbouring bytes.
 TEST(SmallArrays, AreCopiedToTheByte) {
   for (size_t bytes = 0; bytes < 100; ++bytes) {
     for (size_t shift = 0; shift < 8; ++shift) {

@@ -1,6 +1,6 @@
-// StopRequest: how long work is told to end early. It is asked now and then, on the thread that
-// called for the work; once it has said true it goes on saying so. An exception that it throws ends
-// the work too and comes out of it. Empty: nobody will ask to stop.
+// StopRequest: asks long work to end early. The work calls it occasionally, on its caller's thread;
+// once it has returned true it keeps returning true. Its exception ends the work too and is
+// rethrown. Empty: no stop request.
 #pragma once
 
 #include <functional>

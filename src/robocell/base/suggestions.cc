@@ -34,7 +34,8 @@ int EditDistance(const std::string& a, const std::string& b) {
   return d[n][m];
 }
 
-// Returns true if one may be a slip for the other: few edits, or one contained in the other.
+// Returns true if one may be a typing error for the other: few edits, or one contained in the
+// other.
 bool IsNear(const std::string& wanted, const std::string& have, int distance) {
   const int longest = static_cast<int>(std::max(wanted.size(), have.size()));
   const bool nothing_in_common = distance >= longest;
@@ -43,7 +44,7 @@ bool IsNear(const std::string& wanted, const std::string& have, int distance) {
          (have.find(wanted) != std::string::npos || wanted.find(have) != std::string::npos);
 }
 
-// Splits "joint12" into ("joint", 12); number is -1 when there is none.
+// Splits "joint12" into ("joint", 12); number is -1 if there is none.
 std::pair<std::string, int> SplitNumber(const std::string& name) {
   size_t digits = name.size();
   while (digits > 0 && std::isdigit(static_cast<unsigned char>(name[digits - 1]))) --digits;
@@ -51,7 +52,8 @@ std::pair<std::string, int> SplitNumber(const std::string& name) {
   return {name.substr(0, digits), std::atoi(name.c_str() + digits)};
 }
 
-// How far the numbers of two names like "joint7" and "joint8" are apart; other pairs are farthest.
+// Returns the difference between the numbers of names like "joint7" and "joint8"; the largest value
+// for other pairs.
 int NumberGap(const std::string& a, const std::string& b) {
   const auto [stem_a, number_a] = SplitNumber(a);
   const auto [stem_b, number_b] = SplitNumber(b);

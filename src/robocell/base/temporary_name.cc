@@ -9,7 +9,7 @@ namespace {
 
 constexpr size_t kLongest = 180;  // of 255 bytes
 
-// Takes ".<number>" off the end.
+// Removes ".<number>" from the end.
 template <class T>
 bool TakeNumber(std::string_view& text, T& value) {
   const size_t dot = text.rfind('.');

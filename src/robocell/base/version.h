@@ -5,10 +5,10 @@
 
 namespace robocell {
 
-// Of these headers.
+// The version of these headers.
 inline constexpr const char* kHeaderVersion = "0.1.0";
 
-// Of the library, from the build.
+// Returns the version of the library, from the build.
 std::string_view Version();
 
 }  // namespace robocell

@@ -25,7 +25,7 @@ namespace {
 
 constexpr CartesianImpedanceController::Gains kDefaultStiffness = {400, 400, 400, 30, 30, 30};
 
-// Of the squared length of a quaternion: what rounding leaves.
+// Allowed deviation of a quaternion's squared length from 1, by rounding.
 constexpr double kUnitLength = 1e-12;
 
 }  // namespace
@@ -116,7 +116,7 @@ void CartesianImpedanceController::Compute(std::span<double> ctrl) {
                            .feedforward = feedforward_.data(),
                            .damping_ratio = damping_ratio_},
                           &leaf);
-  // What of the state is no number is in all of them.
+  // A NaN of the state makes all torques NaN.
   if (!AllFinite(leaf.torques, n)) chain.RequireJointValues("q", q_);
   arm_.CtrlForJointTorque({leaf.torques, n}, ctrl);
 }

@@ -9,10 +9,10 @@
 //   soft.SetStiffness({800, 800, 100, 40, 40, 40});        // N/m, then Nm/rad
 //   soft.SetPose(target_in_robot);
 //
-// Needs the control mode torque. With damping_ratio 1 no motion of the leaf overshoots, whatever
-// mass it shows at that moment; N is the dynamically consistent null space (O. Khatib, "A unified
-// approach for motion and force control of robot manipulators", 1987). Poses are in the robot base
-// frame. No allocation in Compute.
+// It needs the control mode torque. With damping_ratio 1 no motion of the TCP overshoots, whatever
+// its present operational-space inertia is; N is the dynamically consistent null space (O. Khatib,
+// "A unified approach for motion and force control of robot manipulators", 1987). Poses are in the
+// robot base frame. Compute does not allocate.
 #pragma once
 
 #include <array>
@@ -30,7 +30,7 @@ class CartesianImpedanceController : public Controller {
   static constexpr std::string_view kKind = "cartesian_impedance";
   using Gains = std::array<double, 6>;
 
-  // NotFoundError for an arm without a chain.
+  // Throws NotFoundError for an arm without a chain.
   explicit CartesianImpedanceController(ArmGroup& arm);
 
   std::string_view kind() const override { return kKind; }
@@ -43,30 +43,31 @@ class CartesianImpedanceController : public Controller {
   std::span<const double> target() const override { return target_; }
   std::span<const double> commanded_joint_pos() const override { return q_; }
   std::span<double> command_port() override { return target_; }
-  // Holds the pose and the posture that are there.
+  // Holds the present pose and posture.
   void Reset() override;
   void Compute(std::span<double> ctrl) override;
 
   void SetPose(const Pose& leaf_in_robot);
   Pose pose() const;
 
-  // x y z in N/m, then about x y z in Nm/rad. ArgumentError for negative or infinite ones.
+  // x y z in N/m, then about x y z in Nm/rad. Throws ArgumentError for negative or infinite values.
   Gains stiffness() const;
   void SetStiffness(const Gains& stiffness);
   double damping_ratio() const { return damping_ratio_; }
   void SetDampingRatio(double ratio);
-  // Where redundant joints are drawn to (rad or m), and how fast they would swing around it, rad/s;
-  // 0 lets them go.
+  // The posture that attracts redundant joints (rad or m), and the frequency at which they would
+  // swing around it, rad/s; 0 switches the attraction off.
   std::span<const double> posture() const { return posture_; }
   void SetPosture(std::span<const double> q);
   double posture_frequency() const { return posture_frequency_; }
   void SetPostureFrequency(double frequency);
-  // Pushed on top, by the arm on what it touches, in the axes of the robot base frame: N, then Nm.
+  // An additional wrench that the arm exerts on its surroundings, in the axes of the robot base
+  // frame: N, then Nm.
   const Gains& feedforward() const { return feedforward_; }
   void SetFeedforward(const Gains& wrench);
 
  private:
-  // Of target_, which others write: a pose or an error.
+  // Checks target_, which other code writes: a pose or an error.
   void RequireTarget();
 
   ArmGroup& arm_;

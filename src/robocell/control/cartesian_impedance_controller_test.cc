@@ -30,7 +30,7 @@ TEST_P(CartesianImpedance, TheLeafGivesWayAsASpringAlongTheAxesOfTheBase) {
   RunFor(robot, 200);
   const Pose start = robot.FkFrame();
   EXPECT_TRUE(start.is_close(soft.pose(), 3e-3, 1e-3)) << "it weighs nothing";
-  const Vector3d force(5, -7, 9);  // pushed by the arm: it goes that way
+  const Vector3d force(5, -7, 9);  // exerted by the arm: it moves in this direction
   soft.SetFeedforward({force[0], force[1], force[2], 0, 0, 0});
   RunFor(robot, 1500);
   const Vector3d way = robot.FkFrame().translation() - start.translation();
@@ -46,7 +46,7 @@ TEST_P(CartesianImpedance, AFeedforwardThatIsNoneIsToldByItsName) {
       [&] {
         soft.SetFeedforward({0, 0, std::nan(""), 0, 0, 0});
       },
-      "value 2 of the feedforward is nan; all of it must be finite");
+      "value 2 of the feedforward is nan; all values must be finite");
 }
 
 TEST_P(CartesianImpedance, TheLeafGoesToItsTargetWithoutOvershoot) {
@@ -58,7 +58,7 @@ TEST_P(CartesianImpedance, TheLeafGoesToItsTargetWithoutOvershoot) {
   const Vector3d step(0.03, -0.02, 0.02);
   soft.SetPose(Pose(start.translation() + step, start.rotation()));
   double farthest = 0;
-  for (int i = 0; i < 2500; ++i) {  // joints of the model that are damped take their time
+  for (int i = 0; i < 2500; ++i) {  // damped joints of the model take their time
     RunFor(robot, 1);
     const Vector3d way = robot.FkFrame().translation() - start.translation();
     farthest = std::max(farthest, way.dot(step.normalized()));
@@ -101,7 +101,8 @@ TEST(CartesianImpedanceTarget, IsCommandedByPosesAndJoints) {
   EXPECT_TRUE(soft.pose().is_close(robot.FkFrame(q), 1e-12, 1e-12));
   Scene scene = robot.scene();
   scene.Reset();
-  EXPECT_TRUE(soft.pose().is_close(robot.FkFrame(), 1e-12, 1e-12)) << "a reset holds what is there";
+  EXPECT_TRUE(soft.pose().is_close(robot.FkFrame(), 1e-12, 1e-12))
+      << "a reset holds the present pose";
 }
 
 TEST(CartesianImpedanceGains, AreChecked) {

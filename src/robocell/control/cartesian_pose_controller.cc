@@ -21,10 +21,10 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 // Keeps joint speeds bounded near singularities: least squares weigh the error against the motion.
 constexpr double kDamping = 1e-4;
 constexpr double kPostureRate = 1;           // 1/s
-constexpr double kLongestTick = 0.1;         // s; after a pause nothing jumps
+constexpr double kLongestTick = 0.1;         // s; avoids a jump after a pause
 constexpr double kLargestJointSpeed = M_PI;  // rad/s or m/s
-// How far the reference may be ahead of what the joints can follow, m and rad, so that it does not
-// have to come all the way back from a target that cannot be reached.
+// How far the reference may be ahead of the joints, m and rad, so that it does not have to come all
+// the way back from an unreachable target.
 constexpr double kLongestLead = 0.02, kWidestLead = 0.1;
 
 [[maybe_unused]] const bool kCartesianPoseRegistered = [] {
@@ -38,7 +38,7 @@ constexpr double kLongestLead = 0.02, kWidestLead = 0.1;
 
 CartesianPoseController::CartesianPoseController(ArmGroup& arm)
     : arm_(arm), servos_(arm), posture_(arm.nq()) {
-  arm_.chain();  // says at once when there is none
+  arm_.chain();  // throws at once if there is none
   Reset();
 }
 
@@ -74,7 +74,7 @@ void CartesianPoseController::ResetTo(std::span<const double> servos) {
   HoldServos();
 }
 
-// The target is where the servos are being sent.
+// Sets the target to that of the servos.
 void CartesianPoseController::HoldServos() {
   const std::span<const double> q = servos_.target();
   std::copy(q.begin(), q.end(), posture_.begin());

@@ -6,9 +6,9 @@
 //   cartesian.SetPose(robot.FkFrame() * Pose(Eigen::Vector3d(0, 0, -0.1)));
 //
 // Differential inverse kinematics at control rate: a reference moves towards the target, and the
-// joint targets follow it by damped least squares, within their limits; redundant joints go towards
-// the posture. A target that cannot be reached is approached as far as the joints allow. Poses are
-// in the robot base frame. No allocation in Compute.
+// joint targets follow it by damped least squares, within their limits; redundant joints move
+// towards the posture. An unreachable target is approached as far as the joints allow. Poses are in
+// the robot base frame. Compute does not allocate.
 #pragma once
 
 #include <vector>
@@ -23,7 +23,7 @@ namespace robocell {
 class CartesianPoseController : public Controller {
  public:
   static constexpr std::string_view kKind = "cartesian_pose";
-  // NotFoundError for an arm without a chain, ArgumentError for one without position servos.
+  // Throws NotFoundError for an arm without a chain, ArgumentError for one without position servos.
   explicit CartesianPoseController(ArmGroup& arm);
 
   std::string_view kind() const override { return kKind; }

@@ -1,4 +1,4 @@
-// Straight lines of the leaf, no faster than allowed, within the limits.
+// Tests straight lines of the TCP within the speed and joint limits.
 #include "robocell/control/cartesian_pose_controller.h"
 
 #include <gtest/gtest.h>
@@ -100,7 +100,7 @@ TEST(CartesianPoseLimits, RefusesBadNumbers) {
   ExpectThrow<ArgumentError>([&] { cartesian.SetMaxSpeeds(0, 1); },
                              "group 'arm': the largest speeds cannot be 0 m/s and 1 rad/s");
   ExpectThrow<ArgumentError>([&] { cartesian.SetTarget(std::vector<double>(7, std::nan(""))); },
-                             "group 'arm': value 0 of the pose is nan; all of it must be finite");
+                             "group 'arm': value 0 of the pose is nan; all values must be finite");
   ExpectThrow<ArgumentError>([&] { cartesian.SetPosture(std::vector<double>(2)); },
                              "group 'arm': expected 7 joint values, got 2");
   ExpectThrow<ArgumentError>([&] { robot.SetController("gripper", "cartesian_pose"); },

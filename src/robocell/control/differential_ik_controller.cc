@@ -12,7 +12,7 @@
 namespace robocell {
 namespace {
 
-constexpr double kMostSeconds = 0.1;  // of a tick; after a pause nothing jumps
+constexpr double kMostSeconds = 0.1;  // of a tick; avoids a jump after a pause
 
 [[maybe_unused]] const bool kDifferentialIkRegistered = [] {
   RegisterController("differential_ik", [](MoveGroup& group) -> std::unique_ptr<Controller> {
@@ -91,7 +91,7 @@ void DifferentialIkController::Compute(std::span<double> ctrl) {
   const double seconds = std::clamp(now - time_, 0.0, kMostSeconds);
   time_ = now;
   if (seconds > 0) {
-    // The port is written to without a check.
+    // Writes into the port are not checked.
     RequireValues([&] { return arm_.place(); }, "twist", target_, target_size());
     options_.seconds = seconds;
     if (frame() == TwistFrame::kWorld)

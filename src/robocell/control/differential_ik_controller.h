@@ -23,7 +23,7 @@ namespace robocell {
 class DifferentialIkController : public Controller {
  public:
   static constexpr std::string_view kKind = "differential_ik";
-  // NotFoundError for an arm without a chain, ArgumentError for one without position servos.
+  // Throws NotFoundError for an arm without a chain, ArgumentError for one without position servos.
   explicit DifferentialIkController(ArmGroup& arm);
 
   std::string_view kind() const override { return kKind; }
@@ -42,7 +42,7 @@ class DifferentialIkController : public Controller {
 
   void SetTwist(const Twist& twist);
   Twist twist() const;
-  // The robot base's axes, unless set; or the leaf's, or the world's.
+  // The axes of the twist: the robot base's by default; or the leaf's, or the world's.
   TwistFrame frame() const { return options_.frame; }
   void SetFrame(TwistFrame frame) { options_.frame = frame; }
   // Largest speed of each joint, rad/s or m/s, above 0; default pi.
@@ -54,7 +54,7 @@ class DifferentialIkController : public Controller {
   void SetPosture(std::span<const double> q);
   double posture_rate() const { return options_.posture_rate; }
   void SetPostureRate(double per_second);
-  // Whether the leaf frame moved slower than its target twist in the last tick.
+  // Returns true if the leaf frame moved slower than its target twist in the last tick.
   bool slower() const { return slower_; }
 
  private:

@@ -1,4 +1,5 @@
-// The leaf moves as told in the simulation, and joints stay within limits and speeds.
+// Tests that the leaf moves as commanded in the simulation, and that joints stay within limits and
+// speeds.
 #include "robocell/control/differential_ik_controller.h"
 
 #include <gtest/gtest.h>

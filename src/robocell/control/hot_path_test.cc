@@ -1,4 +1,4 @@
-// The controllers of this folder allocate nothing in a control tick or a batch.
+// Tests that the controllers of this folder allocate nothing in a control tick or a batch.
 #include <gtest/gtest.h>
 
 #include "robocell/kinematics/chain_batch.h"

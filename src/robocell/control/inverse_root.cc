@@ -6,7 +6,8 @@
 namespace robocell::internal {
 namespace {
 
-// The arithmetic-geometric mean's way from 1 and the root of 1 / range to where both meet.
+// The arithmetic-geometric mean: the sequence from 1 and the root of 1 / range to their common
+// limit.
 struct Means {
   static constexpr int kSteps = 12;
   std::array<double, kSteps + 1> mean, half_gap;
@@ -23,8 +24,8 @@ struct Means {
     }
   }
   double quarter_period() const { return M_PI / (2 * mean[kSteps]); }
-  // Jacobi's amplitude, by Landen's transformation (M. Abramowitz, I. A. Stegun, "Handbook of
-  // Mathematical Functions", 16.4).
+  // Computes Jacobi's amplitude by Landen's transformation (M. Abramowitz, I. A. Stegun, "Handbook
+  // of Mathematical Functions", 16.4).
   double Amplitude(double u) const {
     double angle = std::ldexp(mean[kSteps] * u, kSteps);
     for (int k = kSteps; k > 0; --k)

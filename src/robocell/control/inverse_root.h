@@ -2,10 +2,10 @@
 //
 //   A^(-1/2) v  =  sum over the poles of  sqrt(top) weight (A + top shift)^-1 v
 //
-// for a matrix whose eigenvalues lie between top / range and top. What the sum stands for is a
-// positive symmetric matrix with the same eigenvectors, and within 1e-4 of the exact one (N. Hale,
-// N. J. Higham, L. N. Trefethen, "Computing A^alpha, log(A), and related matrix functions by
-// contour integrals", 2008, method 3). Eigenvalues below the range count for less than they should.
+// for a matrix whose eigenvalues lie between top / range and top. The sum is a positive symmetric
+// matrix with the same eigenvectors, within 1e-4 of the exact one (N. Hale, N. J. Higham, L. N.
+// Trefethen, "Computing A^alpha, log(A), and related matrix functions by contour integrals", 2008,
+// method 3). Eigenvalues below the range are underestimated.
 //
 // Plain numbers only; this header is included by code for every instruction set.
 #pragma once
@@ -21,7 +21,7 @@ struct InverseRoot {
   alignas(64) double weight[kMostPoles] = {};
 };
 
-// Those for ever wider ranges; the last one has to do for all that is wider. The first one has
+// The sums for increasing ranges; the last one is used for all larger ranges. The first one has
 // seven poles, and a shift of 0 in place of the eighth.
 inline constexpr int kInverseRoots = 3;
 const InverseRoot* InverseRoots();

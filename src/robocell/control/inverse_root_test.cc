@@ -7,7 +7,7 @@
 namespace robocell::internal {
 namespace {
 
-// What the sum stands for at one eigenvalue, where the largest is 1; 1 / sqrt(value) is wanted.
+// Returns the value of the sum at one eigenvalue, where the largest is 1; 1 / sqrt(value) is exact.
 double SumAt(const InverseRoot& root, double value) {
   double sum = 0;
   for (int k = 0; k < root.n_poles; ++k) sum += root.weight[k] / (value + root.shift[k]);

@@ -12,9 +12,8 @@
 namespace robocell {
 namespace {
 
-// How the default stiffness is found: joints swing this fast, rad/s; light ones faster, so that
-// they are no softer than a share of the strongest, but not faster than control at usual rates can
-// damp.
+// The default stiffness: joints swing at this frequency, rad/s; light ones faster, so that they are
+// no softer than a share of the strongest, but not faster than control at usual rates can damp.
 constexpr double kFrequency = 2 * M_PI * 3, kLeastShare = 0.1, kFastest = 100;
 
 [[maybe_unused]] const bool kJointImpedanceRegistered = [] {

@@ -7,9 +7,9 @@
 //   impedance.SetStiffness(std::vector<double>(7, 400.0));       // Nm/rad
 //   robot.jnt_pos_cmd()[3] += 0.1;
 //
-// Needs the control mode torque. Damping is damping_ratio * 2 sqrt(stiffness * inertia), with the
-// joint's own inertia in the middle of the limits: 1 is critical there. Without a choice the
-// stiffness is such that joints swing with 3 Hz, light ones faster. No allocation in Compute.
+// It needs the control mode torque. Damping is damping_ratio * 2 sqrt(stiffness * inertia), with
+// the joint's own inertia in the middle of the limits: 1 is critical there. By default the
+// stiffness makes joints swing at 3 Hz, light ones faster. Compute does not allocate.
 #pragma once
 
 #include <vector>
@@ -23,7 +23,7 @@ namespace robocell {
 class JointImpedanceController : public Controller {
  public:
   static constexpr std::string_view kKind = "joint_impedance";
-  // NotFoundError for an arm without a chain.
+  // Throws NotFoundError for an arm without a chain.
   explicit JointImpedanceController(ArmGroup& arm);
 
   std::string_view kind() const override { return kKind; }
@@ -42,8 +42,8 @@ class JointImpedanceController : public Controller {
                        std::span<double> out) const override;
   void Compute(std::span<double> ctrl) override;
 
-  // Stiffness of each joint, Nm/rad or N/m. ArgumentError for a wrong number of values, and for
-  // negative or not finite ones.
+  // Stiffness of each joint, Nm/rad or N/m. Throws ArgumentError for a wrong number of values, and
+  // for negative or not finite ones.
   std::span<const double> stiffness() const { return stiffness_; }
   void SetStiffness(std::span<const double> stiffness);
   double damping_ratio() const { return damping_ratio_; }
@@ -58,11 +58,11 @@ class JointImpedanceController : public Controller {
   PortValues target_;
 };
 
-// The joint-space inertia of each joint alone in the middle of its limits, kg m^2 or kg.
+// Returns the joint-space inertia of each joint alone in the middle of its limits, kg m^2 or kg.
 std::vector<double> MiddleInertia(const Chain& chain);
 
-// ArgumentError unless there are `expected` values (or one that stands for all), none negative;
-// then the values, one each. `place` and `what` begin the message: "group 'arm': stiffness".
+// Returns the values, one for each joint. Throws ArgumentError unless there are `expected` values
+// (or one for all), none negative. `place` and `what` begin the message: "group 'arm': stiffness".
 std::vector<double> PositiveGains(std::string_view place, std::string_view what,
                                   std::span<const double> values, int expected);
 

@@ -10,7 +10,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "robocell/control/operational_space.cc"
-// As in lane_kernel.cc, but AVX-512 in its later form only (Zen 4, Ice Lake).
+// The targets of lane_kernel.cc, but AVX-512 only in its later form (Zen 4, Ice Lake).
 #define HWY_WANT_AVX3_DL
 #define HWY_DISABLED_TARGETS \
   (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
@@ -21,10 +21,10 @@
 #include "robocell/kinematics/lane_six-inl.h"
 
 namespace robocell {
-// Of turns that are no longer small. For all instruction sets.
+// For rotations that are no longer small. For all instruction sets.
 void FarTurn(const double (*from)[4], const double* to, double* out);
-// Whether a few instructions on eight numbers leave the clock of the processor as it is, at which
-// the engine steps beside this. On Zen 4 a control tick takes 0.05 us less by them; on Intel's
+// True if a few instructions on eight numbers do not lower the clock of the processor, at which the
+// engine steps beside this code. On Zen 4 they save 0.05 us of a control tick; on Intel's
 // processors they have cost a step more than they gained (link_kernel.cc).
 extern const bool kEightAtOnce;
 }  // namespace robocell
@@ -34,7 +34,7 @@ namespace robocell::HWY_NAMESPACE {
 using namespace internal::HWY_NAMESPACE;
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Eight numbers in a register, or what it has room for; Fours has four.
+// Eight numbers in a register, or as many as fit; Fours has four.
 using Eights = hn::CappedTag<double, 8>;
 template <class D>
 HWY_INLINE double LastOf(D, const hn::Vec<D>& v) {
@@ -43,20 +43,20 @@ HWY_INLINE double LastOf(D, const hn::Vec<D>& v) {
 // One number in a register, so that products and sums are fused as in the lanes.
 using One = hn::CappedTag<double, 1>;
 constexpr One kOne;
-// A symmetric matrix while it is at work here: rows of the left and the right half, the lower
-// triangle good.
+// A symmetric matrix during the computation: rows of the left and the right half, with a valid
+// lower triangle.
 using Halves = double[6][8];
 HWY_INLINE double& At(Halves& m, int row, int column) {
   return m[row][column < 3 ? column : column + 1];
 }
 
-// Where the leaf is moved by each joint at unit speed: the columns of a Jacobian.
+// The motion of the leaf by each joint at unit speed: the columns of a Jacobian.
 struct Columns {
   alignas(64) double linear[kMaxChainJoints][4];
   alignas(64) double angular[kMaxChainJoints][4];
 };
 
-// By halves of a register that the rows were stored with: a wider one would wait for them.
+// Loads the halves of a register that the rows were stored with: a wider load would wait for them.
 HWY_INLINE void MakeColumns(int n, const LinkTable::Row* rows, Columns* columns) {
   const auto zero = hn::Zero(kFours);
   const auto at = [&](int row, int i) HWY_ATTR { return hn::Load(kFours, rows[row] + i); };
@@ -66,8 +66,8 @@ HWY_INLINE void MakeColumns(int n, const LinkTable::Row* rows, Columns* columns)
   }
 }
 
-// The rotation vector that turns axes to where others are. Twice the sine of the angle, along the
-// axis, is the sum of the cross products; 1 + 2 cosine that of the scalar ones.
+// Computes the rotation vector from axes to others. Twice the sine of the angle, along the axis, is
+// the sum of the cross products; 1 + 2 cosine is that of the scalar products.
 HWY_INLINE void Turn(const Quad* from, const double* to, double* out) {
   Quad crosses = ZeroQuad(), products = ZeroQuad();
 #pragma GCC unroll 3
@@ -87,14 +87,14 @@ HWY_INLINE void Turn(const Quad* from, const double* to, double* out) {
   FarTurn(here, to, out);
 }
 
-// Of the leaf from its goal; `out` has room for a seventh number.
+// Computes the pose error of the leaf; `out` has space for a seventh number.
 HWY_INLINE void MakeDeviation(const internal::LinkAnswer& arm, const TcpTarget& goal, double* out) {
   const Quad from[3] = {QuadAt(arm.tip[0]), QuadAt(arm.tip[1]), QuadAt(arm.tip[2])};
   PutAnywhere(Sub(ThreeAt(goal.position), QuadAt(arm.tip[3])), out);
   Turn(from, goal.axes, out + 3);
 }
 
-// Velocity and another motion of the leaf, with the joints'.
+// Computes the velocity and another motion of the leaf from those of the joints.
 HWY_INLINE void LeafMotions(const Columns& columns, const OperationalSpaceQuery& query,
                             double* velocity, double* wanted) {
   Quad sums[4];
@@ -106,14 +106,14 @@ HWY_INLINE void LeafMotions(const Columns& columns, const OperationalSpaceQuery&
     sums[2] = MulAdd(query.wanted[i], linear, sums[2]);
     sums[3] = MulAdd(query.wanted[i], angular, sums[3]);
   }
-  // Six numbers each, and a last one that is written over.
+  // Writes six numbers each, and a last one that is overwritten.
   PutAnywhere(sums[0], velocity);
   PutAnywhere(sums[1], velocity + 3);
   PutAnywhere(sums[2], wanted);
   PutAnywhere(sums[3], wanted + 3);
 }
 
-// With mass = L D L^T: (L^-1 J^T)^T, and 1 / D. For a number of joints that is known here, the mass
+// With mass = L D L^T: computes (L^-1 J^T)^T, and 1 / D. With a constant number of joints the mass
 // stays in registers.
 template <int N>
 HWY_INLINE void Eliminate(int joints, const LinkTable::Row* mass, const Columns& columns,
@@ -131,7 +131,7 @@ HWY_INLINE void Eliminate(int joints, const LinkTable::Row* mass, const Columns&
     Put(QuadAt(columns.linear[i]), out->linear[i]);
     Put(QuadAt(columns.angular[i]), out->angular[i]);
   }
-  hn::Vec<One> reciprocal[kMost];  // negative ones
+  hn::Vec<One> reciprocal[kMost];  // negated
 #pragma GCC unroll 7
   for (int k = 0; k < n; ++k) {
     // Two at a time, as in SolveSix.
@@ -170,7 +170,7 @@ HWY_INLINE void InverseInertiaOf(int n, const LinkTable::Row* mass, const Column
     default:
       Eliminate<0>(n, mass, columns, eliminated, inverse);
   }
-  // Rows, the left and the right half; upper right ones are not needed.
+  // The rows of the left and the right half; the upper right part is not needed.
   alignas(32) constexpr double kUnit[3][4] = {{1}, {0, 1}, {0, 0, 1}};
   Quad left[6], right[6];
 #pragma GCC unroll 3
@@ -198,7 +198,7 @@ HWY_INLINE void InverseInertiaOf(int n, const LinkTable::Row* mass, const Column
   }
 }
 
-// A symmetric matrix times a vector, which do not wait for what is divided by.
+// Multiplies a symmetric matrix by a vector, without waiting for the divisors.
 template <int N>
 HWY_INLINE void MassTimes(int joints, const LinkTable::Row* mass, const double* vector,
                           double* out) {
@@ -231,14 +231,14 @@ HWY_INLINE void MassTimesAny(int n, const LinkTable::Row* mass, const double* ve
   }
 }
 
-// What the leaf is damped and pushed with, before it is put together.
+// The damping and the forces on the leaf before they are combined.
 struct Damped {
   double determinant = 1;  // of the inverse_inertia
   double along[6] = {};
   double inertial_force[6] = {};
 };
 
-// What damps and what is asked.
+// The motion to be damped and the requested one.
 struct Motion {
   const TcpSprings& springs;
   Halves& inverse_inertia;
@@ -247,9 +247,10 @@ struct Motion {
   const double* wanted;
 };
 
-// The share of as many poles as a register has lanes, from `first` on. A lane that is no pole's
-// solves for `wanted`, in the axes of the base. In a function of its own: what is done again finds
-// its instructions in the cache, which a control tick has to fetch for all that it does once.
+// Computes the share of as many poles as a register has lanes, from `first` on. A lane without a
+// pole solves for `wanted`, in the axes of the base. It is a function of its own: repeated code
+// finds its instructions in the cache, which a control tick has to load for everything that runs
+// once.
 template <class D>
 HWY_NOINLINE void DampByPoles(D d, const Motion& motion, const internal::InverseRoot& root,
                               int first, Damped* out) {
@@ -297,8 +298,9 @@ HWY_INLINE void DampBy(const Motion& motion, const internal::InverseRoot& root, 
   DampByRegisters(kFours, motion, root, out);
 }
 
-// What no eigenvalue is less than, of the inverse_inertia in coordinates in which all springs are alike:
-// the trace of its inverse is the sum of what is one over them. Of no axes but those with springs.
+// Returns a lower bound of the eigenvalues of the inverse_inertia in coordinates in which all
+// springs are equal: the trace of its inverse is the sum of their reciprocals. Only axes with
+// springs count.
 HWY_NOINLINE double LeastEigenvalue(const TcpSprings& springs, Halves& inverse_inertia) {
   alignas(64) constexpr double kUnit[6][8] = {{1},          {0, 1},          {0, 0, 1},
                                               {0, 0, 0, 1}, {0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 1}};
@@ -332,7 +334,7 @@ HWY_INLINE const internal::InverseRoot& RootFor(double range) {
   return roots[internal::kInverseRoots - 1];
 }
 
-// And the force that accelerates the leaf as wanted.
+// Also computes the force that accelerates the leaf as requested.
 HWY_INLINE void Damp(const TcpSprings& springs, Halves& inverse_inertia, const double* velocity,
                      const double* wanted, double* damping, double* inertial_force) {
   double trace = 0, stiffnesses = 1;
@@ -344,8 +346,8 @@ HWY_INLINE void Damp(const TcpSprings& springs, Halves& inverse_inertia, const d
   const Motion motion{springs, inverse_inertia, top, velocity, wanted};
   Damped damped;
   DampBy(motion, internal::InverseRoots()[0], &damped);
-  // No eigenvalue is less than what the others, as large as they can be together, leave of the
-  // determinant. Where that says little, there is more to know.
+  // Each eigenvalue is at least the determinant divided by the largest possible product of the
+  // others. A weak bound is improved.
   const double share = 5 / top, share2 = share * share;
   const double least = damped.determinant * stiffnesses * share2 * share2 * share;
   if (!(top <= internal::InverseRoots()[0].range * least) && trace > 0) {
@@ -363,7 +365,7 @@ HWY_INLINE void Damp(const TcpSprings& springs, Halves& inverse_inertia, const d
   }
 }
 
-// `moving` is what the joints need to accelerate as wanted.
+// `moving` has the torques for the requested joint accelerations.
 HWY_INLINE void TorquesOf(const OperationalSpaceQuery& query, const Columns& columns,
                           const double* deviation, const double* moving,
                           OperationalSpaceResult* out) {

@@ -1,6 +1,6 @@
 // Operational-space inertia of the TCP, the damping that makes its springs critically damped, and
 // the joint torques of both: the small matrices of Cartesian impedance control (O. Khatib, "A
-// unified approach for motion and force control of robot manipulators", 1987). It works in the
+// unified approach for motion and force control of robot manipulators", 1987). It continues in the
 // registers that link_kernel.h fills. Instruction sets round differently.
 //
 // Plain numbers only: code for every instruction set includes this header.
@@ -17,7 +17,7 @@ struct LinkAnswer;  // kinematics/link_kernel.h
 // The springs that hold the TCP, along and about the axes of the robot base frame.
 struct TcpSprings {
   double stiffness[6] = {};  // N/m, then Nm/rad
-  double root[6] = {};       // of it: the coordinates in which all springs are alike
+  double root[6] = {};       // its square root: the coordinates in which all springs are equal
 };
 
 TcpSprings MakeTcpSprings(const double* stiffness);
@@ -31,13 +31,13 @@ struct TcpTarget {
 // The linear part before the angular part, in the axes of the base.
 struct OperationalSpaceQuery {
   int n = 0;  // joints
-  // Tip, Jacobian and inertia, and the torques that the joints need for the motion that they are in
+  // Tip, Jacobian and inertia, and the torques that the joints need for their present motion
   // (LinkPart::kAll without accelerations).
   const internal::LinkAnswer* arm = nullptr;
   const double* wanted = nullptr;    // target joint accelerations
   const double* velocity = nullptr;  // of the joints
   const TcpSprings* springs = nullptr;
-  // For the torques: the target pose, a wrench that is added (6), and the damping ratio.
+  // For the torques: the target pose, an additional wrench (6), and the damping ratio.
   TcpTarget goal;
   const double* feedforward = nullptr;
   double damping_ratio = 1;
@@ -45,10 +45,10 @@ struct OperationalSpaceQuery {
 
 struct OperationalSpaceResult {
   // Critical damping force, against the velocity of the TCP: in coordinates in which all springs
-  // are alike, the damping matrix is twice the square root of the operational-space inertia. Its
+  // are equal, the damping matrix is twice the square root of the operational-space inertia. Its
   // relative error is below 1e-4, and it never adds energy.
   double damping[6];
-  // The force that would accelerate the TCP as the target joint accelerations do.
+  // The force that accelerates the TCP like the target joint accelerations.
   double inertial_force[6];
   // Joint torques: those of the target accelerations, and those of the TCP force
   // stiffness * pose error - damping_ratio * damping + feedforward - inertial_force.

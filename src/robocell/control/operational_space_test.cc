@@ -1,5 +1,5 @@
-// What the leaf yields and how it is damped, against Eigen's factorisations, on every instruction
-// set; also where springs are absent or the arm is stretched out.
+// Tests the leaf's inverse inertia and damping against Eigen's factorisations, on every instruction
+// set; also without springs and with a stretched arm.
 #include "robocell/control/operational_space.h"
 #include "robocell/kinematics/link_kernel.h"
 
@@ -18,7 +18,7 @@
 namespace robocell {
 namespace {
 
-// Of no fixed size: Eigen's factorisations are then compiled once.
+// The size is dynamic, so that Eigen's factorisations are compiled once.
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
@@ -28,7 +28,7 @@ MatrixXd RandomMatrix(Rng* rng, int rows, int cols) {
   return m;
 }
 
-// Symmetric, with eigenvalues from 1 to 1 / condition.
+// Returns a symmetric matrix with eigenvalues from 1 to 1 / condition.
 MatrixXd RandomPositive(Rng* rng, int n, double condition) {
   const MatrixXd q = OrthogonalPartOf(RandomMatrix(rng, n, n));
   VectorXd values(n);
@@ -66,7 +66,7 @@ VectorXd Damping(const VectorXd& stiffness, const MatrixXd& inverse_inertia,
   return force;
 }
 
-// In coordinates in which all springs are alike, where the error is promised.
+// Returns the error in coordinates in which all springs are equal, in which the bound holds.
 double Off(const VectorXd& stiffness, const VectorXd& got, const VectorXd& expected) {
   VectorXd scale(6);
   for (int k = 0; k < 6; ++k) scale[k] = stiffness[k] > 0 ? 1 / std::sqrt(stiffness[k]) : 0;
@@ -90,7 +90,7 @@ TEST(LeafKernel, DampsAsTheEigenvectorsSayFromEvenToNearlySingularMasses) {
   });
 }
 
-// Stretched out: a direction in which nothing moves has the least inverse_inertia there is.
+// Stretched out: a direction without motion has the smallest inverse_inertia.
 TEST(LeafKernel, DampsSingularPosesWithinItsTolerance) {
   OnEveryInstructionSet([](const std::string&) {
     Rng rng = Rng::Stream(2, "damping");
@@ -99,7 +99,7 @@ TEST(LeafKernel, DampsSingularPosesWithinItsTolerance) {
       MatrixXd inverse_inertia = some * some.transpose();
       inverse_inertia.diagonal().array() += kLeastInverseInertia;
       const VectorXd stiffness{{400, 400, 400, 30, 30, 30}};
-      const VectorXd velocity = some * RandomMatrix(&rng, some.cols(), 1);  // as it can move
+      const VectorXd velocity = some * RandomMatrix(&rng, some.cols(), 1);  // possible
       const VectorXd expected = ByEigenvectors(stiffness, inverse_inertia, velocity);
       EXPECT_LT(Off(stiffness, Damping(stiffness, inverse_inertia, velocity), expected), 1e-4);
     }
@@ -129,7 +129,7 @@ TEST(LeafKernel, LeavesAxesWithoutSpringsAloneAndDampsTheOthersAsIfThereWereNoMo
   });
 }
 
-// Springs as different as they may be: it still brakes, and never more than it should.
+// Springs as different as possible: the damping still brakes, and never too much.
 TEST(LeafKernel, TakesEnergyOutWhateverTheSprings) {
   OnEveryInstructionSet([](const std::string&) {
     Rng rng = Rng::Stream(4, "damping");
@@ -155,7 +155,7 @@ TEST(LeafKernel, IsCriticalForOneMassOnOneSpring) {
     EXPECT_NEAR(force[k], 2 * std::sqrt(stiffness[k] * 2), 1e-4 * force[k]);
 }
 
-// What the kernel of a chain's links would say of some arm. Entries without a joint are no numbers.
+// The result of the kernel of a chain's links for some arm. Entries without a joint are NaN.
 struct LeafCase {
   int n;
   Transform leaf;
@@ -194,7 +194,7 @@ VectorXd Numbers(const internal::PoseError& error) {
   return numbers;
 }
 
-// From a turn that is hardly there to half a turn, where the axis has no direction.
+// From a tiny rotation to half a turn, where the axis has no direction.
 TEST(LeafKernel, KnowsHowFarTheLeafIsFromItsGoal) {
   OnEveryInstructionSet([](const std::string&) {
     Rng rng = Rng::Stream(5, "goal");
@@ -255,11 +255,12 @@ TEST(LeafKernel, DampsAndFeelsWhatTheJointsDo) {
                               &answer);
       const Eigen::Map<VectorXd> inertial_force(answer.inertial_force, 6);
       const VectorXd moved = leaf.j * wanted;
-      // As small as of a solution that is right for a inverse_inertia off by rounding.
+      // As small as for a solution that is exact for an inverse_inertia with rounding errors.
       EXPECT_LT((leaf.InverseInertia() * inertial_force - moved).norm(),
                 1e-14 * leaf.InverseInertia().norm() * inertial_force.norm())
           << n;
-      // With fewer than six joints some directions hardly yield: there the forward error is larger.
+      // With fewer than six joints some directions hardly yield, and the forward error is larger
+      // there.
       const VectorXd expected = SolvePositive(leaf.InverseInertia(), moved);
       EXPECT_LT((inertial_force - expected).norm(), (n < 6 ? 1e-6 : 1e-8) * expected.norm()) << n;
       const VectorXd damping = Damping(stiffness, leaf.InverseInertia(), leaf.j * velocity);
@@ -272,7 +273,7 @@ TEST(LeafKernel, DampsAndFeelsWhatTheJointsDo) {
   });
 }
 
-// On all of the range that it is for.
+// Covers its whole range.
 TEST(InverseRoot, IsWithinATenThousandth) {
   for (int k = 0; k < internal::kInverseRoots; ++k) {
     const internal::InverseRoot& root = internal::InverseRoots()[k];

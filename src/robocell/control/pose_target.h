@@ -13,8 +13,8 @@ namespace robocell {
 using PoseNumbers = std::array<double, 7>;
 
 PoseNumbers ToNumbers(const Pose& pose);
-// ArgumentError, beginning with the group's place, for a wrong number of values, values that are
-// not finite and a quaternion that is not of unit length. No allocation otherwise.
+// Throws ArgumentError, which begins with the group's place, for a wrong number of values, values
+// that are not finite and a quaternion that is not of unit length. No allocation otherwise.
 Pose PoseFromNumbers(std::span<const double> numbers, const MoveGroup& group);
 
 }  // namespace robocell

@@ -1,4 +1,4 @@
-// Controllers of this layer when objects of their scene come and go.
+// Tests controllers of this layer when objects of their scene are added and removed.
 #include <gtest/gtest.h>
 
 #include "robocell/robot/testing/robots.h"
@@ -11,7 +11,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, ControllersStay,
                          ::testing::Values("cartesian_pose", "cartesian_impedance",
                                            "joint_impedance", "relative_joint_position"));
 
-// The arm moves as in an untouched scene. Another body rounds the arm's motion differently.
+// The arm moves like in an untouched scene. Another body changes the rounding of its motion.
 TEST_P(ControllersStay, AndTheArmGoesOnToItsTarget) {
   const auto run = [&](bool rebuild) {
     Scene scene = Scene::Build(SceneWith({.name = "a", .config = Rc7()}));

@@ -1,5 +1,5 @@
-// Relative joint position: a target is added to the present target, so that errors of tracking do
-// not add up.
+// Relative joint position: a target is added to the present target, so that tracking errors do not
+// accumulate.
 #pragma once
 
 #include <vector>
@@ -18,9 +18,9 @@ class RelativeJointController : public Controller {
   void RequireOpen() const override { group_.RequireOpen(); }
   const Scene* scene() const override { return group_.scene(); }
   int target_size() const override { return absolute_.target_size(); }
-  // Adds `delta` (rad or m) to where the group is being driven, kept within the joint limits.
+  // Adds `delta` (rad or m) to the group's present target, and keeps it within the joint limits.
   void SetTarget(std::span<const double> delta) override;
-  // The last one added.
+  // Returns the last delta.
   std::span<const double> target() const override { return delta_; }
   TargetKind target_kind() const override { return TargetKind::kJointSteps; }
   TargetKind port_kind() const override { return TargetKind::kJointPositions; }

@@ -1,4 +1,4 @@
-// Relative joint position: sums on the target, within limits.
+// Tests relative joint position: sums on the target, within limits.
 #include "robocell/control/relative_joint_controller.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ TEST_F(RelativeJoint, AddsToTheTargetNotToWhereTheArmIs) {
   EXPECT_EQ(controller().target_kind(), TargetKind::kJointSteps);
   Add(1, 0.125);
   robot.Update();
-  Add(1, 0.125);  // the arm has not moved at all yet
+  Add(1, 0.125);  // the arm has not moved yet
   EXPECT_EQ(controller().target()[1], 0.125) << "the last one added";
   EXPECT_EQ(controller().commanded_joint_pos()[1], home[1] + 0.25);
   robot.Update();

@@ -1,4 +1,4 @@
-// Which controllers can be put into a group at run time, and what is said of the others.
+// Tests which controllers can be installed in a group at run time, and the errors for the others.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -51,7 +51,7 @@ TEST(SetController, ByItsClassReturnsWhatIsPutIn) {
   EXPECT_EQ(robot.ctrl_mode(), CtrlMode::kTorque);
 }
 
-// A gripper's has the same name and another class.
+// The gripper's controller has the same name and another class.
 TEST(SetController, ByAClassThatTheGroupHasNotChangesNothing) {
   Robot robot = RobotAlone(Rc7());
   const Controller* before = &robot.controller("gripper");

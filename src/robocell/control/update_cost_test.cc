@@ -1,5 +1,5 @@
-// Checks that this folder's controllers did not become many times slower, as
-// robot/update_cost_test.cc does for the plain modes; benchmarks/ measures their speed.
+// Checks that this folder's controllers did not become many times slower, like
+// robot/update_cost_test.cc for the plain modes; benchmarks/ measures their speed.
 #include <gtest/gtest.h>
 
 #include "robocell/robot/testing/robots.h"
@@ -10,7 +10,7 @@ namespace {
 
 double CostOf(const std::string& controller) {
   RobotConfig config = Rc7();
-  config.gravcomp = false;  // else there is nothing to compensate
+  config.gravcomp = false;  // otherwise there is nothing to compensate
   Robot robot = RobotAlone(config);
   robot.SetController("arm", controller);
   return UpdateCost(robot, [] {});

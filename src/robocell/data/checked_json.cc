@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::string_view kKey = "\"json_sha256\": \"";
 
-// Where the hash begins: after the last such key, as it is written last. npos if there is none.
+// Returns where the hash begins: after the last such key, because it is written last. npos if there
+// is none.
 size_t HashPosition(const std::string& text) {
   const size_t key = text.rfind(kKey);
   if (key == std::string::npos) return key;
@@ -23,7 +24,7 @@ size_t HashPosition(const std::string& text) {
   return begin + kHashPlaceholder.size() <= text.size() ? begin : std::string::npos;
 }
 
-// Whether the text of an object ends before the object does.
+// Returns true if the text of an object ends before the object does.
 bool IsCut(std::string_view text) {
   const size_t last = text.find_last_not_of(" \n");
   return last == std::string_view::npos || text[last] != '}';

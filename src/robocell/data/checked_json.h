@@ -1,7 +1,8 @@
-// JSON that somebody else may have changed or written: texts that contain their own hash, so that any
-// byte that changes later is found, and whole numbers that are in the range of their type. The hash is
-// computed with zeros in its place; the key `json_sha256` stands once, at any depth. In episode.json
-// it is in the `run` block, the only part that differs between two runs of the same episode.
+// JSON that other programs may have changed or written: texts that contain their own hash, so that
+// any byte that changes later is found, and whole numbers within the range of their type. The hash
+// is computed with zeros in its place; the key `json_sha256` stands once, at any depth. In
+// episode.json it is in the `run` block, the only part that differs between two runs of the same
+// episode.
 //
 //   object[kJsonHash] = kHashPlaceholder;
 //   const std::string text = InsertSelfHash(object.dump(2));
@@ -16,7 +17,7 @@
 namespace robocell {
 
 inline constexpr const char* kJsonHash = "json_sha256";
-// Stands where the hash will go.
+// The text that the hash will replace.
 inline constexpr std::string_view kHashPlaceholder =
     "0000000000000000000000000000000000000000000000000000000000000000";
 
@@ -26,12 +27,12 @@ std::string InsertSelfHash(std::string text);
 // Returns why the text does not match its hash ("its text is not ..."), or nothing when it does.
 std::optional<std::string> JsonDamage(const std::string& text);
 
-// A whole number from 0 to the largest Count (int, int64_t or uint64_t). The parser's own conversion
-// takes 5e81 for an integer too, and what comes of that is undefined. Private to data.
+// Returns a whole number from 0 to the largest Count (int, int64_t or uint64_t). The parser's own
+// conversion also accepts 5e81 as an integer, with an undefined result. Private to data.
 //
 //   const uint64_t bytes = JsonCount<uint64_t>(facts.at("bytes"));
 //
-// Throws the parser's exceptions, as reading anything else does, for what is no such number.
+// Throws the parser's exceptions, like any other reading, for a value that is not such a number.
 template <class Count>
 Count JsonCount(const nlohmann::ordered_json& json);
 

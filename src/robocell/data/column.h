@@ -20,19 +20,19 @@ struct ColumnSpec {
   std::vector<int64_t>
       shape;          // of one row; {} is a single number, {4, 4} a matrix in row-major order
   std::string units;  // "rad", "m", "1"; "m, 1" for positions with quaternions
-  std::string frame;  // what it is expressed in: "world", "base of xarm7"
+  std::string frame;  // frame of the values: "world", "base of xarm7"
   std::vector<std::string>
       names;  // names of the components along the last axis: joint names, "x" "y" "z"
   std::vector<std::string> values;  // for integers: the name of value 0, 1, ... (phases)
-  std::string description;          // one sentence, where the name does not say it
+  std::string description;          // one sentence, if the name does not explain it
 };
 
 size_t SizeOf(ColumnType type);            // bytes of one value
 std::string_view NameOf(ColumnType type);  // numpy's: "float64", "bool"
 
-// Values in one row.
+// Returns the number of values in one row.
 int64_t RowValues(const std::vector<int64_t>& shape);
-// "(7)", "(4, 4)", "()".
+// Formats "(7)", "(4, 4)", "()".
 std::string ShapeText(const std::vector<int64_t>& shape);
 
 // The column type that holds a C++ type.

@@ -28,7 +28,7 @@ namespace {
 
 [[noreturn]] void ThrowNoDataset(const fs::path& folder) {
   const fs::path path = fs::absolute(folder).lexically_normal();
-  const fs::path whole = path.has_filename() ? path : path.parent_path();  // without a last slash
+  const fs::path whole = path.has_filename() ? path : path.parent_path();  // no trailing slash
   std::vector<std::string> beside;
   std::error_code ignored;
   for (fs::directory_iterator it(whole.parent_path(), ignored), end; !ignored && it != end;

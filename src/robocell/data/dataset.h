@@ -1,11 +1,11 @@
-// A dataset: a folder of committed episodes. What counts is what is on the disk; dataset.json
-// describes the run that made it and is never asked how many episodes there are.
+// A dataset: a folder of committed episodes. The episodes on the disk are the dataset; dataset.json
+// describes the run that made it and is never used to count episodes.
 //
 //   for (const Episode& episode : Dataset("out/pick_v1")) Use(episode.Read<double>("reward"));
 //
-// IoError names the folder. Ids are in byte order, so zero-padded numbers are in the order of their
-// numbers. A Dataset is a snapshot: episodes committed later are seen after Refresh(). A selection of
-// its episodes is a Dataset too, of those only:
+// IoError names the folder. Ids are in byte order, so zero-padded numbers are in numerical order. A
+// Dataset is a snapshot: it shows episodes committed later after Refresh(). A selection of its
+// episodes is also a Dataset, of those only:
 //
 //   const Dataset all("out/pick_v1"), held_out = all.Select({"s0000_e0007", "s0000_e0019"});
 #pragma once
@@ -24,28 +24,28 @@ namespace robocell {
 
 class Dataset {
  public:
-  // Raises IoError if the folder does not exist, and ArgumentError for a folder that is not a
-  // dataset, with the nearest dataset. Misnamed folders are logged.
+  // Throws IoError if the folder does not exist, and ArgumentError, with the nearest dataset, for a
+  // folder that is not a dataset. Misnamed folders are logged.
   explicit Dataset(std::filesystem::path folder);
 
   const std::filesystem::path& folder() const { return folder_; }
   const std::vector<std::string>& ids() const { return ids_; }
   size_t size() const { return ids_.size(); }
-  // Folders with an episode's name that are or were one and have no episode.json: a careless copy,
-  // a lost file. They do not count; Repair (verify.h) moves them aside.
+  // Returns folders with an episode's name that are or were one and have no episode.json: an
+  // incomplete copy, a lost file. They do not count; Repair (verify.h) moves them aside.
   const std::vector<std::string>& broken() const { return broken_; }
-  // Folders whose episode.json is of an episode of another name, with that: somebody copied or
-  // renamed them. They do not count either.
+  // Returns folders whose episode.json belongs to an episode of another name, with that name: they
+  // were copied or renamed. They do not count either.
   const std::map<std::string, std::string>& misnamed() const { return misnamed_; }
   bool Contains(std::string_view id) const;
-  // NotFoundError with the nearest ids.
+  // Throws NotFoundError with the nearest ids.
   Episode Open(const std::string& id) const;
-  // The episode of ids()[index].
+  // Returns the episode of ids()[index].
   Episode At(size_t index) const { return Episode(folder_ / ids_.at(index)); }
-  // These of its episodes, in this order. NotFoundError for one that it has not.
+  // Returns these of its episodes, in this order. Throws NotFoundError for one that it lacks.
   Dataset Select(std::vector<std::string> ids) const;
   bool is_selection() const { return is_selection_; }
-  // Looks at the folder again; a selection loses those of its episodes that are gone.
+  // Reads the folder again; a selection loses episodes that no longer exist.
   void Refresh();
 
   // Restores a dataset from the lists of another process, without reading the folder.
@@ -85,10 +85,11 @@ class Dataset {
   std::map<std::string, std::string> misnamed_;
 };
 
-// dataset.json: a JSON object as text, kept with a hash of itself (checked_json.h) and replaced in
-// one step. ArgumentError if the text is no JSON object.
+// Writes dataset.json: a JSON object as text, stored with a hash of itself (checked_json.h) and
+// replaced in one step. Throws ArgumentError if the text is not a JSON object.
 void WriteManifest(const std::filesystem::path& dataset, const std::string& json);
-// With its hash. Unset if there is none; IoError if it is not what was written.
+// Returns the text with its hash. Unset if there is none; throws IoError if it was changed after
+// writing.
 std::optional<std::string> ReadManifest(const std::filesystem::path& dataset);
 
 }  // namespace robocell

@@ -38,7 +38,7 @@ bool IsOfDataset(const fs::path& folder, const std::string& name) {
          IsReportFile(name) || IsTemporaryName(name) || internal::IsEpisodeFolder(folder / name);
 }
 
-// Finds the dataset that the user may have meant: around the folder, or one below.
+// Finds the dataset that the user probably meant: around the folder, or one below.
 std::string NearestDataset(const fs::path& folder, const std::vector<std::string>& names) {
   const fs::path path = fs::absolute(folder).lexically_normal();
   const fs::path around = (path.has_filename() ? path : path.parent_path()).parent_path();
@@ -68,7 +68,7 @@ std::vector<ForeignThing> NotOwn(const fs::path& dataset) {
     if (!Is(folder, {fs::file_type::directory, fs::file_type::not_found})) add(folder);
   }
   if (!Is(dataset / kLogsFolder, {fs::file_type::directory})) return found;
-  std::error_code error;  // logs come and go beside us
+  std::error_code error;  // other processes create and remove logs
   for (fs::recursive_directory_iterator it(dataset / kLogsFolder, error), end; !error && it != end;
        it.increment(error)) {
     if (!Is(it->path(),

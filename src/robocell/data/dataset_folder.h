@@ -1,8 +1,8 @@
-// A dataset's folder: whether a folder is one, the folders that robocell itself writes into it
-// (models, .quarantine, .logs), and moving what is damaged out of the way.
+// A dataset's folder: recognises datasets, checks the folders that robocell itself writes into one
+// (models, .quarantine, .logs), and moves damaged parts out of the way.
 //
-// Its own folders must be real ones before they are used: a link in a dataset from elsewhere would
-// lead what is written out of it.
+// Its own folders must be real folders before they are used: a link in a foreign dataset would lead
+// writes out of the dataset.
 #pragma once
 
 #include <filesystem>
@@ -20,19 +20,19 @@ struct ForeignThing {
 // something else.
 std::vector<ForeignThing> NotOwn(const std::filesystem::path& dataset);
 
-// IoError names the first of them, what it is and the next step.
+// Throws IoError that names the first of them, what it is and the next step.
 void RequireOwnFolders(const std::filesystem::path& dataset);
 
 // Checks that a folder is a dataset before anything is read from it. For a folder around or within
 // a dataset, the error names the dataset.
 //
-// ArgumentError for a folder that is no dataset: neither a dataset.json nor an episode, and nothing
-// that either leaves behind; it names the dataset that is near. IoError if it cannot be listed.
+// Throws ArgumentError for a folder that is not a dataset: it has neither a dataset.json nor an
+// episode, nor any leftover of these. Throws IoError if it cannot be listed.
 void RequireDataset(const std::filesystem::path& folder);
 
-// Moves something of the dataset ("s0000_e0017", "models/rc7-0123456789abcdef") into its folder
-// .quarantine, under a name that is free there, and returns that name: nothing that is damaged is
-// deleted. IoError.
+// Moves a part of the dataset ("s0000_e0017", "models/rc7-0123456789abcdef") into its folder
+// .quarantine, under a free name, and returns that name: damaged parts are never deleted. Throws
+// IoError.
 std::string Quarantine(const std::filesystem::path& dataset, const std::string& name);
 
 }  // namespace robocell

@@ -34,8 +34,8 @@ const std::string kWhole(kLockFile);
 const std::string kWriters = kWhole + "-writers";
 const std::string kStart = kWhole + "-start";  // of a shard that takes its lock
 
-// Who has a lock alone, for messages of others; nobody depends on it. Nobody takes it back either:
-// the start tells whether it is still about the process of that number.
+// Writes who has an exclusive lock, for messages of others only. The text is never removed: the
+// start time shows whether it still belongs to the process of that number.
 void WriteOwner(const fs::path& path) {
   const internal::RealFile file(path, O_WRONLY | O_TRUNC, "lock");
   const int64_t self = ::getpid();
@@ -46,7 +46,7 @@ void WriteOwner(const fs::path& path) {
   [[maybe_unused]] const ssize_t written = ::write(file.descriptor(), owner.data(), owner.size());
 }
 
-// "process 7 on host since 2026-01-31T12:00:00Z"; "" when it is not known, or has ended.
+// Returns "process 7 on host since 2026-01-31T12:00:00Z"; "" if it is unknown, or has ended.
 std::string Owner(const fs::path& path) {
   std::istringstream text(internal::ReadRealFile(path));
   std::string word, host;
@@ -55,11 +55,11 @@ std::string Owner(const fs::path& path) {
   if (!(text >> word >> process >> word >> host >> word >> start)) return "";
   if (host == internal::HostName() && internal::ProcessStart(process) != start) return "";
   std::string at;
-  text >> word >> at;  // not of earlier versions
+  text >> word >> at;  // absent in earlier versions
   return fmt::format("process {} on {}{}{}", process, host, at.empty() ? "" : " since ", at);
 }
 
-// N of ".lock-i-of-N"; "" of other names.
+// Returns N of ".lock-i-of-N"; "" for other names.
 std::string CountIn(const std::string& name) {
   constexpr std::string_view kOf = "-of-";
   const size_t at = name.rfind(kOf);
@@ -67,8 +67,8 @@ std::string CountIn(const std::string& name) {
   return name.substr(at + kOf.size());
 }
 
-// Calls f(path, N) for each lock of a shard that somebody holds. Asking takes the lock for an
-// instant, and so gets in the way of its owner: locks of shards of `but_of` are not asked.
+// Calls f(path, N) for each held lock of a shard. The check takes the lock for an instant, and so
+// gets in the way of its owner: locks of shards of `but_of` are skipped.
 template <class F>
 void ForEachHeldShard(const fs::path& dataset, const std::string& but_of, F&& f) {
   std::error_code error;
@@ -80,7 +80,7 @@ void ForEachHeldShard(const fs::path& dataset, const std::string& but_of, F&& f)
   if (error) ThrowIoError("list", dataset, error.value());
 }
 
-// "shards: 0-of-8 (process 7 on host), 3-of-8".
+// Returns "shards: 0-of-8 (process 7 on host), 3-of-8".
 std::string HeldShards(const fs::path& dataset) {
   constexpr size_t kMost = 4;
   std::vector<std::string> shards;
@@ -96,16 +96,16 @@ std::string HeldShards(const fs::path& dataset) {
   return all == 0 ? "shards" : fmt::format("shards: {}{}", fmt::join(shards, ", "), more);
 }
 
-// Who keeps others from a lock; "" when it is not known.
+// Returns who holds a lock; "" if unknown.
 std::string Holders(const fs::path& dataset, const std::string& name) {
   const fs::path path = dataset / name;
-  if (!FileLock::Try(path, LockKind::kShared)) return Owner(path);  // somebody has it alone
+  if (!FileLock::Try(path, LockKind::kShared)) return Owner(path);  // held exclusively
   return name == kWriters ? "writers of episodes" : HeldShards(dataset);
 }
 
 std::string By(const std::string& owner) { return owner.empty() ? "" : " by " + owner; }
 
-// Somebody who asks whether the lock is held has it for an instant (ForEachHeldShard, Holders).
+// A process that checks whether the lock is held has it for an instant (ForEachHeldShard, Holders).
 constexpr int kTries = 25;
 constexpr std::chrono::milliseconds kPause(1);
 
@@ -133,8 +133,8 @@ FileLock Take(const fs::path& dataset, const std::string& name, LockKind kind, i
   return std::move(*lock);
 }
 
-// One shard at a time takes its lock and looks for those of others: of two that begin at once the
-// first has it, and the second sees that. It takes milliseconds, on a network disk some more.
+// One shard at a time takes its lock and checks those of others: of two that begin at once, the
+// first one gets it, and the second one sees that. It takes milliseconds, more on a network disk.
 FileLock TakeTurn(const fs::path& dataset) {
   constexpr std::chrono::seconds kMost(30);
   return Take(dataset, kStart, LockKind::kExclusive, kMost / kPause);

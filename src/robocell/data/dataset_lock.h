@@ -1,14 +1,14 @@
-// Keeps two runs, or a run and a repair, from working on the same dataset: lock files in its
+// Keeps two runs, or a run and a repair, from working on the same dataset, by lock files in its
 // folder. The whole plan is locked exclusively; the shards of a plan share the folder and lock
-// themselves. Shards of different counts make the same episodes: beside one another count is
-// refused, and of two that start at once one begins. Who only adds episodes may do so beside a run,
-// but not while somebody moves things about.
+// themselves. Shards of different counts make the same episodes: while shards of one count run,
+// another count is rejected, and of two that start at once one begins. A program that only adds
+// episodes may do so beside a run, but not while another one moves parts of the dataset.
 //
 //   DatasetLock lock("out/pick_v1");         // IoError names the owner when it is taken
 //   DatasetLock shard("out/pick_v1", 0, 8);  // shard 0 of 8
 //
-// The system frees the locks of a process that is killed. Programs of your own that write into a
-// dataset while others may do so too should hold one as well.
+// The system frees the locks of a killed process. Your own programs should hold a lock too if they
+// write into a dataset while others may.
 #pragma once
 
 #include <filesystem>
@@ -21,15 +21,15 @@ namespace robocell {
 
 class DatasetLock {
  public:
-  // `dataset` must exist. Of the whole plan when `count` is 1. IoError when it is taken, or when
-  // the folder cannot be written.
+  // Locks one shard, or the whole plan if `count` is 1. `dataset` must exist. Throws IoError if it
+  // is locked, or if the folder cannot be written.
   explicit DatasetLock(const std::filesystem::path& dataset, int shard = 0, int count = 1);
-  // Of somebody who writes episodes, such as a Runner: any number may, beside runs.
+  // Locks for a writer of episodes, such as a Runner: any number may write, also beside runs.
   static DatasetLock Writing(const std::filesystem::path& dataset);
-  // Of a writer that numbers its episodes "<prefix>-000017" and so on: no other has that prefix.
-  // IoError names the owner when one has.
+  // Locks for a writer that numbers its episodes "<prefix>-000017" and so on: no other one has that
+  // prefix. Throws IoError that names its owner if another one has it.
   static DatasetLock Numbering(const std::filesystem::path& dataset, const std::string& prefix);
-  // Of somebody who changes what is there (repair, beginning anew): neither runs nor writers.
+  // Locks against runs and writers, for changes of existing parts (repair, beginning anew).
   static DatasetLock Alone(const std::filesystem::path& dataset);
   DatasetLock(DatasetLock&&) = default;
   DatasetLock& operator=(DatasetLock&&) = default;

@@ -55,9 +55,8 @@ TEST(DatasetLock, NamesNoProcessThatHasEnded) {
   EXPECT_THAT(Refusal(folder.path()), ContainsRegex(" since 20[0-9-]+T[0-9:]+Z\\. Wait until"));
   for (const std::string& other :
        {"process 999999999 on " + internal::HostName() + "\nsince 7\n",  // no such process
-        mine.substr(0, mine.find("since")) + "since 7\n",                // another one's number
-        "process " + std::to_string(getpid()) + " on " +
-            internal::HostName()}) {  // nobody knows which
+        mine.substr(0, mine.find("since")) + "since 7\n",                // another process
+        "process " + std::to_string(getpid()) + " on " + internal::HostName()}) {  // unknown owner
     AtomicWrite(folder / "text", other);
     std::filesystem::copy_file(folder / "text", folder / ".lock",
                                std::filesystem::copy_options::overwrite_existing);
@@ -88,7 +87,7 @@ TEST(DatasetLock, ShardsShareTheFolderButNotAShard) {
   EXPECT_NO_THROW(DatasetLock(folder.path(), 1, 2));
 }
 
-// Each looks whether the locks of the others are held.
+// Each checks whether the locks of the others are held.
 TEST(DatasetLock, ShardsThatStartTogetherDoNotRefuseEachOther) {
   constexpr int kShards = 8, kRounds = 200;
   TempDir folder;
@@ -97,7 +96,7 @@ TEST(DatasetLock, ShardsThatStartTogetherDoNotRefuseEachOther) {
   const auto take = [&](int shard) {
     try {
       const DatasetLock lock(folder.path(), shard, kShards);
-      together.arrive_and_wait();  // all of them hold theirs
+      together.arrive_and_wait();  // all of them hold their locks
     } catch (const IoError& error) {
       refused[static_cast<size_t>(shard)] = error.what();
       together.arrive_and_wait();
@@ -116,7 +115,7 @@ TEST(DatasetLock, ShardsThatStartTogetherDoNotRefuseEachOther) {
   EXPECT_THAT(refused, Each(""));
 }
 
-// Both would make the same episodes; refusing both would leave nobody at work.
+// Both would make the same episodes; rejecting both would leave none at work.
 TEST(DatasetLock, OfShardsOfDifferentCountsThatStartTogetherOneBegins) {
   constexpr int kRounds = 100;
   TempDir folder;
@@ -133,7 +132,7 @@ TEST(DatasetLock, OfShardsOfDifferentCountsThatStartTogetherOneBegins) {
       } catch (const IoError& error) {
         refused[static_cast<size_t>(shard)] = error.what();
       }
-      together.arrive_and_wait();  // whoever has one holds it so long
+      together.arrive_and_wait();  // the winner holds its lock until here
     }
   };
   std::thread other(run, 1);

@@ -20,8 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-// Nothing of a report that is damaged, by somebody else or of another run: Verify tells of those by
-// themselves.
+// Ignores a report that is damaged or belongs to another run: Verify reports it separately.
 void AddSuccesses(const fs::path& dataset, const std::string& name, std::set<std::string>& ids) {
   try {
     const std::string text = internal::ReadRealFile(dataset / name);
@@ -35,21 +34,21 @@ void AddSuccesses(const fs::path& dataset, const std::string& name, std::set<std
   }
 }
 
-// The id itself, one of the attempts at it that are kept side by side ("s0003_e0001_a02"), or
-// either with the number that the quarantine gives to a second one (".1").
+// Returns true for the id itself, one of its attempts that are kept side by side
+// ("s0003_e0001_a02"), or either with the number that the quarantine gives to a second one (".1").
 bool IsOf(std::string_view id, std::string_view name) {
   if (!name.starts_with(id)) return false;
   name.remove_prefix(id.size());
   return name.empty() || name.front() == '.' || name.starts_with("_a");
 }
 
-// Failed attempts are kept beside a success, and are none.
+// Failed attempts are kept beside a success.
 bool MayBeASuccess(const fs::path& episode) {
   const internal::EpisodeLook look = internal::LookAtEpisode(episode);
   return look.success || look.state == internal::EpisodeState::kBroken;
 }
 
-// Whether one of an id's names, among sorted ones, fits.
+// Returns true if one of an id's names, among sorted ones, fits.
 template <class Fits>
 bool AnyOf(const std::vector<std::string>& names, const std::string& id, const Fits& fits) {
   auto it = std::lower_bound(names.begin(), names.end(), id);

@@ -1,5 +1,5 @@
-// What the reports in a dataset say (report.json): the episodes that they acknowledged and that are
-// gone, and whose reports they are.
+// The reports in a dataset (report.json): the episodes that they list and that are lost, and the
+// runs that they belong to.
 #pragma once
 
 #include <filesystem>
@@ -9,14 +9,16 @@
 
 namespace robocell {
 
-// Episodes that are gone, by an incomplete copy or a removed folder: ids that an undamaged report of the dataset (report.json, report-0-of-2.json) gives as successes,
-// and that are neither in the dataset, whatever their state, nor in its .quarantine; sorted.
+// Returns lost episodes, for example after an incomplete copy or a removed folder: ids that an
+// undamaged report of the dataset (report.json, report-0-of-2.json) lists as successes, and that
+// are neither in the dataset, whatever their state, nor in its .quarantine; sorted.
 std::vector<std::string> LostEpisodes(const std::filesystem::path& dataset);
 
-// `robocell report` and verify believe reports, which are easily copied.
+// `robocell report` and verify rely on reports, which are easily copied.
 //
-// The name of the run that a report (its text) is of, when that is another one than dataset.json
-// describes. Unset when it is the same, or nothing says so: no readable dataset.json, no identity.
+// Returns the name of the run that a report (its text) belongs to if it is not the run of
+// dataset.json. Unset if it is the same, or unknown: without a readable dataset.json, or without an
+// identity.
 std::optional<std::string> OtherRunOf(const std::string& report,
                                       const std::filesystem::path& dataset);
 

@@ -68,7 +68,7 @@ TEST_F(DatasetReports, AReportOfAnotherRunIsNamedAndNotBelieved) {
   const VerifyResult result = Verify(folder_.path());
   ASSERT_EQ(result.problems.size(), 1u) << result.Text();
   EXPECT_EQ(result.problems[0].Text(),
-            "report.json: it is of another run ('pick'): nothing in it counts");
+            "report.json: it belongs to another run ('pick') and does not count");
   EXPECT_THAT(Repair(folder_.path()).moved, ElementsAre("report.json"));
   EXPECT_TRUE(Verify(folder_.path()).ok());
 }

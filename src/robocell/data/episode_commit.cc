@@ -55,7 +55,7 @@ Json CamerasOf(const EpisodeContent& content) {
   return cameras;
 }
 
-// The labels of 0, 1, ...
+// Returns the labels of 0, 1, ...
 Json LabelsOf(const EpisodeSchema& schema) {
   Json labels = Json::array();
   for (const SegmentLabel& label : schema.segment_labels())
@@ -163,7 +163,7 @@ void DescribeEpisode(const EpisodeContent& content, const EpisodeSummary& summar
 }
 
 void PutInPlace(WorkFolder& work, const fs::path& final) {
-  ::rmdir(final.c_str());  // an empty folder is in nobody's way; all else stays, and is told
+  ::rmdir(final.c_str());  // removes only an empty folder; others are reported
   work.Commit(final);
 }
 

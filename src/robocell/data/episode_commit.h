@@ -1,5 +1,5 @@
-// The commit of an episode: what makes it complete, in the order that leaves it whole or absent at
-// any instant. EpisodeWriter closes the files; then
+// Commits an episode, in an order that leaves it complete or absent at any instant. EpisodeWriter
+// closes the files; then
 //   1. DescribeEpisode writes episode.json beside them, with their hashes;
 //   2. the models that the episode names are stored in the dataset (model_store.h);
 //   3. PutInPlace flushes everything and gives the folder its name.
@@ -17,12 +17,12 @@
 
 namespace robocell::internal {
 
-// A JSON object that the caller gave as text, with sorted keys. ArgumentError that begins with
-// `where` and names `what`.
+// Parses a JSON object that the caller gave as text, and sorts its keys. Throws ArgumentError that
+// begins with `where` and names `what`.
 nlohmann::ordered_json ParseObject(const std::string& where, const std::string& what,
                                    const std::string& text);
 
-// "2026-01-31T12:00:00.000Z"
+// Returns "2026-01-31T12:00:00.000Z".
 std::string UtcNow();
 
 // An episode whose files are closed.
@@ -43,8 +43,8 @@ struct EpisodeContent {
   const std::vector<std::string>& extra_files;
 };
 
-// What the caller says at the end. ArgumentError for texts that are not JSON objects and for keys
-// of `run` that the writer adds itself: to be asked before anything is closed.
+// The caller's results. Throws ArgumentError for texts that are not JSON objects and for keys of
+// `run` that the writer adds itself: check it before anything is closed.
 struct EpisodeResults {
   EpisodeResults(const std::string& name, const std::string& started,
                  const EpisodeSummary& summary);
@@ -56,8 +56,8 @@ struct EpisodeResults {
 void DescribeEpisode(const EpisodeContent& content, const EpisodeSummary& summary,
                      const EpisodeResults& results);
 
-// Gives the work folder its name; an empty folder of that name is replaced, all else is an IoError.
-// After an error work.committed() says whether it is in place all the same.
+// Gives the work folder its name; it replaces an empty folder of that name and throws IoError for
+// any other entry. After an error work.committed() returns whether it is in place all the same.
 void PutInPlace(WorkFolder& work, const std::filesystem::path& final);
 
 }  // namespace robocell::internal

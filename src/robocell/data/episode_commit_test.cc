@@ -80,7 +80,7 @@ TEST(EpisodeCommit, WhatTakesTheEpisodesNameMeanwhileStays) {
   EXPECT_EQ(Episode(folder / "empty").rows(), 2);
 }
 
-// A folder that may be written but not read: the rename works, flushing it does not.
+// The folder may be written but not read: the rename works, flushing it does not.
 TEST(EpisodeCommit, AnEpisodeThatIsInPlaceIsNotCalledLost) {
   TempDir folder;
   const SampleEpisode sample(0, false);
@@ -88,7 +88,7 @@ TEST(EpisodeCommit, AnEpisodeThatIsInPlaceIsNotCalledLost) {
     ASSERT_EQ(chown(folder.path().c_str(), kNobody, kNobody), 0);
   }
   const std::string said = SaidToNobody([&] {
-    EpisodeWriter writer(folder.path(), "e", sample.schema);  // its end takes nothing back
+    EpisodeWriter writer(folder.path(), "e", sample.schema);  // must not undo the commit
     sample.PutRows(writer, 3);
     fs::permissions(folder.path(), fs::perms(0333));
     writer.Commit({});

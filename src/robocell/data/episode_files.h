@@ -1,4 +1,4 @@
-// The layout of an episode's folder and of the dataset around it: what writer, reader and verify
+// The layout of an episode's folder and of the dataset around it, which writer, reader and verify
 // share. Internal to data/.
 #pragma once
 
@@ -18,7 +18,7 @@ inline constexpr std::string_view kLogsFolder = ".logs";
 inline constexpr std::string_view kReportFile = "report.json";  // of a shard: report-3-of-8.json
 inline constexpr std::string_view kLockFile = ".lock";          // of a shard: .lock-3-of-8
 
-// A run's own account, beside the episodes; no part of them.
+// A run's own report stands beside the episodes and belongs to none.
 inline bool IsReportFile(std::string_view name) {
   return name == kReportFile || (name.starts_with("report-") && name.ends_with(".json"));
 }

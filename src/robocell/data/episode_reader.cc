@@ -26,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// The file of a further kind of images; "" when the camera has none.
+// Returns the file of a further kind of images; "" if the camera has none.
 std::string FileOfKind(const Json& camera, const char* kind) {
   return camera.contains(kind) ? camera[kind].at("file").get<std::string>() : "";
 }
@@ -92,13 +92,13 @@ struct OpenSteps {
   internal::hdf5::File file;
 };
 
-// Open files cost memory and descriptors, opening one a tenth of a millisecond and more.
+// Open files cost memory and descriptors; opening one takes at least a tenth of a millisecond.
 internal::IdlePool<OpenSteps>& StepsPool() {
   static internal::IdlePool<OpenSteps> pool(32);
   return pool;
 }
 
-// The rows of a table that are at a time or before: the index of the last one, for each time.
+// Returns, for each time, the index of the last row of a table at that time or before.
 std::vector<int64_t> LastNotNewer(const std::vector<double>& of, const std::vector<double>& in) {
   constexpr double kSame_s = 1e-6;
   std::vector<int64_t> last;
@@ -142,7 +142,7 @@ struct Episode::Impl {
   mutable std::once_flag listed;
   mutable std::vector<ColumnInfo> columns;
   mutable std::mutex compared_mutex;
-  mutable std::string compared;  // identity of the steps.h5 whose bytes were compared
+  mutable std::string compared;  // identity of the steps.h5 that was last compared
 
   std::string Name() const { return fmt::format("episode '{}'", folder.string()); }
 
@@ -163,12 +163,12 @@ struct Episode::Impl {
       for (const auto& [name, camera] : json.at("cameras").items())
         cameras.push_back(ReadCamera(name, camera));
       labels = ReadLabels(json);
-      // The number of what has no label is the same in every episode.
+      // The number of unlabelled pixels is the same in every episode.
       if (json.contains("segmentation") && json["segmentation"].at("none") != kNoSegment)
         ThrowDamaged();
       for (const char* key : {"success", "terminated", "truncated", "metadata", "results", "tables",
                               "versions", "run"}) {
-        json.at(key);  // asked for later, without a check
+        json.at(key);  // read later without a check
       }
       for (const auto& [name, table] : json["tables"].items()) JsonCount<int64_t>(table.at("rows"));
       if (json.contains("features")) features = FeatureSchema::FromJson(json["features"].dump());
@@ -181,7 +181,7 @@ struct Episode::Impl {
     }
   }
 
-  // Without the parser's own words.
+  // Leaves out the parser's own words.
   [[noreturn]] void ThrowDamaged() const {
     const std::string damage =
         JsonDamage(text).value_or("its hash is right, but it does not describe an episode");
@@ -224,7 +224,7 @@ struct Episode::Impl {
     }
   }
 
-  // A file in the folder itself.
+  // Returns the path of a file directly in the folder.
   fs::path FileOf(const std::string& name) const {
     if (!internal::ValidFileName(name))
       throw IoError(fmt::format(
@@ -257,7 +257,7 @@ struct Episode::Impl {
     internal::FramePool::Shared().Read(video, index, pixels);
   }
 
-  // The HDF5 library ends the process on some files that a single bit was flipped in.
+  // The HDF5 library ends the process on some files with a single flipped bit.
   void RequireUndamagedSteps() const {
     const std::string name(kStepsFile), written = WrittenHash();
     if (!written.empty() && written == internal::Sha256RealFile(folder / name)) return;
@@ -271,7 +271,7 @@ struct Episode::Impl {
     return facts == files.end() ? "" : facts->value("sha256", std::string());
   }
 
-  // Once for each content of the file: opening it again later is cheap.
+  // Compares once for each content of the file: opening it again later is cheap.
   void CompareOnce(const std::string& identity) const {
     const std::lock_guard lock(compared_mutex);
     if (compared == identity) return;
@@ -279,15 +279,15 @@ struct Episode::Impl {
     compared = identity;
   }
 
-  // Opened on first use: lists of episodes need episode.json only.
+  // Opens the file on first use: lists of episodes need episode.json only.
   template <typename Use>
   void WithSteps(const Use& use) const {
     const fs::path path = internal::RequireReadable(folder / kStepsFile);
     const std::string identity = internal::FileIdentity(path), hash = WrittenHash();
     const auto same_path = [&](const OpenSteps& open) { return open.path == path; };
     auto steps = StepsPool().Take(same_path);
-    // What was written over is closed before it is opened anew: HDF5 takes a file that it has open
-    // for the same, whatever is in it now.
+    // A file that was overwritten is closed before it is opened anew: HDF5 treats a file that it
+    // has open as unchanged, whatever its content is now.
     while (steps && (steps->identity != identity || steps->sha256 != hash)) {
       steps.reset();
       steps = StepsPool().Take(same_path);
@@ -311,7 +311,7 @@ struct Episode::Impl {
     return columns;
   }
 
-  // The rows to read; ArgumentError if they are not all there.
+  // Returns the rows to read; throws ArgumentError if some do not exist.
   std::pair<int64_t, int64_t> Rows(const ColumnInfo& info, const RowRange& range) const {
     const int64_t count = range.count.value_or(info.rows - range.first);
     if (range.first >= 0 && count >= 0 && count <= info.rows - range.first)
@@ -472,7 +472,7 @@ std::vector<int64_t> Episode::FramesOfRows(const std::string& name,
     std::iota(same.begin(), same.end(), int64_t{0});
     return same;
   }
-  rows(table);  // NotFoundError
+  rows(table);  // throws NotFoundError
   const auto times = [&](const std::string& of) {
     const std::string time = of == "steps" ? "time" : of + "/time";
     for (const ColumnInfo& column : columns()) {

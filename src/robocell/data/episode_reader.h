@@ -6,13 +6,13 @@
 //   VideoReader wrist = episode.Video("wrist");                       // frame i belongs to row i
 //   episode.ReadFrame("wrist", ImageKind::kColour, 17, rgb);          // one frame, in any order
 //
-// Opening reads episode.json and checks that the files are there with their sizes; whether their
-// bytes are intact is checked by Verify (data/verify.h). IoError names file and reason;
-// NotFoundError the nearest names; ArgumentError for another type or rows beyond the end. Const
-// functions may be called from several threads.
+// Opening reads episode.json and checks that the files exist with their sizes; Verify
+// (data/verify.h) checks whether their bytes are intact. Throws IoError with file and reason,
+// NotFoundError with the nearest names, and ArgumentError for another type or rows beyond the end.
+// Several threads may call const functions.
 //
 // Thousands of episodes may be open at once: all episodes of a process share a few open files and
-// decoders (ReleaseIdleFiles). They go on working in a forked child.
+// decoders (ReleaseIdleFiles). They also work in a forked child.
 #pragma once
 
 #include <cstddef>
@@ -59,7 +59,7 @@ enum class ImageKind {
 };
 std::string_view NameOf(ImageKind kind);  // "rgb", "depth", "segmentation"
 
-// One video of an episode.
+// A video of an episode.
 struct ImageStream {
   std::string name;  // "wrist", "wrist.depth", "wrist.segmentation": the file without its ending
   std::string camera;
@@ -71,8 +71,8 @@ struct RowRange {
   std::optional<int64_t> count;  // to the end if unset
 };
 
-// Whether the bytes of steps.h5 are still to be compared with their hash before HDF5 reads them, or
-// were just compared.
+// Whether HDF5 may read steps.h5 right away because its bytes were just compared with their hash,
+// or the bytes must be compared first.
 enum class StepsBytes { kCompare, kCompared };
 
 class Episode {
@@ -89,18 +89,18 @@ class Episode {
   bool truncated() const;
   const std::string& end_reason() const;
   const std::vector<std::string>& warnings() const;
-  // The text of episode.json, and of its parts.
+  // Return the text of episode.json, and of its parts.
   const std::string& json() const;
   std::string metadata_json() const;
   std::string results_json() const;
   std::string versions_json() const;
   std::string run_json() const;
-  // The features of the columns; empty in episodes that were recorded without features.
+  // Returns the features of the columns; empty in episodes that were recorded without features.
   const FeatureSchema& features() const;
 
   int64_t rows(const std::string& table = "steps") const;
   std::vector<std::string> tables() const;
-  // Constants included, by name.
+  // Returns all columns including constants, by name.
   const std::vector<ColumnInfo>& columns() const;
   const ColumnInfo& column(const std::string& name) const;
 
@@ -121,33 +121,34 @@ class Episode {
   const std::vector<CameraInfo>& cameras() const;
   const CameraInfo& camera(const std::string& name) const;
   VideoReader Video(const std::string& camera) const;
-  // The depth of a camera, uint16 millimetres. NotFoundError when it has none.
+  // Returns the depth of a camera, uint16 millimetres. Throws NotFoundError if it has none.
   VideoReader DepthVideo(const std::string& camera) const;
   // Returns the segmentation video of a camera, uint16: each pixel is an index of segment_labels(),
-  // or kNoSegment. NotFoundError if the camera has no segmentation.
+  // or kNoSegment. Throws NotFoundError if the camera has no segmentation.
   VideoReader SegmentationVideo(const std::string& camera) const;
-  // All videos, by camera and kind.
+  // Returns all videos, by camera and kind.
   std::vector<ImageStream> streams() const;
-  // By its name, as listed. NotFoundError with the nearest names.
+  // Returns the stream of that name in the list. Throws NotFoundError with the nearest names.
   ImageStream stream(const std::string& name) const;
-  // One frame, in any order, through decoders that all episodes share: see media/frame_pool.h.
-  // Bytes are for colour, uint16 for the other kinds. ArgumentError if there is no such frame.
+  // Reads one frame, in any order, through decoders that all episodes share: see
+  // media/frame_pool.h. Use bytes for colour, uint16 for the other kinds. Throws ArgumentError if
+  // there is no such frame.
   void ReadFrame(const std::string& camera, ImageKind kind, int64_t index,
                  std::span<uint8_t> rgb) const;
   void ReadFrame(const std::string& camera, ImageKind kind, int64_t index,
                  std::span<uint16_t> pixels) const;
-  // For each row of a table the camera's frame of that moment: the last one that is not newer than
-  // the row, -1 where there is none yet. Of the table that the camera belongs to it is the row
-  // itself; of any other it follows from the column `time` of both, to a microsecond. ArgumentError
-  // if one of them has no such column.
+  // Returns, for each row of a table, the camera's frame at that time: the last one that is not
+  // newer than the row, -1 where there is none yet. For the camera's own table it is the row
+  // itself; for any other it follows from the column `time` of both, to a microsecond. Throws
+  // ArgumentError if one of them has no such column.
   std::vector<int64_t> FramesOfRows(const std::string& camera,
                                     const std::string& table = "steps") const;
-  // The labels of 0, 1, ... in the segmentation of all cameras; none when no camera has it.
+  // Returns the labels of 0, 1, ... in the segmentation of all cameras; empty if no camera has it.
   const std::vector<SegmentLabel>& segment_labels() const;
-  // The models it was made in: their names in the metadata -> where the dataset keeps them
+  // Returns the models of its scene: names in the metadata -> paths in the dataset
   // ("models/rc7-0123456789abcdef/rc7.xml").
   std::map<std::string, std::string> models() const;
-  // All files but episode.json, as listed in it.
+  // Returns all files but episode.json, as listed in it.
   std::vector<std::string> files() const;
 
  private:
@@ -155,8 +156,8 @@ class Episode {
   std::unique_ptr<Impl> impl_;
 };
 
-// Closes the files and ends the decoders that episodes keep for their next call; before a dataset is
-// moved or deleted, for example. Episodes open them again when they need them.
+// Closes the files and ends the decoders that episodes keep for their next call, for example before
+// a dataset is moved or deleted. Episodes open them again when they need them.
 void ReleaseIdleFiles();
 
 }  // namespace robocell

@@ -174,7 +174,7 @@ TEST(Episode, StreamsHaveTheNamesOfTheirFiles) {
                              "Its image streams: wrist, wrist.depth. Did you mean 'wrist.depth'?");
 }
 
-// A camera that is slower than the rows: its frames are rows of a table of its own.
+// The camera is slower than the rows: its frames are rows of a table of its own.
 TEST(Episode, RowsOfAnotherTableFindTheirFramesByTime) {
   TempDir folder;
   EpisodeSchema schema;
@@ -190,7 +190,7 @@ TEST(Episode, RowsOfAnotherTableFindTheirFramesByTime) {
     writer.EndRow();
   }
   for (int i = 0; i < 3; ++i) {
-    writer.Put(image_time, 0.1 + 3 * 0.1 * i);  // of rows 1, 4 and 7; rounded otherwise
+    writer.Put(image_time, 0.1 + 3 * 0.1 * i);  // of rows 1, 4 and 7, with another rounding
     writer.EndRow(images);
     writer.WriteFrame(slow, TestFrame(32, 16, i));
   }
@@ -212,7 +212,7 @@ TEST(Episode, ManyThatAreReadKeepFewFilesOpen) {
   TempDir folder;
   SampleEpisode(0, false).Write(folder.path(), "a", 2);
   std::vector<Episode> all;
-  ReleaseIdleFiles();  // those of other tests
+  ReleaseIdleFiles();  // closes those of other tests
   const int64_t before = OpenDescriptors();
   for (int i = 0; i < 100; ++i) {
     const fs::path own = folder / ("copy" + std::to_string(i)) / "a";

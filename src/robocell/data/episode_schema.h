@@ -14,7 +14,7 @@
 //   const ColumnId ctrl = schema.AddColumn({.name = "ctrl", .shape = {8}}, control);
 //   // stored as control/ctrl
 //
-// A wrong declaration is an ArgumentError that names it. A value type; copies are independent.
+// Throws ArgumentError that names a wrong declaration. A value type; copies are independent.
 #pragma once
 
 #include <array>
@@ -29,7 +29,7 @@
 
 namespace robocell {
 
-// Handles of one schema; copies of the schema understand them too.
+// Handles of one schema; they are also valid for its copies.
 struct TableId {
   int index = 0;
   bool operator==(const TableId&) const = default;
@@ -48,7 +48,7 @@ struct CameraId {
 
 inline constexpr TableId kStepsTable{0};
 
-// A colour video, stored as <name>.mp4, and if wanted depth beside it.
+// A colour video, stored as <name>.mp4, with optional depth beside it.
 struct CameraStream {
   std::string name;  // a file name
   int width = 0;     // px, even
@@ -61,19 +61,19 @@ struct CameraStream {
   // Also a lossless video <name>.depth.mov: uint16, millimetres along the camera's axis, 0 where
   // nothing was hit, 65535 for everything farther.
   bool depth = false;
-  // Also a lossless video <name>.segmentation.mov: uint16, what each pixel shows, as a number of
-  // the schema's segment labels, or kNoSegment. The schema then needs labels.
+  // Also a lossless video <name>.segmentation.mov: uint16, the visible element of each pixel as a
+  // number of the schema's segment labels, or kNoSegment. The schema then needs labels.
   bool segmentation = false;
 };
 
 // The meaning of one id in the segmentation of all cameras.
 struct SegmentLabel {
   std::string name;   // "robot_0/link3": a body
-  std::string owner;  // what it belongs to, as columns name it: "robots/rc7", "objects/mug"; or ""
+  std::string owner;  // its owner, as columns name it: "robots/rc7", "objects/mug"; or ""
   bool operator==(const SegmentLabel&) const = default;
 };
 
-// A pixel of segmentation that shows nothing of the labels.
+// A pixel of segmentation that shows no labelled element.
 inline constexpr uint16_t kNoSegment = 65535;
 
 // A value without time axis.
@@ -100,10 +100,10 @@ class EpisodeSchema {
 
   TableId AddTable(const std::string& name, int64_t chunk_rows = 512);
   ColumnId AddColumn(ColumnSpec column, TableId table = kStepsTable);
-  // Numbers that do not change in the episode; column.type must be kFloat64.
+  // Adds numbers that do not change in the episode; column.type must be kFloat64.
   void AddConstant(ColumnSpec column, std::span<const double> values);
   CameraId AddCamera(CameraStream stream, TableId table = kStepsTable);
-  // The labels of 0, 1, ... in segmentation images: at least one, at most kNoSegment of them.
+  // Sets the labels of 0, 1, ... in segmentation images: at least one, at most kNoSegment of them.
   void SetSegmentLabels(std::vector<SegmentLabel> labels);
 
   const std::vector<TableSpec>& tables() const { return tables_; }
@@ -112,7 +112,7 @@ class EpisodeSchema {
   const std::vector<SegmentLabel>& segment_labels() const { return segment_labels_; }
   const ColumnSpec& column(ColumnId id) const;
 
-  // By full name; NotFoundError with the nearest names.
+  // Finds a column by its full name. Throws NotFoundError with the nearest names.
   ColumnId FindColumn(std::string_view name) const;
   CameraId FindCamera(std::string_view name) const;
 

@@ -32,7 +32,7 @@ bool LooksLikeEpisode(const fs::path& folder) {
   return static_cast<bool>(error);  // one bad folder must not hide the others
 }
 
-// The line of the id, `  "id": "s0000_e0003",`, as a JSON text.
+// Returns the line of the id, `  "id": "s0000_e0003",`, as a JSON text.
 std::string IdLine(std::string_view beginning) {
   constexpr std::string_view kKey = "\n  \"id\": ";
   const size_t at = beginning.find(kKey);

@@ -1,9 +1,8 @@
-// Is this episode there? The one answer that datasets, verify and generation share.
+// Checks whether an episode exists: the one check that datasets, verify and generation share.
 //
-// An episode is complete or absent. It is there when its folder holds episode.json, which is
-// written last, before the folder gets its name. What has an episode's name and is none (a folder
-// that a careless copy left half, a file) neither counts nor is overwritten: it is named, with what
-// to do about it.
+// An episode is complete or absent. It exists if its folder contains episode.json, which is written
+// last, before the folder gets its name. Another entry with an episode's name (an incomplete copy
+// of a folder, a file) neither counts nor is overwritten: it is reported, with what to do about it.
 #pragma once
 
 #include <filesystem>
@@ -14,14 +13,14 @@
 namespace robocell::internal {
 
 enum class EpisodeState {
-  kAbsent,  // nothing has its name, or an empty folder that a commit replaces
-  kWhole,   // it is there, and its files have their sizes
-  kBroken,  // something has its name and is no whole episode
+  kAbsent,  // no entry, or an empty folder that a commit replaces
+  kWhole,   // it exists, and its files have their sizes
+  kBroken,  // there is an entry that is not a complete episode
 };
 
 struct EpisodeLook {
   EpisodeState state = EpisodeState::kAbsent;
-  bool success = false;      // of a whole one
+  bool success = false;      // of a complete one
   std::string problem = {};  // the reason if the episode is broken, with the folder
 };
 
@@ -32,15 +31,15 @@ inline constexpr std::string_view kLeftAlone = "repair leaves it alone, move it 
 
 EpisodeLook LookAtEpisode(const std::filesystem::path& folder);
 
-// Whether a folder is listed as an episode, that is, contains episode.json.
+// Returns true if a folder is listed as an episode, that is, contains episode.json.
 bool IsCommitted(const std::filesystem::path& folder);
-// The id that an episode's description gives it, when that is not its folder's name: the folder was
-// copied or renamed. Reads no more than the beginning; unset when nothing can be said.
+// Returns the id in an episode's description if it is not its folder's name: the folder was copied
+// or renamed. Reads only the beginning; unset if it is unknown.
 std::optional<std::string> OtherIdIn(const std::filesystem::path& folder);
 // Returns the message about a misnamed folder, which is not an episode of its dataset.
 std::string MisnamedText(const std::filesystem::path& folder, const std::string& id);
-// Whether a folder has an episode's name and is or was one, instead of something that a user put
-// there. A folder that cannot be listed counts as one; LookAtEpisode and Verify report why.
+// Returns true if a folder has an episode's name and is or was one, rather than a user's own
+// folder. A folder that cannot be listed counts as one; LookAtEpisode and Verify report why.
 bool IsEpisodeFolder(const std::filesystem::path& folder);
 
 }  // namespace robocell::internal

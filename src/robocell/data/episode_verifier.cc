@@ -49,7 +49,7 @@ void Decode(VideoReader video) {
     ForEachFrame<uint8_t>(video, [](const auto&) {});
 }
 
-// The first number of a segmentation video that has no label.
+// Returns the first number of a segmentation video that has no label.
 std::optional<uint16_t> StrayLabel(VideoReader video, size_t labels) {
   std::optional<uint16_t> stray;
   ForEachFrame<uint16_t>(video, [&](const std::vector<uint16_t>& frame) {
@@ -67,7 +67,7 @@ class EpisodeVerification {
 
   std::vector<VerifyProblem> Run() {
     try {
-      FolderNames(folder_);  // that nothing is there is a problem only where something can be seen
+      FolderNames(folder_);  // a missing folder is only a problem in a readable one
       if (ReadDescription()) VerifyEverything();
     } catch (const std::exception& error) {
       Report("", error.what(), KindOf(error));
@@ -81,7 +81,7 @@ class EpisodeVerification {
     problems_.push_back({folder_.filename().string(), file, reason, kind});
   }
 
-  // False if nothing else can be asked.
+  // Returns false if no other check is possible.
   bool ReadDescription() {
     const std::string file(kEpisodeFile);
     const std::string what = WhatIsAt(folder_ / file);
@@ -116,7 +116,7 @@ class EpisodeVerification {
     if (whole) VerifyContents();
   }
 
-  // What another robocell wrote, that knows: which files belong to it, and where they are listed.
+  // Only the version of robocell that wrote an episode knows its files and where they are listed.
   bool IsOfThisVersion() {
     const auto version = JsonCount<int>(description_.at("format_version"));
     if (version == kEpisodeFormatVersion) return true;
@@ -173,7 +173,7 @@ class EpisodeVerification {
     for (const CameraInfo& camera : episode.cameras()) VerifyCamera(episode, camera);
   }
 
-  // `open` gives the reader of this video, which must hold one frame per row.
+  // `open` returns the reader of this video, which must hold one frame per row.
   template <class Open>
   void VerifyVideo(const Episode& episode, const CameraInfo& camera, const std::string& file,
                    VideoKind kind, Open&& open) {
@@ -189,7 +189,7 @@ class EpisodeVerification {
     if (decode_) TryToDecode(file, [&] { Decode(open()); });
   }
 
-  // Its bytes are what the encoder wrote, so it is this machine's decoder that cannot.
+  // The bytes are those of the encoder, so only this machine's decoder fails.
   template <class F>
   void TryToDecode(const std::string& file, F&& decode) {
     try {

@@ -1,5 +1,5 @@
-// Is every byte of an episode what was written? From the outside in: episode.json, the list of
-// files, their bytes, then what they hold. For Verify (verify.h).
+// Checks that every byte of an episode is as written, from the outside in: episode.json, the list
+// of files, their bytes, then their content. For Verify (verify.h).
 #pragma once
 
 #include <filesystem>
@@ -10,8 +10,8 @@
 
 namespace robocell::internal {
 
-// A file is parsed only after its hash was found right, and HDF5 reads in a process of its own: who
-// hashes a file may also have made it to hurt. With `decode` every frame of the videos is decoded.
+// A file is parsed only after its hash was found correct, and HDF5 reads in a process of its own:
+// the author of the hash may be malicious. With `decode` every frame of the videos is decoded.
 class EpisodeVerifier {
  public:
   explicit EpisodeVerifier(bool decode);

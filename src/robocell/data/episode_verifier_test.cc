@@ -61,7 +61,7 @@ TEST_F(EpisodeVerifierTest, AMissingFileIsNamed) {
   EXPECT_EQ(OnlyProblem(), "b/wrist.mp4: it is missing");
 }
 
-// As a cache of downloads is laid out: all files are links to blobs beside the dataset.
+// The layout of a download cache: all files are links to blobs beside the dataset.
 TEST_F(EpisodeVerifierTest, FilesMayBeLinksToFiles) {
   TempDir blobs;
   for (const char* file : {"episode.json", "steps.h5", "scene.mjb"}) {

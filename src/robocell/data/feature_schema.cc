@@ -22,7 +22,7 @@ constexpr std::array kRoles = {FeatureRole::kObservation, FeatureRole::kPrivileg
 constexpr std::array kTypes = {ColumnType::kFloat64, ColumnType::kFloat32, ColumnType::kInt64,
                                ColumnType::kInt32,   ColumnType::kUint8,   ColumnType::kBool};
 
-// Numbers without an end, which JSON has not, are null.
+// Infinite numbers, which JSON lacks, become null.
 FeatureJson ToBounds(const std::vector<double>& values) {
   FeatureJson bounds = FeatureJson::array();
   for (const double value : values)
@@ -30,7 +30,7 @@ FeatureJson ToBounds(const std::vector<double>& values) {
   return bounds;
 }
 
-// Reads the fields of one feature and says which one is wrong.
+// Reads the fields of one feature and names a wrong one.
 class FeatureReader {
   [[noreturn]] void Fail(const std::string& field, const std::string& what) const {
     throw SpecError(

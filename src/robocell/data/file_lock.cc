@@ -28,7 +28,7 @@ bool MeansNoLocks(int error) {
   return error == ENOLCK || error == ENOSYS || error == EOPNOTSUPP || error == ENOTSUP;
 }
 
-// Once a process: it is the same for every file of a dataset.
+// Warns once per process: it is the same for every file of a dataset.
 void WarnOfNoLocks(const std::filesystem::path& path, int error) {
   static std::atomic<bool> warned = false;
   if (warned.exchange(true)) return;

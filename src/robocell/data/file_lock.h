@@ -12,17 +12,17 @@ enum class LockKind { kShared, kExclusive };
 
 class FileLock {
  public:
-  // Unset when somebody else holds it, in this process or another. The file is made for an
-  // exclusive lock; for a shared one it must exist and need not be writable. IoError when it cannot
-  // be opened, or locking fails.
+  // Returns the lock; unset if another owner in this process or another one holds it. Creates the
+  // file for an exclusive lock; for a shared one it must exist and need not be writable. Throws
+  // IoError if it cannot be opened, or locking fails.
   static std::optional<FileLock> Try(const std::filesystem::path& path, LockKind kind);
 
   FileLock(FileLock&& other) noexcept;
   FileLock& operator=(FileLock&& other) noexcept;
   ~FileLock();
 
-  // False on a file system without locks, where everybody gets one and nobody is kept out. A
-  // warning says so, once.
+  // Returns false on a file system without locks, where every caller gets one and none is kept out.
+  // A warning reports that once.
   bool holds() const { return holds_; }
   int descriptor() const { return descriptor_; }
 

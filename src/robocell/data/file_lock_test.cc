@@ -18,7 +18,7 @@ bool IsFree(const std::filesystem::path& path, LockKind kind) {
   return FileLock::Try(path, kind).has_value();
 }
 
-// Whether another process gets it.
+// Returns true if another process can take the lock.
 bool IsFreeElsewhere(const std::filesystem::path& path, LockKind kind) {
   const pid_t child = fork();
   if (child == 0) _exit(IsFree(path, kind) ? 0 : 1);
@@ -45,7 +45,7 @@ TEST(FileLock, OfOneKeepsAllOthersOut) {
 TEST(FileLock, OfSeveralKeepsOutWhoWantsItAlone) {
   TempDir folder;
   const auto path = folder / "lock";
-  FileLock::Try(path, LockKind::kExclusive);  // makes the file
+  FileLock::Try(path, LockKind::kExclusive);  // creates the file
   const auto lock = FileLock::Try(path, LockKind::kShared);
   ASSERT_TRUE(lock.has_value());
   EXPECT_TRUE(IsFreeElsewhere(path, LockKind::kShared));

@@ -19,8 +19,8 @@ namespace {
 
 static_assert(std::is_same_v<hid_t, int64_t> && std::is_same_v<herr_t, int>);
 
-// Prepares the library on first use. Without H5dont_atexit a process whose disk was full crashes
-// when it ends. Whoever forks, such as Python's multiprocessing, does it while no thread is in the
+// Prepares the library on first use. Without H5dont_atexit a process whose disk was full crashes at
+// its end. Code that forks, such as Python's multiprocessing, forks while no thread is in the
 // library.
 std::recursive_mutex& Mutex() {
   static std::recursive_mutex mutex;
@@ -50,7 +50,7 @@ herr_t KeepInnermost(unsigned, const H5E_error2_t* entry, void* text) {
   return 0;
 }
 
-// The innermost reason; of the long texts for failed system calls only the system's words.
+// Returns the innermost reason; of the long texts for failed system calls only the system's words.
 std::string Reason() {
   std::string text;
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_DOWNWARD, KeepInnermost, &text);
@@ -73,7 +73,7 @@ Id MakeBool() {
   return type;
 }
 
-// The same in the file and in memory: robocell runs on little-endian machines.
+// The type is the same in the file and in memory: robocell runs on little-endian machines.
 Id TypeId(ColumnType type) {
   switch (type) {
     case ColumnType::kFloat64:
@@ -94,7 +94,7 @@ Id TypeId(ColumnType type) {
 constexpr ColumnType kTypes[] = {ColumnType::kFloat64, ColumnType::kFloat32, ColumnType::kInt64,
                                  ColumnType::kInt32,   ColumnType::kUint8,   ColumnType::kBool};
 
-// A file from elsewhere must not show what is in other files of this machine.
+// A foreign file must not expose the content of other files of this machine.
 bool HasItsOwnNumbers(const Id& dataset) {
   const Id creation = Own(H5Dget_create_plist(dataset.get()), H5Pclose);
   return H5Pget_external_count(creation.get()) == 0 && H5Pget_layout(creation.get()) != H5D_VIRTUAL;
@@ -137,7 +137,7 @@ bool WriteTexts(hid_t object, const std::string& key, const std::vector<std::str
                         Own(H5Screate_simple(1, &count, nullptr), H5Sclose), data.data());
 }
 
-// Empty if there is none or it is no text.
+// Returns an empty list if there is no such attribute or it is not text.
 std::vector<std::string> ReadTexts(hid_t object, const std::string& key) {
   std::vector<std::string> values;
   if (H5Aexists(object, key.c_str()) <= 0) return values;
@@ -221,7 +221,7 @@ Id H5Dataset::SelectRows(int64_t first, int64_t count) const {
   return space;
 }
 
-// Written past the library's chunk cache, which leaks its buffer when a write fails.
+// Bypasses the library's chunk cache, which leaks its buffer when a write fails.
 void H5Dataset::AppendChunk(int64_t count, std::span<const std::byte> bytes) {
   const Lock lock;
   std::vector<hsize_t> offset(shape_.size(), 0);
@@ -292,8 +292,8 @@ void File::Fail(const std::string& what) const {
 
 namespace {
 
-// HDF5's own locks are left out: a child process that inherits the descriptor would hold them longer than
-// this file is open, and a dataset has locks of its own (dataset_lock.h).
+// HDF5's own locks are switched off: a child process that inherits the descriptor would hold them
+// longer than this file is open, and a dataset has locks of its own (dataset_lock.h).
 Id FileAccess() {
   Id access = Own(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_file_locking(access.get(), false, true);

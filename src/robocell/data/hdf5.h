@@ -1,10 +1,9 @@
 // Owners for the objects of the HDF5 C library that episodes need. Internal to data/; the library's
 // header stays in hdf5.cc.
 //
-// Every call checks its result and throws an IoError with the file, what was tried and the
-// library's innermost reason. All calls are serialised by one lock, so that any build of the
-// library may be used from several threads. Files hold no times: the same calls give the same
-// bytes.
+// Every call checks its result and throws an IoError with the file, the attempted action and the
+// library's innermost reason. One lock serialises all calls, so that any build of the library may
+// be used from several threads. Files contain no times: the same calls give the same bytes.
 #pragma once
 
 #include <cstddef>
@@ -18,10 +17,10 @@
 
 namespace robocell::internal::hdf5 {
 
-// "1.10.8".
+// Returns "1.10.8".
 std::string Version();
 
-// fork(2). As after any fork once the library was used, the child may use it: the fork happens at an
+// Calls fork(2). The child may use the library if it was used before: the fork happens at an
 // instant when no other thread is in it.
 int Fork();
 
@@ -36,7 +35,7 @@ class Id {
   Id& operator=(Id&& other) noexcept;
 
   int64_t get() const { return id_; }
-  // False if the library refused; the id is then still owned, and may be closed later.
+  // Returns false if the library refused; the id is then still owned, and may be closed later.
   bool Close();
   // Gives the id up without closing it.
   void Forget() { id_ = -1; }
@@ -53,13 +52,13 @@ class H5Dataset {
 
   const std::string& name() const { return name_; }
   ColumnType type() const { return type_; }
-  // With the row axis.
+  // Returns the shape with the row axis.
   const std::vector<int64_t>& shape() const { return shape_; }
 
   // Rows are whole entries of the first axis.
   //
-  // Adds `count` rows as the next chunk: `bytes` holds a whole chunk, of which the rows are the
-  // first. All chunks but the last must be full.
+  // Adds `count` rows as the next chunk: `bytes` holds a whole chunk that begins with the rows. All
+  // chunks but the last must be full.
   void AppendChunk(int64_t count, std::span<const std::byte> bytes);
   void ReadRows(int64_t first, int64_t count, std::span<std::byte> bytes) const;
   void ReadAll(std::span<std::byte> bytes) const;
@@ -68,7 +67,7 @@ class H5Dataset {
 
   void SetText(const std::string& key, const std::string& value);
   void SetTexts(const std::string& key, const std::vector<std::string>& values);
-  // "" or {} if there is no such attribute.
+  // Return "" or {} if there is no such attribute.
   std::string Text(const std::string& key) const;
   std::vector<std::string> Texts(const std::string& key) const;
 
@@ -95,14 +94,14 @@ class File {
   File(File&&) = default;
   File& operator=(File&&) = default;
 
-  // Creates the groups on the way. `shape` is of one row; memory and file grow by `chunk_rows` at a
-  // time.
+  // Creates the groups on the way. `shape` is that of one row; memory and file grow by `chunk_rows`
+  // at a time.
   H5Dataset CreateExtendible(const std::string& name, ColumnType type,
                              const std::vector<int64_t>& shape, int64_t chunk_rows);
   H5Dataset CreateFixed(const std::string& name, ColumnType type,
                         const std::vector<int64_t>& shape);
   H5Dataset Open(const std::string& name) const;
-  // All arrays, by name.
+  // Returns all arrays, by name.
   std::vector<std::string> DatasetNames() const;
 
   // Sets an attribute of a group; "/" is the root. The group is created if needed.
@@ -111,10 +110,10 @@ class File {
   std::string Text(const std::string& group, const std::string& key) const;
   int64_t Integer(const std::string& group, const std::string& key) const;
 
-  // Writes out what is buffered; the datasets must have been closed before.
+  // Writes buffered data; the datasets must have been closed before.
   void Close();
-  // Lets whatever is still unwritten go nowhere, so that the library can release an open file whose
-  // disk is full; otherwise it would keep its memory and descriptor for ever. Closes nothing.
+  // Discards unwritten data, so that the library can release an open file whose disk is full;
+  // otherwise it would keep its memory and descriptor for ever. Closes nothing.
   void Discard() noexcept;
 
  private:

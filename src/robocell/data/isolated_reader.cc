@@ -26,9 +26,9 @@ using Clock = std::chrono::steady_clock;
 
 constexpr char kAnswered = 'A';
 constexpr char kThrew = 'T';
-constexpr char kSystem = 'S';  // an error of the system; its errno follows as one character
+constexpr char kSystem = 'S';  // a system error; its errno follows as one character
 
-// A message is its length and its bytes. False when the other end is gone.
+// A message is its length and its bytes. Returns false if the other end is closed.
 bool Send(int socket, std::string_view text) {
   const uint64_t size = text.size();
   std::string message(reinterpret_cast<const char*>(&size), sizeof size);
@@ -42,7 +42,7 @@ bool Send(int socket, std::string_view text) {
   return true;
 }
 
-// False when the other end is gone before.
+// Returns false if the other end closes before.
 bool ReceiveBytes(int socket, char* to, size_t size) {
   while (size > 0) {
     const ssize_t count = ::recv(socket, to, size, 0);
@@ -77,15 +77,15 @@ std::string AnswerText(const IsolatedReader::Answer& answer, const std::string& 
   }
 }
 
-// A fork has copies of all that is open, and as long as it lives nobody sees their end: encoders
-// wait for more frames, locks stay held.
+// A fork has copies of all open files, and keeps them open while it lives: encoders would wait for
+// more frames, locks would stay held.
 void KeepOnly(int socket) {
   ::dup2(socket, 3);
   ::close_range(4, ~0u, 0);
 }
 
-// The child's life: until nobody asks any more, or an answer takes so long that nobody can be
-// waiting for it.
+// Serves queries in the child until there are no more, or an answer takes so long that the parent
+// no longer waits.
 [[noreturn]] void Serve(int socket, const IsolatedReader::Answer& answer,
                         std::chrono::seconds most) {
   KeepOnly(socket);
@@ -96,10 +96,10 @@ void KeepOnly(int socket) {
     if (!Send(3, AnswerText(answer, question))) break;
     ::alarm(0);
   }
-  ::_exit(0);  // nothing of this process is its own to close
+  ::_exit(0);  // no resource of this process is its own to close
 }
 
-// False when nothing came until then.
+// Returns false if nothing arrived by then.
 bool SomethingComes(int socket, Clock::time_point until) {
   while (true) {
     const auto left =
@@ -121,10 +121,10 @@ std::vector<std::string> Lines(std::string_view text) {
   return lines;
 }
 
-// What a process does to itself is an answer; what others do to it (a kill, as of a machine without
-// memory) says nothing of what it read.
+// An end that the process caused itself is an answer; an end from outside (a kill, for example on a
+// machine without memory) says nothing about the input.
 [[noreturn]] void ThrowEnded(std::optional<int> of_child) {
-  if (!of_child) throw IoError("reading it ends the process, nobody knows how", ECHILD);
+  if (!of_child) throw IoError("reading it ends the process for an unknown reason", ECHILD);
   const int status = *of_child;
   if (!WIFSIGNALED(status)) throw Error("reading it ends the process");
   const int signal = WTERMSIG(status);
@@ -168,7 +168,7 @@ void IsolatedReader::Start() {
 }
 
 std::optional<int> IsolatedReader::End() {
-  // Not close alone: what others forked meanwhile may have a copy of this end.
+  // Closing alone is not enough: a process forked meanwhile may have a copy of this end.
   ::shutdown(socket_, SHUT_RDWR);
   ::close(std::exchange(socket_, -1));
   const pid_t child = std::exchange(child_, -1);
@@ -191,7 +191,7 @@ std::vector<std::string> IsolatedReader::Ask(const std::string& question) {
   std::string text;
   Reply reply = Exchange(question, text);
   if (reply == Reply::kEnded && !fresh) {
-    // What was read before may have hurt it: nobody answers for another's crash.
+    // An earlier query may have damaged it: a crash must not be blamed on another input.
     End();
     Start();
     reply = Exchange(question, text);

@@ -1,13 +1,13 @@
 // Runs a library that may crash on its input in a child process: a crash there becomes an error
-// here. It is for files from elsewhere; the hash of our own files is compared first.
+// here. It is for foreign files; for our own files the hash is compared first.
 //
 //   IsolatedReader reader([](const std::string& file) { return ProblemsIn(file); });
 //   for (const std::string& file : files) Tell(file, reader.Ask(file));
 //
 // The child is forked from the calling thread for the first query, and again after a query that
 // ended it, because the fork of a large process takes tens of milliseconds. It keeps no file of
-// this process open. The function that answers may open files and allocate; it must not touch
-// Python, the engine, GL or other threads.
+// this process open. The answering function may open files and allocate; it must not touch Python,
+// the engine, GL or other threads.
 #pragma once
 
 #include <sys/types.h>
@@ -33,9 +33,9 @@ class IsolatedReader {
   IsolatedReader(const IsolatedReader&) = delete;
   IsolatedReader& operator=(const IsolatedReader&) = delete;
 
-  // Returns the child's answer. Throws Error with the text of what the function threw, or when the
-  // child crashed; IoError with the system's error when the function threw one, when the child ran
-  // out of memory, was killed or took longer than `most`, and when no child can be started.
+  // Returns the child's answer. Throws Error with the text of an exception of the function, or if
+  // the child crashed; IoError with the system's error if the function threw one, if the child ran
+  // out of memory, was killed or took longer than `most`, and if no child can be started.
   std::vector<std::string> Ask(const std::string& question);
 
  private:

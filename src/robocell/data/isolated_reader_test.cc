@@ -67,7 +67,7 @@ TEST(Apart, WhatIsThrownThereIsThrownHere) {
 }
 
 void Crash() {
-  std::signal(SIGSEGV, SIG_DFL);  // sanitizers take it otherwise
+  std::signal(SIGSEGV, SIG_DFL);  // sanitizers handle it otherwise
   raise(SIGSEGV);
 }
 
@@ -86,7 +86,7 @@ TEST(Apart, NobodyAnswersForWhatAnotherBroke) {
   bool broken = false;
   IsolatedReader reader([&](const std::string& question) {
     if (broken) Crash();
-    broken = question == "sly";  // it crashes at whatever is read next
+    broken = question == "sly";  // it crashes at the next input
     return Lines{question};
   });
   EXPECT_THAT(reader.Ask("sly"), ElementsAre("sly"));
@@ -112,11 +112,12 @@ TEST(Apart, AProgramThatIgnoresItsChildrenGetsNoVerdict) {
     Crash();
     return {};
   });
-  ExpectThrow<IoError>([&] { reader.Ask(""); }, "reading it ends the process, nobody knows how");
+  ExpectThrow<IoError>([&] { reader.Ask(""); },
+                       "reading it ends the process for an unknown reason");
   std::signal(SIGCHLD, before);
 }
 
-// The errno of the IoError; 0 when there is none.
+// Returns the errno of the IoError; 0 if there is none.
 int SystemError(const std::function<void()>& end, const std::string& text) {
   IsolatedReader reader(
       [&](const std::string&) {
@@ -134,7 +135,7 @@ int SystemError(const std::function<void()>& end, const std::string& text) {
   return 0;
 }
 
-// Nothing that is said of what was read: an overloaded machine, one without memory.
+// Such an end says nothing about the input: an overloaded machine, or one without memory.
 TEST(Apart, WhatDoesNotEndOrIsEndedByOthersIsTheSystems) {
   EXPECT_EQ(SystemError([] { pause(); }, "reading it had not ended after 1 s"), ETIMEDOUT);
   EXPECT_EQ(SystemError([] { raise(SIGKILL); }, "reading it ends the process (Killed)"), EINTR);

@@ -30,7 +30,7 @@ void AddUnfinished(const fs::path& folder, const std::string& prefix,
   if (error) ThrowIoError("list", folder, error.value());
 }
 
-// Verify reports what cannot be listed.
+// Verify reports folders that cannot be listed.
 void AddWhatCanBeListed(const fs::path& folder, const std::string& prefix,
                         std::vector<std::string>& names) {
   try {
@@ -57,15 +57,15 @@ bool IsOf(const DeadWriter& writer, const std::string& name) {
          (IsOfModel(name) || parsed->name.starts_with(writer.episode));
 }
 
-// "<prefix>-000017"; names of other prefixes may begin with this one too.
+// Returns true for "<prefix>-000017"; names of other prefixes may begin with this one too.
 bool IsOfNumbering(const std::string& prefix, const std::string& name) {
   const std::string episode = internal::TemporaryName::Parse(name)->name;
   return episode.starts_with(prefix + "-") &&
          episode.find_first_not_of("0123456789", prefix.size() + 1) == std::string::npos;
 }
 
-// Under its lock. The lock goes last and the folder only when it is empty then: between the two
-// somebody who has just made it may take it into use.
+// Call it under the folder's lock. The lock goes last and the folder only if it is empty then: in
+// between, a new owner may take the folder into use.
 void Empty(const fs::path& folder) {
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
@@ -75,7 +75,7 @@ void Empty(const fs::path& folder) {
   if (!error) fs::remove(folder / kLockFile, error);
 }
 
-// False when somebody is writing it, or it cannot be removed.
+// Returns false if it is being written, or cannot be removed.
 bool Remove(const fs::path& leftover) {
   std::error_code error;
   if (!IsFolder(leftover)) return fs::remove(leftover, error);
@@ -83,9 +83,10 @@ bool Remove(const fs::path& leftover) {
     const auto lock = internal::TryLockOfWork(leftover, LockKind::kExclusive);
     if (!lock || !lock->holds()) return false;
     Empty(leftover);
-  } catch (const IoError&) {  // it went away by itself
+  } catch (const IoError&) {  // it disappeared meanwhile
   }
-  // Unlocked: some file systems keep a removed file's name, and so the folder, while it is open.
+  // Unlocks first: some file systems keep a removed file's name, and so the folder, while it is
+  // open.
   fs::remove(leftover, error);
   return !fs::exists(leftover, error);
 }
@@ -97,7 +98,7 @@ bool IsBeingWritten(const fs::path& unfinished) {
   if (!IsFolder(unfinished) || !fs::exists(unfinished / kLockFile, error)) return false;
   try {
     const auto lock =
-        internal::TryLockOfWork(unfinished, LockKind::kShared);  // nothing is written for it
+        internal::TryLockOfWork(unfinished, LockKind::kShared);  // nothing is written there for it
     return !lock || !lock->holds();
   } catch (const IoError&) {
     return fs::exists(unfinished / kLockFile, error);

@@ -81,7 +81,7 @@ TEST(RemoveLeftovers, LeavesWhatALivingWriterIsAt) {
   EXPECT_EQ(Verify(temp.path()).being_written.size(), 1u);
 }
 
-// Nothing of the lock of a work folder gets into the committed episode.
+// The lock of a work folder leaves no trace in the committed episode.
 TEST(RemoveLeftovers, FindsNothingOfACommittedEpisode) {
   TempDir temp;
   SampleEpisode(0, false).Write(temp.path(), "e1");
@@ -98,7 +98,7 @@ TEST(RemoveLeftovers, WhetherSomebodyWritesIsSeenWithoutWriting) {
   EXPECT_THAT(RemoveLeftovers(temp.path()), ElementsAre(".e1.7.1.partial"));
 }
 
-// A folder that was just made is not locked yet for a moment: its writer notices and takes another.
+// A new folder is not locked for a moment: its writer notices its removal and takes another.
 TEST(RemoveLeftovers, DoesNotDisturbWritersThatJustBegin) {
   TempDir temp;
   std::atomic<bool> done = false;

@@ -39,12 +39,12 @@ bool IsRealFolder(const fs::path& path) {
   return fs::is_directory(fs::symlink_status(path, ignored));
 }
 
-// Lists the folder of models: "models/rc7-0123456789abcdef", sorted.
+// Returns the entries of the folder of models: "models/rc7-0123456789abcdef", sorted.
 std::vector<std::string> NamesInModels(const fs::path& dataset) {
   const fs::path folder = dataset / kModelsFolder;
   if (!IsRealFolder(folder)) return {};
   std::vector<std::string> names = FolderNames(folder);
-  std::error_code error;  // with the right to list it, and none to look at what is listed
+  std::error_code error;  // the folder may be listable while its entries are not readable
   static_cast<void>(fs::symlink_status(folder / ".", error));
   if (error) ThrowIoError("look into", folder, error.value());
   for (std::string& name : names) name.insert(0, std::string(kModelsFolder) + "/");
@@ -62,7 +62,7 @@ void Copy(const fs::path& from, const fs::path& to) {
   AtomicWrite(to, ReadFile(from));
 }
 
-// Sums of a stored model's files, without its list and remains of writing that.
+// Returns sums of a stored model's files, without its list and unfinished copies of that.
 FileSums SumsOfModel(const fs::path& folder) {
   FileSums sums = SumsOfFolder(folder);
   std::erase_if(sums, [](const auto& sum) {
@@ -76,7 +76,7 @@ bool IsStoredIn(const fs::path& folder, const std::string& text) {
   return Sha256(text).starts_with(name.substr(name.size() - kDigits));
 }
 
-// The list, when it is what was stored: the folder's name has its hash.
+// Returns the list if it is as stored: the folder's name has its hash.
 std::optional<FileSums> StoredSums(const fs::path& folder) {
   const fs::path path = folder / kModelListFile;
   if (!CanReadFile(path)) return std::nullopt;
@@ -199,7 +199,8 @@ namespace fs = std::filesystem;
 
 using SumsByName = std::map<std::string, std::set<std::string>>;
 
-// "table.xml" of "room/table.xml (2)", as run_inputs.cc numbers files of one name.
+// Returns "table.xml" for "room/table.xml (2)", the form in which run_inputs.cc numbers files of
+// the same name.
 std::string OwnName(const std::string& file) {
   const std::string name = fs::path(file).filename().string();
   const size_t number = name.rfind(" (");
@@ -214,14 +215,14 @@ SumsByName SumsOfRun(const fs::path& dataset) {
     const auto files = nlohmann::json::parse(*manifest).value("files", nlohmann::json::object());
     for (const auto& [name, sum] : files.items())
       sums[OwnName(name)].insert(sum.get<std::string>());
-  } catch (const Error&) {  // told by itself
+  } catch (const Error&) {  // reported separately
   } catch (const nlohmann::json::exception&) {
-    return {};  // of another making
+    return {};  // in another format
   }
   return sums;
 }
 
-// The first file that the run had otherwise.
+// Returns the first file that differs from the run's.
 std::optional<std::string> ChangedFile(const FileSums& model, const SumsByName& run) {
   for (const auto& [name, sum] : model) {
     const auto it = run.find(fs::path(name).filename().string());
@@ -239,13 +240,13 @@ std::map<std::string, std::string> ChangedModels(const fs::path& dataset) {
   std::vector<std::string> folders;
   try {
     folders = StoredModels(dataset);
-  } catch (const Error&) {  // told by itself
+  } catch (const Error&) {  // reported separately
   }
   for (const std::string& folder : folders) {
     try {
       if (auto file = ChangedFile(SumsOfStoredModel(dataset, folder), run))
         changed[folder] = std::move(*file);
-    } catch (const Error&) {  // damage is told by itself
+    } catch (const Error&) {  // damage is reported separately
     }
   }
   return changed;

@@ -99,7 +99,7 @@ TEST_F(ModelStoreTest, AListThatIsMissingOrDamagedIsToldAndWrittenAgain) {
   EXPECT_EQ(ReadFile(dataset / ".quarantine" / "SHA256SUMS"), listed + "x");
 }
 
-// A repair that was killed while it wrote the list.
+// A repair was killed while it wrote the list.
 TEST_F(ModelStoreTest, AnUnfinishedListIsNoPartOfTheModel) {
   StoreModel(dataset, arm);
   const std::string name = StoredModels(dataset)[0], left = name + "/.SHA256SUMS.7.1.partial";

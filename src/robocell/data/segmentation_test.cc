@@ -1,4 +1,4 @@
-// Segmentation of a camera: kept to the last bit, with labels that say what its numbers are.
+// Tests segmentation of a camera: stored to the last bit, with labels that name its numbers.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -29,7 +29,7 @@ constexpr int kWide = 64, kHigh = 48;
 const std::vector<SegmentLabel> kLabels = {
     {"world", ""}, {"arm/link1", "robots/arm"}, {"cube", "objects/cube"}};
 
-// A moving border between what is there and what is not.
+// Returns labels with a moving border between a labelled region and the rest.
 std::vector<uint16_t> TestLabels(int row) {
   std::vector<uint16_t> labels(static_cast<size_t>(kWide) * kHigh);
   for (size_t i = 0; i < labels.size(); ++i) {
@@ -155,7 +155,7 @@ TEST_F(Segmentation, WithATableThatIsTooShortIsNotGood) {
               HasSubstr("a pixel of it is 2, and episode.json has 2 labels"));
 }
 
-// Readers take 65535 for what has no label: an episode that says otherwise is not read wrongly.
+// Readers treat 65535 as unlabelled: an episode with another number must be rejected.
 TEST_F(Segmentation, WithAnotherNumberForNothingIsRefused) {
   const std::filesystem::path file = Write("a") / "episode.json";
   const auto original = nlohmann::ordered_json::parse(ReadFile(file));

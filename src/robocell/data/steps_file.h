@@ -1,9 +1,9 @@
 // Streams the tables of an episode into steps.h5. Internal to data/; EpisodeWriter is the public
-// face.
+// interface.
 //
 // Rows are collected in one buffer per column and written when a chunk is full, so memory does not
-// grow with the episode. Filling a row allocates nothing. After the file is closed, VerifyContent
-// reads it back and compares every byte with what was put.
+// grow with the episode. Filling a row does not allocate. After the file is closed, VerifyContent
+// reads it back and compares every byte with the values put.
 #pragma once
 
 #include <cstddef>
@@ -23,19 +23,19 @@ class StepsFile {
   // `name` begins messages: "episode 'pick-3'".
   StepsFile(std::filesystem::path path, std::string name, const EpisodeSchema& schema);
 
-  // What was not written by Close() is lost.
+  // Rows that Close() did not write are lost.
   ~StepsFile();
   StepsFile(const StepsFile&) = delete;
   StepsFile& operator=(const StepsFile&) = delete;
 
-  // ArgumentError for an unknown column, another type, a wrong length, or a column put twice in a
-  // row.
+  // Throws ArgumentError for an unknown column, another type, a wrong length, or a column put twice
+  // in a row.
   void Put(ColumnId column, ColumnType type, std::span<const std::byte> values);
-  // Completes the row; ArgumentError naming the columns that were not put.
+  // Completes the row. Throws ArgumentError that names the columns without a value.
   void EndRow(TableId table);
   int64_t rows(TableId table) const;
 
-  // Writes everything out and closes the file. ArgumentError if a row was begun and not ended.
+  // Writes everything and closes the file. Throws ArgumentError if a row is incomplete.
   void Close();
   // Opens the closed file and compares.
   void VerifyContent() const;

@@ -35,7 +35,7 @@ std::string CountOfEpisodes(size_t count) {
   return fmt::format("{} episode{}", count, count == 1 ? "" : "s");
 }
 
-// Of the dataset itself; what is damaged can be set aside.
+// Adds a problem of the dataset itself; damaged parts can be set aside.
 void AddPart(const std::string& name, const std::string& reason, ProblemKind kind,
              VerifyResult& result) {
   result.problems.push_back({"", name, reason, kind});
@@ -57,7 +57,7 @@ void VerifyReportFile(const fs::path& dataset, const std::string& name, VerifyRe
       return AddPart(name, *damage, ProblemKind::kDamage, result);
     const auto other = OtherRunOf(text, dataset);
     if (!other) return;
-    AddPart(name, fmt::format("it is of another run ('{}'): nothing in it counts", *other),
+    AddPart(name, fmt::format("it belongs to another run ('{}') and does not count", *other),
             ProblemKind::kForeign, result);
     result.foreign.push_back(name);
   } catch (const Error& error) {
@@ -84,13 +84,13 @@ void AddEpisode(const std::string& id, const std::vector<VerifyProblem>& problem
   }
 }
 
-// The sampler of a user brings models that the run does not list.
+// A user's own sampler brings models that the run does not list.
 bool HasOwnSampler(const Episode& episode) {
   const auto metadata = nlohmann::json::parse(episode.metadata_json());
   return metadata.is_object() && metadata.contains("task") && metadata.at("task") == "custom";
 }
 
-// An intact episode that was made after somebody had changed a model file, here or elsewhere.
+// An intact episode that was made after a model file was changed, here or elsewhere.
 void VerifyModelsOf(const fs::path& folder, const std::map<std::string, std::string>& changed,
                     std::vector<VerifyProblem>& problems) {
   if (changed.empty() || !problems.empty()) return;
@@ -133,7 +133,8 @@ void VerifyStoredModel(const fs::path& dataset, const std::string& model, Verify
   result.unlisted.push_back(model);
 }
 
-// False when their folder is closed to this user, or cannot be read: then nothing is known of them.
+// Returns false if the folder of models is closed to this user, or cannot be read: then the models
+// are unknown.
 bool CanLookAtModels(const fs::path& dataset, VerifyResult& result) {
   try {
     internal::StoredModels(dataset);
@@ -166,7 +167,7 @@ void VerifyLostEpisodes(const fs::path& dataset, VerifyResult& result) {
   std::vector<std::string> lost;
   try {
     lost = LostEpisodes(dataset);
-  } catch (const Error& error) {  // what was set aside cannot be seen
+  } catch (const Error& error) {  // the quarantine cannot be read
     AddPart(std::string(kQuarantineFolder), error.what(), KindOf(error), result);
   }
   for (const std::string& id : lost)
@@ -176,7 +177,7 @@ void VerifyLostEpisodes(const fs::path& dataset, VerifyResult& result) {
          "with the run's file makes it again"});
 }
 
-// Models that good episodes were made in and that are not in the dataset.
+// Finds models that good episodes were made in and that are not in the dataset.
 void VerifyMissingModels(const fs::path& dataset, VerifyResult& result) {
   std::map<std::string, size_t> missing;
   for (const std::string& id : result.good) {
@@ -225,8 +226,8 @@ bool VerifyResult::only_unreadable() const {
 
 namespace {
 
-// Returns whether the episode says which run made it; recordings of environments and of other programs
-// do not.
+// Returns true if the episode names its run; recordings of environments and of other programs do
+// not.
 bool IsOfARun(const fs::path& episode) {
   const auto metadata = nlohmann::json::parse(Episode(episode).metadata_json(), nullptr, false);
   return metadata.is_object() && metadata.contains("identity");
@@ -236,7 +237,7 @@ bool IsOfARun(const fs::path& episode) {
 
 VerifyResult Verify(const fs::path& dataset, const VerifyOptions& options) {
   RequireDataset(dataset);
-  if (options.decode_videos) FindFfmpeg();  // once, and not a problem of every episode
+  if (options.decode_videos) FindFfmpeg();  // once, and not as a problem of every episode
   VerifyResult result;
   std::vector<std::string> episodes;
   for (const std::string& name : FolderNames(dataset)) {
@@ -298,7 +299,7 @@ RepairResult Repair(const fs::path& dataset, const VerifyOptions& options) {
   VerifyManifest(dataset, after);
   if (CanLookAtModels(dataset, after)) VerifyMissingModels(dataset, after);
   VerifyLostEpisodes(dataset, after);
-  std::erase_if(after.problems, [](const VerifyProblem& problem) {  // found before
+  std::erase_if(after.problems, [](const VerifyProblem& problem) {  // already found
     return problem.kind == ProblemKind::kUnreadable;
   });
   result.remaining = after.problems;

@@ -1,13 +1,12 @@
-// Is every byte of a dataset what was written? Verify finds truncated and changed files, missing
-// and foreign ones, and what a crash left behind, and names them; Repair moves what is bad aside.
-// Good episodes are never touched.
+// Checks that every byte of a dataset is as written. Verify finds truncated, changed, missing and
+// foreign files, and leftovers of a crash, and names them; Repair moves bad parts aside. Good
+// episodes are never touched.
 //
 //   VerifyResult result = Verify("out/pick_v1");
 //   if (!result.ok()) std::cerr << result.Text();  // one line per problem: episode, file, reason
 //
-// What an error of the system, another format version or a missing decoder says is nothing about
-// what was written: such episodes are told and left alone. See episode_verifier.h for what is asked of
-// each.
+// A system error, another format version or a missing decoder says nothing about the bytes: such
+// episodes are reported and left alone. episode_verifier.h lists the checks of each episode.
 #pragma once
 
 #include <exception>
@@ -20,8 +19,8 @@ namespace robocell {
 
 // A problem with one file of a dataset.
 enum class ProblemKind {
-  kDamage,      // it is not what was written, or not there
-  kForeign,     // it does not belong there; what does is whole
+  kDamage,      // it differs from what was written, or is missing
+  kForeign,     // it does not belong there; the rest is complete
   kUnreadable,  // this machine or version cannot judge it: access, a broken disk, a missing decoder
 };
 
@@ -34,56 +33,57 @@ struct VerifyProblem {
   std::string Text() const;
 };
 
-// An error of the system says nothing about what was written; any other is about the bytes.
+// A system error says nothing about the bytes; any other error is about them.
 ProblemKind KindOf(const std::exception& error);
 
 struct VerifyResult {
-  std::vector<std::string> good;       // ids of intact episodes
-  std::vector<std::string> bad;        // ids of damaged ones
-  std::vector<std::string> unjudged;   // ids of those that cannot be judged here, as without access
-  std::vector<std::string> foreign;    // things that do not belong there, in intact episodes or
-                                       // the dataset
-  std::vector<std::string> bad_parts;  // damaged parts of the dataset itself, by name
-  std::vector<std::string> unlisted;   // models that are whole but for the list of their files
+  std::vector<std::string> good;        // ids of intact episodes
+  std::vector<std::string> bad;         // ids of damaged ones
+  std::vector<std::string> unjudged;    // ids of those not judged here, e.g. without access
+  std::vector<std::string> foreign;     // entries that do not belong there, in intact episodes or
+                                        // the dataset
+  std::vector<std::string> bad_parts;   // damaged parts of the dataset itself, by name
+  std::vector<std::string> unlisted;    // complete models without the list of their files
   std::vector<VerifyProblem> problems;  // of the bad ones, and of the dataset
-  // Temporary folders and files. No problem.
+  // Temporary folders and files, which are no problem.
   std::vector<std::string> leftovers;  // what a crash left behind
   std::vector<std::string>
       being_written;  // episodes whose writer lives, on this machine or another
-  // Files and folders that are no part of a dataset: logs, notes. No problem either.
+  // Files and folders that do not belong to a dataset: logs, notes. No problem either.
   std::vector<std::string> others;
 
-  // The episodes are of a run, and dataset.json is gone. Recordings may do without: no problem.
+  // True if the episodes belong to a run and dataset.json is missing. Recordings do not need it: no
+  // problem.
   bool lost_manifest = false;
 
   bool ok() const { return problems.empty(); }
-  // Whether there are problems, and all of them are this machine's or version's.
+  // Returns true if there are problems, and all of them concern this machine or version.
   bool only_unreadable() const;
-  // One line per problem and leftover, then a summary line.
+  // Returns one line per problem and leftover, then a summary line.
   std::string Text() const;
 };
 
 struct VerifyOptions {
-  bool decode_videos = false;  // also decode every frame: slow, and hashes find damage without it
-  // Called after each episode with how many are done and how many there are; may be empty.
+  bool decode_videos = false;  // also decodes every frame: slow, and hashes find damage without it
+  // Called after each episode with the number of finished episodes and of all; may be empty.
   std::function<void(size_t done, size_t total)> progress;
 };
 
-// ArgumentError for a folder that is no dataset: neither a dataset.json nor an episode, and nothing
-// that either leaves behind. IoError if it cannot be listed, or videos shall be decoded and no
-// ffmpeg is there.
+// Throws ArgumentError for a folder that is not a dataset: it has neither a dataset.json nor an
+// episode, nor any leftover of these. Throws IoError if it cannot be listed, or if videos are to be
+// decoded and there is no ffmpeg.
 VerifyResult Verify(const std::filesystem::path& dataset, const VerifyOptions& options = {});
 
 struct RepairResult {
   VerifyResult found;
-  std::vector<VerifyProblem> remaining = {};  // what could not be mended by moving things aside
-  std::vector<std::string> moved;  // what now lies in <dataset>/.quarantine, by its new name
+  std::vector<VerifyProblem> remaining = {};  // those that moving files aside did not solve
+  std::vector<std::string> moved;             // new names of what now lies in <dataset>/.quarantine
 };
 
-// Moves bad episodes, foreign things in good ones, damaged models, a damaged dataset.json or
-// result, and leftovers that nobody is writing, into <dataset>/.quarantine; writes the list of
-// files of a model anew that lost it. Nothing is deleted, and what cannot be judged stays where it
-// is. Holds the dataset's lock (dataset_lock.h): IoError names who is generating into it.
+// Moves bad episodes, foreign files in good ones, damaged models, a damaged dataset.json or result,
+// and leftovers without a writer into <dataset>/.quarantine; restores the lost list of a model's
+// files. Deletes nothing, and leaves what cannot be judged in place. Holds the dataset's lock
+// (dataset_lock.h): throws IoError that names a process that is generating into it.
 RepairResult Repair(const std::filesystem::path& dataset, const VerifyOptions& options = {});
 
 }  // namespace robocell

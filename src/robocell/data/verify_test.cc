@@ -58,10 +58,10 @@ TEST_F(VerifyTest, AForeignFileIsNamedAndSetAsideWithoutItsEpisode) {
   EXPECT_TRUE(Verify(folder_.path()).ok());
 }
 
-// What only this machine or version says against an episode.
+// Findings against an episode that only concern this machine or version.
 class Unjudged : public VerifyTest {
  protected:
-  // Told with `reason`; never moved, and told again.
+  // Expects a report with `reason`, no move, and the same report again.
   void ExpectLeftAlone(const std::string& reason, const VerifyOptions& options = {}) {
     const VerifyResult result = Verify(folder_.path(), options);
     EXPECT_THAT(result.unjudged, ElementsAre("b"));
@@ -76,7 +76,7 @@ class Unjudged : public VerifyTest {
   }
 };
 
-// Another version may say elsewhere what its files are.
+// In another version the list of files may be elsewhere.
 TEST_F(Unjudged, AnEpisodeOfAnotherFormatVersion) {
   std::string text = ReadFile(B("episode.json"));
   const std::string version = "\"format_version\": 1";
@@ -88,7 +88,7 @@ TEST_F(Unjudged, AnEpisodeOfAnotherFormatVersion) {
   ExpectLeftAlone("b/episode.json: format version 2 is not 1, which this robocell reads");
 }
 
-// Root may read everything, and runs tests in containers.
+// Root, which runs tests in containers, may read everything.
 class AsNobody {
  public:
   AsNobody() { EXPECT_TRUE(root_ != 0 || seteuid(65534) == 0); }
@@ -116,7 +116,7 @@ TEST_F(Unjudged, WhatThisUserMayNotRead) {
   }
 }
 
-// Of a cache that several users share, say: the episodes are judged all the same.
+// For example in a cache that several users share: the episodes are judged all the same.
 TEST_F(VerifyTest, ModelsThatThisUserMayNotReadHideNoEpisode) {
   const std::string sums = Sha256("<mujoco/>") + "  arm.xml\n";
   const std::string model = "models/arm-" + Sha256(sums).substr(0, 16);
@@ -220,7 +220,7 @@ TEST_F(VerifyTest, RepairMovesBadEpisodesAsideAndDeletesNothing) {
   EXPECT_THAT(Repair(folder_.path()).moved, ElementsAre("b.1"));
 }
 
-// A process number says nothing: it may be another machine's, or was given to somebody else since.
+// A process number proves nothing: it may be another machine's, or may have been reused since.
 TEST_F(VerifyTest, RepairJudgesAWriterByItsLockNotByItsNumber) {
   const std::string name = fmt::format(".e.{}.7.partial", getpid());
   fs::create_directory(folder_ / name);
@@ -265,7 +265,7 @@ TEST_F(VerifyTest, AFolderThatIsNoDatasetIsRefusedWithWhereOneIs) {
                              "It is an episode of a dataset; give '" + (around / "set").string());
 }
 
-// Opened, a pipe would wait for ever and a device never end.
+// An opened pipe would wait for ever, and a device would never end.
 TEST_F(VerifyTest, PipesLinksAndDevicesAreNamedAndNotOpened) {
   for (const char* file : {"episode.json", "steps.h5"}) {
     fs::remove(B(file));

@@ -24,8 +24,8 @@ bool IsAt(const fs::path& path, int descriptor) {
          named.st_dev == open.st_dev && named.st_ino == open.st_ino;
 }
 
-// Between its making and its locking a new folder looks like one that was left behind, and may be
-// swept away (leftovers.h).
+// Between its creation and its locking a new folder looks like a leftover, and may be removed
+// (leftovers.h).
 std::optional<FileLock> LockIfStillThere(const fs::path& folder) {
   std::error_code gone;
   try {
@@ -62,8 +62,8 @@ WorkFolder::WorkFolder(const fs::path& parent, const std::string& name) {
 
 WorkFolder::~WorkFolder() { Remove(); }
 
-// Unlocked first: some file systems keep a removed file's name, and so the folder, while it is
-// open. Whoever sweeps it away meanwhile does the same.
+// Unlocks first: some file systems keep a removed file's name, and so the folder, while it is open.
+// A concurrent cleaner does the same.
 void WorkFolder::Remove() noexcept {
   std::error_code ignored;
   lock_.reset();

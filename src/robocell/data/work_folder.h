@@ -1,5 +1,5 @@
 // A hidden folder to write into until it is complete. It is locked, so that others can distinguish
-// it from what a crash left behind. Internal to data/.
+// it from leftovers of a crash. Internal to data/.
 //
 //   .e1.4711.3.partial/.lock      held as long as somebody writes; folders cannot be locked
 //   .e1.4711.3.partial/content    what gets the final name
@@ -11,10 +11,11 @@
 
 namespace robocell::internal {
 
-// Removed when it goes out of scope; what Commit() gave its name stays.
+// Removed when it goes out of scope, unless Commit() gave it its name.
 class WorkFolder {
  public:
-  // In `parent`, which must exist, under a temporary name made from `name`. IoError.
+  // Creates it in `parent`, which must exist, under a temporary name made from `name`. Throws
+  // IoError.
   WorkFolder(const std::filesystem::path& parent, const std::string& name);
   ~WorkFolder();
   WorkFolder(const WorkFolder&) = delete;
@@ -22,7 +23,7 @@ class WorkFolder {
 
   // The folder to write into.
   const std::filesystem::path& path() const { return path_; }
-  // As CommitDirectory. Whether it is in place says committed(), also after an error.
+  // Commits like CommitDirectory. committed() returns whether it is in place, also after an error.
   void Commit(const std::filesystem::path& final);
   bool committed() const { return committed_; }
 
@@ -34,7 +35,7 @@ class WorkFolder {
   bool committed_ = false;
 };
 
-// The lock of a work folder, of this process or another's; as FileLock::Try.
+// Locks a work folder of this or another process, like FileLock::Try.
 std::optional<FileLock> TryLockOfWork(const std::filesystem::path& folder, LockKind kind);
 
 }  // namespace robocell::internal

@@ -16,10 +16,11 @@
 namespace robocell {
 namespace {
 
-// In Cartesian modes joints may lead by more than poses, for a small way of the TCP can be a large
-// one of a joint: by this many times as much.
+// In Cartesian modes joints may lead by this many times as much as poses, for a small displacement
+// of the TCP can be a large one of a joint.
 constexpr double kJointsOfPose = 3;
-// An absolute pose without a solution nearby is out of reach, unless it is within these, m and rad.
+// An absolute pose without a solution nearby is out of reach, unless its distance is within these,
+// m and rad.
 constexpr double kSmallShift = 0.1, kSmallTurn = 0.5;
 
 std::optional<Robot> RobotWithGripper(const EnvConfig& config, const Robot& robot) {
@@ -47,7 +48,7 @@ bool AreFinite(std::span<const double> values) {
 
 bool IsNoMotion(const Pose& delta) { return delta.translation().isZero(0) && delta.angle() == 0; }
 
-// Steps are known to be without solution, and to be over, by the joint positions that are sent.
+// Steps are found to be without solution, and to be over, by the joint positions that are sent.
 void RequireJointPositions(const EnvConfig& config, const Robot& robot) {
   const Controller& controller = robot.controller(robot.arm().name());
   const TargetKind kind = controller.target_kind();
@@ -188,7 +189,7 @@ void ArmDriver::Recall(const Memory& memory) {
   sent_ = {};
   WatchFromNow();
   robot_.Apply({{robot_.arm().name(), GroupCommand::Joints(memory.commanded)}});
-  // To the bit: a controller that adds steps came there by a sum.
+  // Copies the target to the bit: a controller that adds steps computed it as a sum.
   std::ranges::copy(memory.commanded, controller_->command_port().begin());
   if (gripper_)
     gripper_->Apply({{gripper()->name(), GroupCommand::Opening(memory.commanded_opening)}});
@@ -208,8 +209,8 @@ void ArmDriver::RequireAction(std::span<const double> action, const std::string&
   if (mode_ == ControlMode::kCartesianTquat && relative_to_ == RelativeTo::kNone &&
       !HasDirection(command.subspan(3)))
     fail(
-        "the quaternion of its tquat is zero, which is no rotation; [0, 0, 0, 1] (xyzw) turns "
-        "nothing");
+        "the quaternion of its tquat is zero, which is not a rotation; for none write [0, 0, 0, 1] "
+        "(xyzw)");
 }
 
 Pose ArmDriver::NextPose(const Pose& last, const Pose& given) const {
@@ -349,7 +350,7 @@ bool ArmDriver::SendPose(std::span<const double> command, RobotAction& commands)
   } else {
     commands[arm] = GroupCommand::LeafPose(target);
   }
-  // Whatever becomes of the pose, the gripper's command is carried out.
+  // The gripper's command is carried out even if the pose has no solution.
   solved = robot_.Apply(commands).ok && (solved || !bounded);
   if (!solved) {
     const bool small =
@@ -395,8 +396,8 @@ void ArmDriver::Watch(double time) {
   watch_.Look(pos_, controller_->commanded_joint_pos(), time);
 }
 
-// Whether some joint cannot get within its tolerance, because its servo gives way to gravity, and
-// all are where they come to rest.
+// Returns true if some joint cannot get within its tolerance, because its servo gives way to
+// gravity, and all joints are where they come to rest.
 bool ArmDriver::IsHeldAwayByGravity() {
   if (!GetSteadyTarget(watch_.pos(), still_, steady_)) return false;
   const std::vector<double>& tolerances = watch_.tolerances();

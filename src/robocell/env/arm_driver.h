@@ -1,5 +1,5 @@
-// ArmDriver: one robot of an environment and its gripper: from its part of the action to commands,
-// and from the state to its part of the observation. Private to env; the Env steps.
+// ArmDriver: one robot of an environment and its gripper: turns its part of the action into
+// commands, and the state into its part of the observation. Private to env; the Env steps.
 #pragma once
 
 #include <optional>
@@ -16,23 +16,23 @@
 
 namespace robocell {
 
-// What is left of an arm's motion when a step ends.
+// The motion that an arm has left when a step ends.
 struct ArmMotion {
-  // The largest of any joint: distance to its target, rad or m, and speed, per second.
-  // Speeds are means over the last two engine steps: servos at their force limit may chatter.
+  // The largest value of any joint: distance to its target, rad or m, and speed, per second. Speeds
+  // are means over the last two engine steps: servos at their force limit may chatter.
   double joint_error = 0, joint_speed = 0;
   // The TCP's distance to where the joint targets put it, m and rad, and its speed, m/s and rad/s.
   double position_error = 0, rotation_error = 0;
   double linear_speed = 0, angular_speed = 0;
-  // By how much the target falls short of the pose that was commanded, m and rad: not zero when
-  // the pose had no solution nearby and the arm went towards it in damped steps.
+  // Distance between the target and the commanded pose, m and rad: not zero when the pose had no
+  // solution nearby and the arm went towards it in damped steps.
   double position_shortfall = 0, rotation_shortfall = 0;
-  // By how much the target from which the action started was taken back, because it led the arm by
-  // more than max_target_lead: the largest of any joint, rad or m, or of the pose, m and rad.
+  // How far the target from which the action started was taken back, because it led the arm by more
+  // than max_target_lead: the largest value of any joint, rad or m, or of the pose, m and rad.
   double joint_taken_back = 0, position_taken_back = 0, rotation_taken_back = 0;
 };
 
-// How an arm and its gripper stand to where they were sent.
+// The state of an arm and its gripper relative to their targets.
 enum class ArmStatus {
   kMoving,
   kSettled,  // at rest, and some joint is farther from its target than its tolerance
@@ -41,16 +41,16 @@ enum class ArmStatus {
 
 class ArmDriver {
  public:
-  // What it knows of the past: where arm and gripper were sent, what relative actions start from,
-  // and how the gripper is watched, over windows of time.
+  // The driver's memory: targets of arm and gripper, the origin of relative actions, and the
+  // windows of time over which the gripper is watched.
   struct Memory {
     Pose sent, origin;
     std::vector<double> sent_joints, origin_joints;
     std::vector<double> commanded;  // joints that the arm's controller drives to
     double sent_opening = 1, commanded_opening = 1;
     FingerWatch::Memory fingers = {};
-    // What was added to the target and the arm did not carry out yet, and where the arm was when
-    // that was last seen.
+    // The part of the target's moves that the arm has not carried out yet, and the arm's position
+    // at the last update.
     PendingMove pending = {};
     std::vector<double> pending_joints = {};
     Pose seen = {};
@@ -58,70 +58,72 @@ class ArmDriver {
 
     // All but fingers.window, whose length is the gripper's.
     std::vector<double> numbers() const;
-    // Of an arm with as many joints; takes its numbers from the front of what is given.
+    // Reads the memory of an arm with `joints` joints and removes its numbers from the front of
+    // `numbers`.
     static Memory FromNumbers(size_t joints, std::span<const double>& numbers);
     static size_t CountOfNumbers(size_t joints) { return 3 * 7 + 5 * joints + 5 + 6; }
   };
 
-  // `robot` is one of the configuration's, `layout` its part of the vectors.
-  // ArgumentError when the arm's controller takes no joint positions.
+  // `robot` is one of the configuration's, `layout` its part of the vectors. Throws ArgumentError
+  // if the arm's controller takes no joint positions.
   ArmDriver(const EnvConfig& config, Robot robot, RobotLayout layout);
 
   const RobotLayout& layout() const { return layout_; }
   const Robot& robot() const { return robot_; }
-  // The robots that it moves: the arm, and its gripper when that is one of its own.
+  // Returns the robots that it moves: the arm, and its gripper if that is a robot of its own.
   std::vector<Robot> robots() const;
 
-  // Takes what the scene's reset left for the last target and the origin.
+  // Takes the last target and the origin from the scene after a reset.
   void Reset();
-  // Relative actions are now relative to where the arm was last sent.
+  // Makes relative actions relative to the arm's present target.
   void SetOriginToCurrent();
-  // ArgumentError for numbers that are not finite and a quaternion without direction, in the words
-  // of `place`. `action` is the whole vector, here and below.
+  // Throws ArgumentError, whose text begins with `place`, for numbers that are not finite and for a
+  // quaternion without direction. `action` is the whole vector, here and below.
   void RequireAction(std::span<const double> action, const std::string& place) const;
-  // Sends the command; false when its pose has no solution and no motion leads towards it: then the
-  // arm keeps its target. A small step to a pose without a solution nearby, as beside a
-  // singularity, goes there in damped steps as far as these get.
+  // Sends the command. Returns false if its pose has no solution and no motion leads towards it;
+  // the arm then keeps its target. A small step to a pose without a solution nearby, for example
+  // beside a singularity, is made in damped steps as far as these get.
   bool Send(std::span<const double> action);
-  // Looks at the arm after every engine step, at simulated `time`. No allocation.
+  // Observes the arm after every engine step, at simulated `time`. No allocation.
   void Watch(double time);
-  // How the arm stood to where it was sent when it was last watched. No allocation.
+  // Returns the arm's state relative to its target at the last Watch. No allocation.
   ArmStatus Status(double time);
   ArmMotion motion() const;
-  // For going back to a state of the scene: what it knows with it, and knowing it again after the
-  // scene's state was set.
+  // The memory that belongs to a state of the scene. To restore it, set the scene's state first.
   Memory memory() const;
   void Recall(const Memory& memory);
-  // Into its parts of the whole vector. Poses in the shared base frame.
+  // Writes its parts of the whole vector. Poses are in the shared base frame.
   void Observe(std::span<double> observation) const;
 
  private:
-  // What a number of an action says of the gripper.
+  // Returns the opening that a number of an action commands.
   double Opening(double value) const;
   void SendGripper(double value, RobotAction& own);
   bool SendJoints(std::span<const double> command, RobotAction& commands);
   bool SendPose(std::span<const double> command, RobotAction& commands);
-  // The last target `sent`, without what is pending and leads the arm by more than max_target_lead: a
-  // blocked arm does not pile up targets behind what blocks it. What the arm lags behind as it
-  // moves and sags under gravity does not count, so that ramps go all the way.
-  // `move`: what the action asks for, from the last target on. GetPresentTargets comes first.
+  // Returns the last target `sent`, less the part of `pending` that leads the arm by more than
+  // max_target_lead: a blocked arm does not accumulate targets behind the obstacle. The lag of a
+  // moving arm and its sag under gravity do not count, so that ramps are completed. `move`: the
+  // action's move from the last target. Call GetPresentTargets first.
   Pose LastPose(const Pose& sent, const PendingMove& move, PendingMove& pending, Pose& seen) const;
   std::vector<double> LastJoints(std::span<const double> move, std::vector<double>& pending,
                                  std::vector<double>& seen) const;
-  // The joints that the arm drives to, without what is pending of them and leads the arm by more
-  // than joint_lead_: a link that is blocked holds joints back while the TCP gets along. Returns
-  // whether that changed them.
+  // Takes the pending part of the joint targets back where it leads the arm by more than
+  // joint_lead_: a blocked link holds joints back while the TCP still moves. Returns true if it
+  // changed them.
   bool BoundJoints(std::vector<double>& joints, std::vector<double>& pending,
                    std::vector<double>& seen) const;
-  // Writes the target under which the arm at `q` goes on moving at `v`. False where it is unknown.
+  // Writes the target under which the arm at `q` continues to move at `v`. Returns false where it
+  // is unknown.
   bool GetSteadyTarget(std::span<const double> q, std::span<const double> v,
                        std::span<double> out) const;
   // Reads the present joint positions into pos_, and the targets under which they stay into rest_
-  // and go on into steady_; the positions where that is unknown. False when they are not finite.
+  // and continue into steady_; the positions themselves where these targets are unknown. Returns
+  // false if the positions are not finite.
   bool GetPresentTargets() const;
   bool IsHeldAwayByGravity();
   void WatchFromNow();
-  // The TCP with the joints at `q`, in the shared base frame.
+  // Returns the TCP with the joints at `q`, in the shared base frame.
   Pose TcpAt(std::span<const double> q) const { return base_in_shared_ * robot_.FkFrame(q); }
   Pose NextPose(const Pose& last, const Pose& given) const;
   bool GripperIsStill(double time) { return fingers_->IsStill(time, memory_.sent_opening); }
@@ -130,13 +132,13 @@ class ArmDriver {
   ControlMode mode_;
   RelativeTo relative_to_;
   StepLimit limit_, lead_;
-  std::vector<double> joint_lead_;  // rad or m; in Cartesian modes what joints may lead by
+  std::vector<double> joint_lead_;  // rad or m; the lead of joints in Cartesian modes
   bool binary_gripper_;
   Robot robot_;
   ArmWatch watch_;
   std::vector<double> still_;                                                     // zeros
   mutable std::vector<double> pos_, vel_, gravity_, resistance_, rest_, steady_;  // scratch
-  std::optional<Robot> gripper_;  // the robot that has the gripper ...
+  std::optional<Robot> gripper_;  // the robot of the gripper ...
   std::optional<FingerWatch> fingers_;
   RobotLayout layout_;
   std::vector<Interval> joint_limits_;
@@ -144,8 +146,8 @@ class ArmDriver {
   Pose base_in_shared_;
 
   Memory memory_;
-  ArmMotion sent_;  // of the last Send: what is missing of the command, and what was taken back
-  std::shared_ptr<Controller> controller_;  // of the arm, as the last Send found it
+  ArmMotion sent_;  // of the last Send: shortfall of the command, and what was taken back
+  std::shared_ptr<Controller> controller_;  // of the arm, at the last Send
 };
 
 }  // namespace robocell

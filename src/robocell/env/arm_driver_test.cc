@@ -1,4 +1,4 @@
-// max_target_lead: how far targets may run ahead of an arm that something blocks.
+// Tests max_target_lead: how far targets may run ahead of an arm that something blocks.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -38,7 +38,7 @@ TEST(EnvTargetLead, AJointIsLedByNoMoreThanTheLeadAndOneAction) {
   }
 }
 
-// What a fast arm lags behind is lead as soon as something stops the arm.
+// The lag of a fast arm becomes lead as soon as something stops the arm.
 TEST(EnvTargetLead, AFastApproachLeadsABlockedArmNoMore) {
   ModelFolder folder;
   EnvConfig config = OneHingeOnABlock(folder);
@@ -49,7 +49,7 @@ TEST(EnvTargetLead, AFastApproachLeadsABlockedArmNoMore) {
     for (const double action : {0.05, 0.1, 0.15}) {
       Env env(config);
       env.Reset({.seed = 1});
-      for (int i = 0; i < 10; ++i) env.Step(Numbers{-0.1});  // a way to gather speed on
+      for (int i = 0; i < 10; ++i) env.Step(Numbers{-0.1});  // distance to gain speed
       for (int i = 0; i < 60; ++i) env.Step(Numbers{action});
       const double blocked = env.scene().joint_pos("robotrobot_hip");
       EXPECT_LE(TargetOf(env) - blocked, SagOfOneHinge(env) + 0.1 + action + 0.001)
@@ -58,7 +58,7 @@ TEST(EnvTargetLead, AFastApproachLeadsABlockedArmNoMore) {
   }
 }
 
-// An arm that cannot follow loses way: how much, the motion of the step says.
+// An arm that cannot follow loses part of its target; the motion of the step reports how much.
 TEST(EnvTargetLead, WhatIsTakenBackIsTold) {
   ModelFolder folder;
   Env env(OneHingeOnABlock(folder));
@@ -76,14 +76,14 @@ TEST(EnvTargetLead, WhatIsTakenBackIsTold) {
   EXPECT_EQ(env.motions()[0].joint_taken_back, 0);
 }
 
-// Many small steps add up to the whole way, whatever the arm lags and sags; and so do fast ones, as
-// long as the lead allows for what starts the arm.
+// Many small steps add up to the full distance, however much the arm lags and sags; so do fast
+// ones, as long as the lead allows for the arm's start.
 TEST(EnvTargetLead, RampsGoAllTheWay) {
   for (const bool sagging : {true, false}) {
     for (const double step : {-0.0005, -0.02}) {
       ModelFolder folder;
       EnvConfig config = sagging ? OneHinge(folder) : Rc7Env();
-      // A slow ramp: less than the hinge sags.
+      // A slow ramp: each step is smaller than the hinge's sag.
       if (step > -0.01) config.max_target_lead = {0.02};
       config.sim.async_control = true;
       config.sim.frequency = 50;
@@ -91,7 +91,7 @@ TEST(EnvTargetLead, RampsGoAllTheWay) {
       env.Reset({.seed = 1});
       const double start = TargetOf(env);
       Numbers action(static_cast<size_t>(env.layout().action.size()), 0);
-      for (int i = 0; i < 50; ++i) env.Step(action);  // until it hangs in its servo
+      for (int i = 0; i < 50; ++i) env.Step(action);  // until gravity and servo balance
       action[0] = step;
       const int steps = static_cast<int>(std::lround(0.4 / -step));
       for (int i = 0; i < steps; ++i) env.Step(action);
@@ -110,7 +110,7 @@ TEST(EnvTargetLead, ZerosKeepTheTargetOfAnArmThatIsHeldAway) {
   EXPECT_EQ(TargetOf(env), target);
 }
 
-// Nothing but what is pushed is taken back: the tool keeps its direction and its place.
+// Only the blocked direction is taken back: the tool keeps its orientation and its place.
 TEST(EnvTargetLead, AToolThatIsPressedOntoSomethingIsNotTurnedAway) {
   EnvConfig config = Rc7Env(ControlMode::kCartesianTrpy);
   config.add_floor = true;
@@ -131,8 +131,7 @@ TEST(EnvTargetLead, AToolThatIsPressedOntoSomethingIsNotTurnedAway) {
   }
 }
 
-// What a blocked arm was sent before does not make it slow to leave, whatever actions are
-// relative to.
+// Earlier commands do not delay a blocked arm that leaves, whatever actions are relative to.
 TEST(EnvTargetLead, AbsoluteActionsLeaveAtOnceToo) {
   ModelFolder folder;
   EnvConfig config = OneHingeOnABlock(folder);
@@ -149,9 +148,9 @@ TEST(EnvTargetLead, AbsoluteActionsLeaveAtOnceToo) {
   }
 }
 
-// One robot over a floor, its hand open, pressed onto the floor by actions of 2 cm. Returns by how
-// much the TCP has risen after each of five actions of 2 cm up.
-// `ahead` is by how much the target was below the TCP.
+// Presses one robot with an open hand onto the floor by actions of 2 cm. Returns how far the TCP
+// has risen after each of five actions of 2 cm up. `ahead` receives the distance of the target
+// below the TCP.
 Numbers RiseAfterPushing(EnvConfig config, bool batched, int pushes, double* ahead = nullptr) {
   config.add_floor = true;
   config.control_mode = ControlMode::kCartesianTquat;
@@ -193,8 +192,8 @@ Numbers RiseAfterPushing(EnvConfig config, bool batched, int pushes, double* ahe
   return rise;
 }
 
-// An arm lags behind its target also where nothing blocks it, so what it is compared with is
-// itself, free and at rest.
+// An arm lags behind its target also where nothing blocks it, so the reference is the same arm,
+// free and at rest.
 void ExpectToRiseAtOnce(const EnvConfig& config) {
   for (const bool batched : {false, true}) {
     const Numbers free = RiseAfterPushing(config, batched, 0);
@@ -205,7 +204,7 @@ void ExpectToRiseAtOnce(const EnvConfig& config) {
   }
 }
 
-// At 30 actions a second arms are fast when they meet the floor.
+// At 30 actions a second arms are fast when they reach the floor.
 void ExpectToBeLedLittle(EnvConfig config) {
   config.sim.async_control = true;
   config.sim.frequency = 30;
@@ -233,13 +232,13 @@ TEST(EnvTargetLead, AnFr3RisesAtOnceAfterItWasPushedIntoTheFloor) {
   ExpectToRiseAtOnce(EnvConfig::Load(assets::BuiltinCellFile("fr3")));
 }
 
-// A link that is blocked holds its joints back, while the TCP gets along by the others.
+// A blocked link holds its joints back, while the TCP still moves by the others.
 struct BlockedLink {
   Eigen::Vector3d box, push;
 };
 
-// Pushes so often; returns the largest lead of a joint, rad, and how far the first action back
-// brings the TCP, m.
+// Pushes `pushes` times; returns the largest lead of a joint, rad, and how far the first action
+// back moves the TCP, m.
 std::pair<double, double> PushLinkAgainstABox(EnvConfig config, const BlockedLink& blocked,
                                               int pushes) {
   config.root_frame_objects["box"] = {.offset = Pose(blocked.box),

@@ -8,14 +8,14 @@
 namespace robocell {
 namespace {
 
-constexpr double kShortest = 1e-6;  // quaternion that has a direction
+constexpr double kShortest = 1e-6;  // shortest quaternion that has a direction
 
 double Length(std::span<const double> q) {
   return std::hypot(q[0], q[1], std::hypot(q[2], q[3]));  // its squares do not overflow
 }
 
-// Normalises to unit length. First scales by a power of two, which rounds nothing, because the
-// length of the longest quaternion overflows a double.
+// Normalises to unit length. A power of two scales first, which rounds nothing, because the length
+// of the longest quaternion overflows a double.
 Quaternion Normalised(std::span<const double> q) {
   double largest = 0;
   for (const double x : q) largest = std::max(largest, std::abs(x));
@@ -28,7 +28,7 @@ Quaternion Normalised(std::span<const double> q) {
 
 }  // namespace
 
-// Of large numbers the length may overflow.
+// The length of large numbers may overflow.
 bool HasDirection(std::span<const double> quaternion) {
   const auto is_long = [](double x) { return std::abs(x) >= kShortest; };
   return std::ranges::any_of(quaternion, is_long) || Length(quaternion) >= kShortest;

@@ -12,29 +12,29 @@
 
 namespace robocell {
 
-// The TCP moved by `delta`: along the axes of the frame that the pose is in, and turned about
-// itself around these same axes.
+// Returns the TCP moved by `delta`: translated along the axes of the pose's reference frame, and
+// rotated about its own origin around these same axes.
 Pose MovedBy(const Pose& tcp, const Pose& delta);
 
-// `to`, or as far on the way from `from` as the limit lets it go.
+// Returns `to`, or the pose on the way from `from` at which the limit ends the step.
 Pose LimitedStep(const Pose& from, const Pose& to, const StepLimit& limit);
 void LimitJointStep(std::span<const double> from, double limit, std::span<double> to);
 
-// Whether a quaternion of any length has a direction; [0, 0, 0, 0] has none.
+// Returns true if a quaternion of any length has a direction; [0, 0, 0, 0] has none.
 bool HasDirection(std::span<const double> quaternion);
 
 // Writes x y z and the quaternion xyzw into seven numbers.
 void PutTquat(const Pose& pose, std::span<double> out);
-// The same for an observation: by rounding the quaternion of a product may be longer than 1, by a
+// The same for an observation: by rounding, the quaternion of a product may be longer than 1 by a
 // unit in the last place.
 void ObserveTquat(const Pose& pose, std::span<double> out);
 
-// A hinge without limits within +-`most`, which is more than half a turn: a position beyond is
-// observed less whole turns.
+// Maps a hinge without limits into +-`most`, which is more than half a turn, by removing whole
+// turns.
 double ObservedTurn(double position, double most);
 
-// The pose that the numbers of a Cartesian action are: x y z and roll pitch yaw, or a quaternion
-// xyzw, which is normalised; one without direction is no rotation.
+// Returns the pose of a Cartesian action: x y z and roll pitch yaw, or a quaternion xyzw, which is
+// normalised; one of length zero is not a rotation.
 Pose PoseOfAction(ControlMode mode, std::span<const double> action);
 
 }  // namespace robocell

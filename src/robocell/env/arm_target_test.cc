@@ -67,7 +67,7 @@ TEST(ArmTarget, ObservationsStayInTheirRanges) {
   Rng rng = Rng::Stream(1, "observed quaternions");
   int longer = 0;
   for (int i = 0; i < 3000; ++i) {
-    // A turn by half a turn about one axis, as a product of others.
+    // A turn by half a turn about one axis, as a product of other rotations.
     const Pose first = RandomPose(rng);
     const Pose turn = first.inverse() * (first * Pose::FromRpy({0, 0, 0}, {internal::kPi, 0, 0}));
     std::array<double, 7> seen{};
@@ -104,7 +104,7 @@ TEST(ArmTarget, QuaternionsOfAnyLengthAreTheSameRotation) {
     EXPECT_TRUE(PoseOfAction(ControlMode::kCartesianTquat, tquat).is_close(pose, 1e-12, 1e-12))
         << length;
   }
-  const double most = std::numeric_limits<double>::max();  // its length is more than a double holds
+  const double most = std::numeric_limits<double>::max();  // its length overflows a double
   EXPECT_TRUE(
       PoseOfAction(ControlMode::kCartesianTquat, std::vector<double>{0, 0, 0, most, 0, 0, most})
           .is_close(Pose::FromRpy({0, 0, 0}, {internal::kPi / 2, 0, 0}), 1e-12, 0));

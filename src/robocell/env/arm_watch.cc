@@ -9,13 +9,14 @@
 namespace robocell {
 namespace {
 
-// s. Joints at rest are so slow that they would take this long to go as far as their tolerance; and
-// the window over which an arm that is not near its target is watched.
+// s. A joint at rest is so slow that it would take this long to move by its tolerance; also the
+// window over which an arm away from its target is watched.
 constexpr double kSettling = 0.1;
-// What a resting joint moves in a window: a share of its tolerance, or of the way that is left.
+// The largest motion of a resting joint in a window: a share of its tolerance, or of the distance
+// to its target.
 constexpr double kRestShare = 0.1, kRestShareOfWay = 0.01;
-// A joint that creeps to its target is on its way as long as it takes no longer than this to get
-// within its tolerance, s.
+// A joint that creeps to its target is moving as long as it gets within its tolerance in no more
+// than this time, s.
 constexpr double kPatience = 1;
 
 }  // namespace
@@ -69,8 +70,8 @@ bool ArmWatch::is_slow() const {
   return true;
 }
 
-// In the window, by little of the tolerance, or by too little of the way that is left to get there
-// soon.
+// In the window, by little of the tolerance, or by too little of the remaining distance to get
+// there soon.
 bool ArmWatch::HasHardlyMoved(std::span<const double> wanted, double window) const {
   for (size_t i = 0; i < tolerances_.size(); ++i) {
     const double now = Mean(i), left = std::abs(now - wanted[i]);

@@ -1,4 +1,4 @@
-// When an arm counts as slow, near and at rest, as laws of sequences of positions.
+// Tests when an arm counts as slow, near and at rest, as laws of sequences of positions.
 #include "robocell/env/arm_watch.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kNearEnoughToWatch = 0.002, kWatchStep = 0.002;
 
-// What is seen of one joint that was sent to 0 and is at `q(step)`.
+// The watch's results for one joint with target 0 that is at `q(step)`.
 struct SeenInSteps {
   int slow = 0, near = 0, at_rest = 0, steps = 0;
 };
@@ -63,7 +63,7 @@ TEST(ArmWatch, AJointThatChattersAboutAPlaceIsAtRest) {
   }
 }
 
-// Windows begin when a joint becomes slow, in any step: so both of even and of odd length are met.
+// Windows begin when a joint becomes slow, in any step, so they can have even and odd lengths.
 TEST(ArmWatch, AChatteringJointIsAtRestWheneverItsWindowsBegin) {
   for (int moving = 20; moving < 24; ++moving) {
     const auto q = [&](int i) {

@@ -21,8 +21,8 @@ std::string Describe(const Collision& collision) {
 
 namespace {
 
-// Returns true if a joint is all that is between two bodies: where the base stands on the world,
-// the engine lets such neighbours touch.
+// Returns true if only a joint separates two bodies: where the base stands on the world, the engine
+// lets such neighbours touch.
 bool AreNeighbours(const mjModel* m, int a, int b) {
   const int link_a = m->body_weldid[a], link_b = m->body_weldid[b];
   const auto above = [&](int link) { return m->body_weldid[m->body_parentid[link]]; };
@@ -68,7 +68,7 @@ void CollisionMonitor::MarkGeoms(const Watched& watched, int index) {
   Ignore(watched.robot);
 }
 
-// Names are errors only at first: what they name may be removed from the scene later.
+// Unknown names are errors only at first: the objects may be removed from the scene later.
 void CollisionMonitor::Ignore(const Robot& robot) {
   const mjModel* m = scene_.model();
   for (const std::string& name : robot.config().ignored_collision_geoms) {
@@ -92,7 +92,7 @@ void CollisionMonitor::Bind() {
 }
 
 void CollisionMonitor::Begin() {
-  if (generation_ != scene_.generation()) Forget();  // the ids are others
+  if (generation_ != scene_.generation()) Forget();  // the ids changed
   Bind();
   if (!looked_) Look();
   found_ = touching_;

@@ -1,11 +1,10 @@
-// CollisionMonitor: finds which robots hit something, by robot and body, and whether the contact is
-// new.
+// CollisionMonitor: finds which robots collide, by robot and body, and whether the contact is new.
 //
-// A robot's collision geoms (RobotConfig::collision_geoms, else all of its own) count, what it
-// carries included. Of its gripper, whose business it is to touch things, only the geoms count that
-// a mounted gripper's own `collision_geoms` names, and never those of one finger on the other. What
-// `ignored_collision_geoms` of a robot or gripper names may be touched by its geoms. Contacts of a
-// robot with itself count too, but for links with a joint between them: models let these overlap.
+// A robot's collision geoms (RobotConfig::collision_geoms, else all of its own) count, including
+// its payload. Of its gripper, which is made to touch objects, only the geoms count that a mounted
+// gripper's own `collision_geoms` names, and never those of one finger on the other. A robot's
+// geoms may touch the geoms in `ignored_collision_geoms` of a robot or gripper. Contacts of a robot
+// with itself count too, except between links with a joint between them: models let these overlap.
 //
 //   monitor.Begin();                               // what touched at the last look is not new
 //   ... step ...; if (monitor.FindNew()) ...       // no allocation unless something is new
@@ -23,27 +22,27 @@
 namespace robocell {
 
 struct Collision {
-  std::string robot;        // as in the scene
-  std::string body;         // of it, full name
-  std::string other_robot;  // "" when the other body is none's
+  std::string robot;        // name in the scene
+  std::string body;         // of the robot, full name
+  std::string other_robot;  // "" if the other body belongs to no robot
   std::string other_body;
 
   bool operator==(const Collision&) const = default;
 };
 
-// "robot 'left' (robotleft_fr3_link5) touches table_top": for messages.
+// Describes it for messages: "robot 'left' (robotleft_fr3_link5) touches table_top".
 std::string Describe(const Collision& collision);
 
 class CollisionMonitor {
  public:
-  // The arms, each with the robot that has its gripper as far as that is another one.
+  // The arms, each with the robot of its gripper if that is another one.
   struct Watched {
     Robot robot;
     std::vector<Robot> grippers;
   };
   explicit CollisionMonitor(std::vector<Watched> watched);
 
-  // Contacts at the last check, as pairs of bodies, to return to a state of the scene.
+  // Contacts at the last check as pairs of bodies, for restoring a state of the scene.
   using Memory = std::vector<std::pair<int, int>>;
 
   // Contacts of the last check are not new; after Forget, present contacts are not.
@@ -51,7 +50,8 @@ class CollisionMonitor {
   void Forget() { looked_ = false; }
   const Memory& memory() const { return touching_; }
   void Recall(const Memory& memory);
-  // Looks at the present contacts; true when there is a pair of bodies that was not found before.
+  // Checks the present contacts; returns true if there is a pair of bodies that was not found
+  // before.
   bool FindNew();
   std::vector<Collision> found() const;
 
@@ -70,7 +70,7 @@ class CollisionMonitor {
   std::vector<int> body_owner_;             // per body
   std::vector<bool> of_gripper_;            // per geom: of a mounted gripper
   std::set<std::pair<int, int>> harmless_;  // counted geom, geom that it may touch
-  bool bound_ = false;                      // once: names were looked up and are right
+  bool bound_ = false;                      // names were looked up and are correct
   bool looked_ = false;                     // since Forget
   Memory touching_;                         // at the last look
   Memory found_;                            // since Begin

@@ -1,4 +1,4 @@
-// Which contacts of a mounted gripper are collisions.
+// Tests which contacts of a mounted gripper are collisions.
 #include "robocell/env/collision_monitor.h"
 
 #include <gmock/gmock.h>
@@ -26,7 +26,7 @@ class GripperCollisions : public ::testing::Test {
 
   RobotConfig& gripper() { return config_.grippers.at("left"); }
 
-  // The collisions when the post moves to a finger of the left gripper.
+  // Returns the collisions when the post moves to a finger of the left gripper.
   std::vector<Collision> WhenAFingerIsTouched() {
     Scene scene = Scene::Build(EnvSceneSpec(config_));
     scene.Reset();

@@ -67,7 +67,7 @@ CameraSystemConfig StreamsOf(const EnvConfig& config) {
   return cameras;
 }
 
-// Without a share in it: the environment's own is the only one (Env::task).
+// A pointer without ownership: the environment's own is the only one (Env::task).
 std::shared_ptr<const DeclaresFeatures> Lent(const std::shared_ptr<Task>& task) {
   return {std::shared_ptr<void>(), task.get()};
 }
@@ -77,12 +77,12 @@ EnvConfig Checked(EnvConfig config) {
   return config;
 }
 
-// The number of engine steps after which `seconds` have passed.
+// Returns the number of engine steps after which `seconds` have passed.
 int64_t TicksUntil(double seconds, double timestep) {
   return static_cast<int64_t>(std::ceil(seconds / timestep - 1e-9));
 }
 
-// All of them hear of a step that has ended, whatever the first one throws.
+// Notifies all observers of a step that has ended, whatever the first one throws.
 void TellOfStep(const std::vector<EnvObserver*>& observers, const EnvStep& step) {
   std::exception_ptr first;
   for (EnvObserver* observer : observers) {
@@ -136,7 +136,7 @@ Env::Env(EnvConfig config, Scene scene, std::optional<int> copy,
       observation_(layout_.observation.size()),
       motions_(arms_.size()),
       draws_(!drawing) {
-  const bool is_first = copy.value_or(0) == 0;  // what is to be said is said of the first
+  const bool is_first = copy.value_or(0) == 0;  // only the first copy logs
   if (is_first) {
     for (const ArmDriver& arm : arms_) {
       TellUndriven(arm.robot());
@@ -146,7 +146,7 @@ Env::Env(EnvConfig config, Scene scene, std::optional<int> copy,
   TryStart(is_first);
 }
 
-// Openings are shares of it, in actions and observations.
+// Openings are shares of this distance, in actions and observations.
 void Env::RequireDistances(const ArmDriver& arm) const {
   for (const Robot& robot : arm.robots()) {
     Problems problems(robot.config().locations);
@@ -173,7 +173,7 @@ void Env::Reset(const EnvResetOptions& options) {
   if (!config_.wrappers.home_on_reset && !options.keyframe && phase_ == Phase::kReady) {
     for (const ArmDriver& arm : arms_) kept.push_back(arm.robot().arm().joint_pos());
   }
-  phase_ = Phase::kBroken;  // until all is done
+  phase_ = Phase::kBroken;  // until the reset is complete
   const uint64_t seed = seeds_.NextBits();
   Rng variation = Rng::Stream(seed, "env variation");
   variations_.Draw(variation);
@@ -232,8 +232,8 @@ std::vector<std::string> Env::Send(std::span<const double> action) {
   return failed;
 }
 
-// To the next multiple of 1/frequency since the reset, without drift; or at most the time that
-// motions may take.
+// Returns the ticks to the next multiple of 1/frequency since the reset, without drift; or at most
+// the time that motions may take.
 int64_t Env::TicksOfStep() const {
   const SimSettings& sim = config_.sim;
   if (!sim.async_control)
@@ -242,7 +242,7 @@ int64_t Env::TicksOfStep() const {
   return std::max<int64_t>(1, TicksUntil(end, scene_.timestep()) - ticks_);
 }
 
-// That of the arm that is farthest from having arrived.
+// Returns the status of the arm that is farthest from having arrived.
 ArmStatus Env::StatusOfAll() {
   ArmStatus status = ArmStatus::kArrived;
   for (ArmDriver& arm : arms_) status = std::min(status, arm.Status(scene_.time()));
@@ -251,7 +251,7 @@ ArmStatus Env::StatusOfAll() {
 
 double Env::TimeSinceReset() const { return static_cast<double>(ticks_) * scene_.timestep(); }
 
-// After every engine step.
+// Called after every engine step.
 bool Env::ShouldEnd() {
   ++ticks_;
   cameras_.Tick(TimeSinceReset());
@@ -288,8 +288,8 @@ StepResult Env::Advance(const Poll& poll) {
   return stepper_.AdvanceUntil({}, TicksOfStep(), done).step;
 }
 
-// Simulates the step; when a robot runs into something goes back to its begin, and simulates it
-// again with the arms held where they were sent before.
+// Simulates the step. If a robot collides, it goes back to the beginning of the step and simulates
+// it again with the arms held at their previous targets.
 StepResult Env::AdvanceGuarded(std::span<const double> action, const EnvState& before, EnvStep& out,
                                const Poll& poll) {
   cameras_.Mark();
@@ -313,7 +313,7 @@ EnvStep Env::Step(std::span<const double> action, const Poll& poll) {
   const bool guarded = config_.sim.on_collision == OnCollision::kGuard;
   const std::optional<EnvState> before = guarded ? std::optional(state()) : std::nullopt;
   for (EnvObserver* observer : *observers_) observer->OnAction(action);
-  phase_ = Phase::kBroken;  // until all is done
+  phase_ = Phase::kBroken;  // until the state is complete
   collisions_.Begin();
   StepResult result;
   if (before) {
@@ -332,7 +332,7 @@ EnvStep Env::Step(std::span<const double> action, const Poll& poll) {
     return out;
   }
   for (size_t i = 0; i < arms_.size(); ++i) motions_[i] = arms_[i].motion();
-  if (task_) Judge(out);  // first: signals may tell what it found
+  if (task_) Judge(out);  // first: signals may use its result
   Observe();
   if (config_.sim.realtime) pacer_.Wait(out.time, poll);
   phase_ = Phase::kReady;

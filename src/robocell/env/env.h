@@ -8,21 +8,21 @@
 //   if (step.reason == EndReason::kIkFailed) ...
 //   std::span<const double> seen = env.observation();
 //
-// A step sends the command of every arm, whatever was sent before, and ends when all have arrived
-// or come to rest, when a robot runs into something, or when its time is up; with async_control
-// always after 1/frequency. It says which; motions() says how far each arm is from its target. A
-// small step to a pose without a solution nearby is made in damped steps as far as these get; where
-// they get nowhere the arm keeps its target, and the next command is tried anew.
+// A step sends the command of every arm, whatever was sent before, and ends when all arms have
+// arrived or come to rest, when a robot collides, or when its time is up; with async_control always
+// after 1/frequency. It reports the reason; motions() gives each arm's distance to its target. A
+// small step to a pose without a solution nearby is made in damped steps as far as these get; if
+// they make no progress the arm keeps its target, and the next command is tried anew.
 //
-// Errors: SpecError for what is wrong with the configuration, objects of the task included that do
-// not come to rest where they start; ArgumentError for actions of a wrong size or with numbers that
-// are not finite, before anything moves, and for rewards of a task, signals and features that are
-// not finite; numbers beyond their range are cut to it. Divergence is a value: after it, as after an
-// error on the way, only Reset and Restore go on. With on_collision guard a step is simulated, and
-// when a robot runs into something, taken back: the arms are held where they were
-// sent before, for as long as the step takes, and the reason is collision. Copies of one
-// environment run in parallel each with an Env of its own on a frozen model. Threads: those of the
-// scene.
+// Errors: SpecError for an invalid configuration, including task objects that do not come to rest
+// where they start. ArgumentError for actions of a wrong size or with numbers that are not finite,
+// before anything moves, and for a task's rewards, signals and features that are not finite;
+// numbers beyond their range are clipped to it. Divergence is a value: after it, as after an error
+// in the middle of a step, only Reset and Restore continue.
+// With on_collision guard, a step in which a robot collides is taken back: the arms are held at
+// their previous targets for the duration of the step, and the reason is collision.
+// To run copies of one environment in parallel, give each an Env of its own on a frozen model.
+// Threads: those of the scene.
 #pragma once
 
 #include <cstdint>
@@ -52,7 +52,7 @@
 
 namespace robocell {
 
-// Why a step ended: the first of these that is so.
+// Why a step ended: the first reason that applies.
 enum class EndReason { kDiverged, kCollision, kIkFailed, kArrived, kSettled, kTimeout };
 const char* ToString(EndReason reason);
 
@@ -62,17 +62,17 @@ struct EnvStep {
   std::string message = {};  // of a divergence
   double reward = 0;         // of the task, 0 without
   double progress = 0;       // of the task, 0 ... 1
-  int subtask = 0;           // which of the task's the action worked at
+  int subtask = 0;           // index of the task's subtask during the action
   bool success = false;
-  std::vector<std::string> ik_failed = {};  // robots
-  std::vector<Collision> collisions = {};   // what touched in this step
+  std::vector<std::string> ik_failed = {};  // names of robots
+  std::vector<Collision> collisions = {};   // new contacts in this step
 };
 
 struct EnvResetOptions {
-  // Unset: the next of the stream that the last seed began; 0 at first, and for copies of one
-  // environment another one for each.
+  // Unset: the next seed of the stream that the last seed began; that is 0 at first, and a
+  // different one for each copy of one environment.
   std::optional<uint64_t> seed = {};
-  // What robots start at in place of their homes (scene.h).
+  // Keyframes at which robots start instead of their homes (scene.h).
   std::optional<KeyframeChoice> keyframe = {};
 };
 
@@ -83,8 +83,8 @@ class PreparedObjects;
 class Env {
  public:
   explicit Env(const EnvConfig& config, const DataFactory& factory = {});
-  // In a scene that was made before, of EnvSceneSpec(config).
-  // `copy`: which of several this is. With `drawing` images are taken when DrawFrames is called.
+  // Uses an existing scene of EnvSceneSpec(config). `copy`: number of this copy of several. With
+  // `drawing`, images are drawn when DrawFrames is called.
   Env(EnvConfig config, Scene scene, std::optional<int> copy = {},
       const std::shared_ptr<SharedDrawing>& drawing = nullptr);
 
@@ -93,58 +93,60 @@ class Env {
   const Scene& scene() const { return scene_; }
 
   void Reset(const EnvResetOptions& options = {});
-  // `action` has layout().action.size() numbers. Error before the first Reset and after a
-  // divergence. `poll` is called after each step of the engine, and often while a step waits for
-  // real time; what it throws ends the step halfway.
+  // `action` has layout().action.size() numbers. Throws Error before the first Reset and after a
+  // divergence. `poll` is called after each engine step, and often while a step waits for real
+  // time; its exception ends the step halfway.
   EnvStep Step(std::span<const double> action, const std::function<void()>& poll = {});
-  // From now on only Reset and going back to a state go on, as after an error halfway: for those
-  // who step several environments together, when that of another one has failed.
+  // Requires a Reset or a restored state before the next step, as after an error halfway: for
+  // callers that step several environments together, when another one has failed.
   void WantReset() { phase_ = Phase::kBroken; }
-  // Throws what Step would throw for this action, and moves nothing.
+  // Throws what Step would throw for this action, without moving anything.
   void RequireAction(std::span<const double> action) const;
-  // What the last Reset or Step left, layout().observation.size() numbers; a step that diverged
-  // leaves what was before it.
+  // Returns the observation after the last Reset or Step, layout().observation.size() numbers; a
+  // step that diverged keeps the previous observation.
   std::span<const double> observation() const { return observation_; }
 
-  // What was left of each robot's motion when the last step ended, in the order of layout().robots;
-  // zeros after a reset.
+  // Returns each robot's remaining motion at the end of the last step, in the order of
+  // layout().robots; zeros after a reset.
   const std::vector<ArmMotion>& motions() const { return motions_; }
 
-  // The last frame of each image stream.
+  // Returns the last frame of each image stream.
   const std::vector<EnvFrame>& frames() const { return cameras_.frames(); }
-  // Draws what is due; only with a SharedDrawing, else it is drawn already.
+  // Draws the pending frames; only needed with a SharedDrawing, otherwise they are already drawn.
   void DrawFrames() { cameras_.Draw(TimeSinceReset()); }
-  // What the task is, in words; "" without one.
+  // Returns the task in words; "" without a task.
   std::string instruction() const { return task_ ? task_->instruction() : ""; }
 
-  // Keeps the present state under a name, and goes back to it as often as wished: what follows is
-  // the same to the bit. Observations are those of then; images are taken anew. Names are forgotten
-  // by nothing but Forget. NotFoundError lists the names, Error before the first Reset and in a
-  // scene that was compiled anew since.
+  // Saves the present state under a name. Restore goes back to it any number of times, with the
+  // same continuation to the bit and the same observations; images are taken anew. Only Forget
+  // removes a name. Throws NotFoundError that lists the names, and Error before the first Reset or
+  // if the scene was compiled anew since.
   void Save(const std::string& name);
   void Restore(const std::string& name);
   void Forget(const std::string& name);
   std::vector<std::string> saved() const;
 
-  // The present state as a value: for an environment of the same configuration, in another process
-  // too, and with StateFrame::kRoot of a rig that stands elsewhere. Error before the first Reset.
+  // Returns the present state as a value: for an environment of the same configuration, also in
+  // another process, and, with StateFrame::kRoot, on a rig that stands elsewhere. Throws Error
+  // before the first Reset.
   EnvState state() const;
-  // ArgumentError for a state of another configuration and for numbers that are not finite, before
-  // anything changes.
+  // Throws ArgumentError for a state of another configuration and for numbers that are not finite,
+  // before anything changes.
   void SetState(const EnvState& state, StateFrame frame = StateFrame::kWorld);
 
-  // From now on an observer hears of all that happens; it must outlive the environment, or be
-  // removed before. In the order in which they were added.
+  // Notifies an observer of all events from now on; it must be removed before it is destroyed.
+  // Observers are called in the order in which they were added.
   void AddObserver(EnvObserver* observer);
-  // Does nothing for one that was not added.
+  // Does nothing for an observer that was not added.
   void RemoveObserver(EnvObserver* observer);
 
-  // With relative_to configured_origin: from now on relative to where the robot was last sent.
-  // NotFoundError lists the robots.
+  // With relative_to configured_origin: makes actions relative to the robot's present target.
+  // Throws NotFoundError that lists the robots.
   void SetOriginToCurrent(const std::string& robot);
 
-  // For those who own the task's object in another language: the only reference to it from here,
-  // null without one, and its end. Without its task an environment is of no use any more.
+  // For owners of the task's object in another language: gives access to the only reference from
+  // here (null without a task) and drops it. Without its task an environment cannot be used any
+  // more.
   const std::shared_ptr<Task>& task() const { return task_; }
   void DropTask() { task_.reset(); }
 
@@ -206,7 +208,7 @@ class Env {
   CollisionMonitor collisions_;
   EnvCameras cameras_;
   std::map<std::string, Snapshot> saved_;
-  // Shared with what is called at control ticks, which stays as it is when an Env is moved.
+  // Shared with the callback at control ticks, which stays in place when an Env is moved.
   std::shared_ptr<std::vector<EnvObserver*>> observers_ =
       std::make_shared<std::vector<EnvObserver*>>();
   RealTimePacer pacer_;

@@ -1,4 +1,5 @@
-// What "arrived" promises, asked of the engine; and robots with more arms than an environment uses.
+// Tests the meaning of "arrived" against the engine, and robots with more arms than an environment
+// uses.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -23,7 +24,7 @@ using Numbers = std::vector<double>;
 constexpr double kHinge = 0.002, kSlide = 2e-4;  // of the default `arrival_tolerance`, rad and m
 constexpr double kSettling = 0.1;                // s
 
-// How far a joint is from where it was sent and how fast it is, by the engine.
+// A joint's distance from its target and its speed, by the engine.
 struct JointState {
   double error, speed;
 };
@@ -34,7 +35,7 @@ JointState StateOf(const Scene& scene, const std::string& joint, double wanted) 
           std::abs(scene.data()->qvel[m->jnt_dofadr[id]])};
 }
 
-// A carriage whose servo takes 0.2 s for most of a way, and a hinge on it.
+// A carriage whose servo takes 0.2 s for most of a displacement, and a hinge on it.
 EnvConfig Rail(ModelFolder& folder) {
   RobotConfig robot{.name = "rail", .model = folder.Write("rail", R"(
     <compiler angle="radian" autolimits="true"/>
@@ -114,7 +115,8 @@ TEST(EnvArrival, SmallAndLargeStepsOfHingesEndNearAndSlow) {
   }
 }
 
-// Farthest that the TCP is from where it was sent while every joint is within its tolerance.
+// Returns the largest distance of the TCP from its target while every joint is within its
+// tolerance.
 double TcpTolerance(const Robot& robot) {
   Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(6, robot.n_joints());
   robot.arm().Jacobian(jacobian);
@@ -123,7 +125,7 @@ double TcpTolerance(const Robot& robot) {
   return most;
 }
 
-// Sends one arm of two there, from the reset, and the other to where it is.
+// Sends one arm of two to `there` from the reset state, and the other to its own position.
 EndReason SendOneOf(Env& env, size_t arm, const Pose& there) {
   env.Reset({.seed = 1});
   Numbers action;

@@ -30,7 +30,7 @@ void RequireBatch(const EnvConfig& config, int count, std::optional<int> max_epi
   }
 }
 
-// Colours are written to a copy of the first model; without variations all have the first.
+// Colours are written to a copy of the first model; without variations all copies use the first.
 std::shared_ptr<SharedDrawing> NewDrawing(const EnvConfig& config, const mjModel* model) {
   auto drawing = std::make_shared<SharedDrawing>();
   drawing->renderer = MakeRenderer(
@@ -40,7 +40,8 @@ std::shared_ptr<SharedDrawing> NewDrawing(const EnvConfig& config, const mjModel
   return drawing;
 }
 
-// What a copy needs at least, bytes: the engine's data, and of a model of its own the arrays.
+// Returns the least memory of a copy, bytes: the engine's data and, with a model of its own, the
+// arrays.
 double BytesOfCopy(const Scene& scene, bool own_model) {
   const double data =
       static_cast<double>(sizeof(mjData)) + static_cast<double>(scene.data()->nbuffer);
@@ -51,7 +52,7 @@ double BytesOfMachine() {
   return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
-// Before the memory is full, which nobody hears of but the one that is killed for it.
+// Checks before the memory is full, which would kill the process without a message.
 void RequireMemory(const EnvConfig& config, int count, double bytes_of_copy) {
   const double need = count * bytes_of_copy, there = BytesOfMachine();
   if (need <= there) return;
@@ -62,7 +63,7 @@ void RequireMemory(const EnvConfig& config, int count, double bytes_of_copy) {
 
 bool Holds(const std::vector<bool>& which, int i) { return !which.empty() && which[i]; }
 
-// Asks the poll on the caller's thread; what it throws ends the work of all threads.
+// Calls the poll on the caller's thread; its exception ends the work of all threads.
 class Interruption {
  public:
   explicit Interruption(const std::function<void()>& poll) : poll_(poll) {}
@@ -80,7 +81,7 @@ class Interruption {
       throw;
     }
   }
-  // When all threads are done: what the poll threw, if it did.
+  // Rethrows the poll's exception, if any, when all threads are done.
   void Rethrow() const {
     if (thrown_) std::rethrow_exception(thrown_);
   }
@@ -239,7 +240,7 @@ const BatchStep& EnvBatch::Step(std::span<const double> actions,
     workers_->Run(size(), work, ask);
     DrawFrames();
   } catch (...) {
-    // Some have stepped and some have not, and nobody hears which episodes ended.
+    // Some have stepped and some have not, and the caller cannot know which episodes ended.
     for (const std::unique_ptr<Env>& env : envs_) env->WantReset();
     interruption.Rethrow();
     throw;

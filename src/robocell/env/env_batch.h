@@ -1,19 +1,19 @@
-// EnvBatch: copies of one environment on one frozen model, or on a copy of it each when objects
-// vary (EnvConfig::variations), stepped together on threads. Which thread steps which copy changes
-// nothing: each has its own state and its own seeds.
+// EnvBatch: copies of one environment that step together on threads. They share one frozen model,
+// or have a copy of it each when objects vary (EnvConfig::variations). The assignment of copies to
+// threads changes no result: each copy has its own state and its own seeds.
 //
 //   EnvBatch batch(config, 64);
 //   batch.Reset(seeds);                                       // one for each copy, or none
 //   const BatchStep& step = batch.Step(actions, resets);      // (64, n) numbers, row after row
 //   batch.observations();                                     // (64, m) numbers, row after row
 //
-// Copies are called `name[i]` in messages. Their images are drawn by one renderer, one copy after
-// the other, when all have stepped: env(i).frames().
+// Messages call the copies `name[i]`. One renderer draws their images, one copy after the other,
+// when all have stepped: env(i).frames().
 //
-// Errors: those of Env; ArgumentError for more copies than the machine has memory for. An action
-// that is refused leaves all copies as they are; what else one copy throws comes out after all have
-// finished, the first by its number. After a step that failed so, all copies want a reset: some
-// have stepped, and what they were rewarded with is lost. Threads: one caller at a time.
+// Throws the errors of Env, and ArgumentError for more copies than fit into the machine's memory. A
+// rejected action leaves all copies as they are; another error of a copy is rethrown after all have
+// finished, the one of the lowest number. After such a step all copies need a reset: some have
+// stepped, and their rewards are lost. Threads: one caller at a time.
 #pragma once
 
 #include <cstdint>
@@ -41,9 +41,9 @@ struct BatchStep {
 
 class EnvBatch {
  public:
-  // `threads` 0: as many as the machine has cores, the caller's included; never more than copies.
-  // Episodes are truncated after `max_episode_steps`, if any; at least 1. Until it is given a seed,
-  // a copy has starts of its own, the same ones each time.
+  // `threads` 0: one for each core, including the caller's; never more than copies. Episodes are
+  // truncated after `max_episode_steps`, if set; at least 1. Until it gets a seed, a copy draws its
+  // own starts, the same ones each time.
   EnvBatch(const EnvConfig& config, int count, int threads = 0,
            std::optional<int> max_episode_steps = {});
   ~EnvBatch();
@@ -53,24 +53,23 @@ class EnvBatch {
   const EnvLayout& layout() const { return envs_.front()->layout(); }
   Env& env(int i) { return *envs_[i]; }
 
-  // Resets the copies that `which` is true for, all when it is empty. Seeds as of Env::Reset, one
+  // Resets the copies for which `which` is true, all if it is empty. Seeds as for Env::Reset, one
   // for each copy.
   void Reset(std::span<const std::optional<uint64_t>> seeds, const std::vector<bool>& which = {});
-  // Steps all copies but those that `reset_instead` is true for, which begin their next episode:
-  // reward 0, neither terminated nor truncated.
-  // `poll` is called on the caller's thread, often; what it throws ends all copies' steps and comes
-  // out, and all copies want a reset.
+  // Steps all copies except those for which `reset_instead` is true, which begin their next
+  // episode: reward 0, neither terminated nor truncated. `poll` is called on the caller's thread,
+  // often; its exception ends all copies' steps and is rethrown, and all copies need a reset.
   const BatchStep& Step(std::span<const double> actions,
                         const std::vector<bool>& reset_instead = {},
                         const std::function<void()>& poll = {});
   std::span<const double> observations() const { return observations_; }
-  // Whether a motion led towards the last pose that was commanded to robot `robot` (of
+  // Returns true if a motion led towards the last pose that was commanded to robot `robot` (of
   // layout().robots) of copy `i`.
   bool ik_success(int i, size_t robot) const;
-  // A colour picture of each copy's present state, one after another, each of rows from the top:
-  // for people. All are drawn by one renderer, which is made at the first call.
+  // Returns a colour picture of each copy's present state for viewing, one after another, each with
+  // rows from the top. One renderer, created at the first call, draws all of them.
   std::vector<uint8_t> Draw(const CameraView& camera, int width, int height);
-  // The instruction of each copy's task, in words.
+  // Returns the instruction of each copy's task, in words.
   std::vector<std::string> instructions() const;
 
   // Closes all copies' scenes and ends the threads: ClosedError from then on.

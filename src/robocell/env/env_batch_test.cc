@@ -28,7 +28,7 @@ EnvConfig Noisy() {
 
 std::vector<std::optional<uint64_t>> Seeds() { return {3, 4, 5, 6, 7}; }
 
-// Another action for every copy and step.
+// Returns a different action for every copy and step.
 std::vector<double> Actions(const EnvBatch& batch, int step) {
   std::vector<double> actions;
   for (int i = 0; i < batch.size(); ++i) {
@@ -131,7 +131,7 @@ TEST(EnvBatch, HasAtLeastOneCopy) {
                              "batch of environment 'env': 0 copies; at least 1");
 }
 
-// The oracle: single environments of the same seeds, each compiled by itself.
+// The oracle is single environments with the same seeds, each compiled by itself.
 TEST(EnvBatch, ObjectsVaryInEachCopyByItself) {
   EnvConfig config = Rc7WithCube();
   config.variations["cube"] = {.mass = {0.5, 2}, .friction = {0.5, 1.5}};
@@ -153,7 +153,7 @@ TEST(EnvBatch, ObjectsVaryInEachCopyByItself) {
   EXPECT_NE(cube_mass(batch.env(0)), cube_mass(batch.env(1)));
 }
 
-// The oracle: single environments of the same seeds, each with a renderer of its own.
+// The oracle is single environments with the same seeds, each with a renderer of its own.
 TEST(EnvBatch, ImagesAreThoseOfSingleEnvironmentsAlsoOfObjectsThatVary) {
   for (const bool varied : {false, true}) {
     EnvConfig config = Rc7WithCube();
@@ -236,7 +236,7 @@ TEST(EnvBatch, WheneverAStepIsEndedAllCopiesWantAReset) {
         ended = true;
       }
       EXPECT_EQ(ended, threads == 1 || calls >= last) << last;
-      if (!ended) continue;  // the other thread took that much of the work
+      if (!ended) continue;  // the other thread did that much of the work
       ExpectThrow<Error>([&] { batch.Step(zeros); },
                          "'env[0]': an error ended its last reset or step halfway; call reset");
       batch.Reset({}, {true, true, false});
@@ -253,7 +253,7 @@ TEST(EnvBatch, AfterAnErrorOfOneCopyAllWantAReset) {
   for (const int threads : {1, 2}) {
     EnvBatch batch(Noisy(), 3, threads);
     batch.Reset({});
-    // A controller that it cannot use, put in behind its back.
+    // Adds a controller that the environment cannot use, without its knowledge.
     Robot robot = Robot::Of(batch.env(1).scene(), "robot");
     robot.SetController("arm", "cartesian_pose");
     robot.SetController("arm", "differential_ik");
@@ -267,7 +267,7 @@ TEST(EnvBatch, AfterAnErrorOfOneCopyAllWantAReset) {
   }
 }
 
-// The oracle: a renderer of its own for each single environment.
+// The oracle is a separate renderer for each single environment.
 TEST(EnvBatch, DrawsAPictureOfEachCopy) {
   EnvConfig config = Rc7WithCube();
   config.variations["cube"] = {.colour = 0.3};

@@ -12,8 +12,8 @@
 namespace robocell {
 namespace {
 
-// Of a time times a rate: the engine's clock, a sum of steps such as 1/480 s, is off by that much
-// after hours.
+// Rounding of a time multiplied by a rate: the engine's clock, a sum of steps such as 1/480 s, is
+// off by that much after hours.
 constexpr double kRounding = 1e-6;
 
 EnvFrame FrameOf(const CameraConfig& stream, int width, int height) {

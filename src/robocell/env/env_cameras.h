@@ -1,19 +1,19 @@
 // EnvCameras: the image streams of an environment. Each takes a frame at the first engine step with
-// t >= k/rate, stamped with the true time, and shows the last one until the next; with rate 0 one
-// with every observation.
+// t >= k/rate, stamped with the true time, and shows it until the next one; with rate 0 it takes
+// one with every observation.
 //
-// The state of a frame is kept when it is due, and drawn when the step has ended: frames that
-// nobody sees are not drawn, and rendering does not affect physics.
+// The state of a frame is stored when it is due and drawn when the step has ended: skipped frames
+// are not drawn, and rendering does not affect physics.
 //
 //   cameras.Reset();
 //   ... per engine step: cameras.Tick(time) ...
 //   cameras.Draw(time);
 //   for (const EnvFrame& frame : cameras.frames()) ...
 //
-// With a SharedDrawing (copies of one environment that are drawn in turn by one renderer) Draw is
-// called by whoever owns it, on one thread at a time.
+// With a SharedDrawing (copies of one environment that one renderer draws in turn) its owner calls
+// Draw, on one thread at a time.
 //
-// Errors, both when it is made: NotFoundError for a stream with an unknown camera, Error without
+// The constructor throws NotFoundError for a stream with an unknown camera, and Error without
 // OpenGL.
 #pragma once
 
@@ -34,20 +34,20 @@ struct EnvFrame {
   std::string stream;
   int width = 0, height = 0;
   double time = 0;                    // simulated s since the reset
-  CameraModel camera;                 // that it was drawn with: intrinsics, extrinsics
+  CameraModel camera;                 // of the drawing: intrinsics, extrinsics
   std::vector<uint8_t> rgb;           // rows from the top
-  std::vector<uint16_t> depth_mm;     // 0 where nothing is
-  std::vector<int32_t> segmentation;  // body ids, -1 where nothing is
+  std::vector<uint16_t> depth_mm;     // 0 where there is no surface
+  std::vector<int32_t> segmentation;  // body ids, -1 where there is no surface
 };
 
 // One renderer for copies of one model.
 struct SharedDrawing {
   std::shared_ptr<Renderer> renderer;
-  // Set when copies differ in their colours: a model of its own that takes those of each copy.
+  // Set when copies differ in colour: a model of its own that takes the colours of each copy.
   ModelPtr model;
 
-  // The next drawing uses the colours of this copy of the model. Copies differ in nothing else that
-  // is visible.
+  // Uses the colours of this copy of the model for the next drawing. Copies have no other visible
+  // difference.
   void TakeColours(const mjModel* copy);
 };
 
@@ -56,13 +56,13 @@ class EnvCameras {
   EnvCameras(Scene scene, const CameraSystemConfig& config,
              std::shared_ptr<SharedDrawing> shared = nullptr);
 
-  // A frame of each stream is due at time 0.
+  // Makes a frame of each stream due at time 0.
   void Reset() { GoOnFrom(0); }
-  // Goes on from `time`, with a frame of each stream of then.
+  // Continues from `time`, with a frame of each stream at that time.
   void GoOnFrom(double time);
-  // Keeps what streams show that are due at `time` (s since the reset).
+  // Stores the state for the streams that are due at `time` (s since the reset).
   void Tick(double time);
-  // Draws what was kept, and what is taken with every observation.
+  // Draws the stored frames, and those that are taken with every observation.
   void Draw(double time);
   const std::vector<EnvFrame>& frames() const { return frames_; }
 
@@ -75,7 +75,7 @@ class EnvCameras {
     CameraConfig config;
     CameraView view;
     int64_t taken = 0;     // frames since the reset
-    bool pending = false;  // kept and not yet drawn
+    bool pending = false;  // stored and not yet drawn
     double time = 0;
     std::vector<double> qpos, mocap_pos, mocap_quat;
   };

@@ -1,4 +1,4 @@
-// Images in observations: which cameras, when, and what is in them.
+// Tests images in observations: which cameras, when, and their content.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,7 +11,7 @@
 namespace robocell {
 namespace {
 
-// The built-in robot beside a floor that a camera 1.5 m above looks at straight.
+// The built-in robot beside a floor, with a camera 1.5 m above that looks straight down at it.
 EnvConfig Watched() {
   EnvConfig config = Rc7Env();
   config.add_floor = true;

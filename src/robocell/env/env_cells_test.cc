@@ -1,4 +1,4 @@
-// Properties of every ready-made environment in every scene with every control mode.
+// Tests properties of every ready-made environment in every scene with every control mode.
 #include <gtest/gtest.h>
 
 #include "robocell/assets/resolve.h"
@@ -12,7 +12,7 @@ constexpr int kRandomSteps = 50;
 
 using Numbers = std::vector<double>;
 
-// On the floor, or on the built-in table.
+// Returns an environment on the floor, or on the built-in table.
 EnvConfig ReadyMade(const std::string& name, const std::string& scene, ControlMode mode) {
   EnvConfig config = EnvConfig::Load(assets::BuiltinCellFile(name));
   if (scene == "tabletop") {
@@ -25,7 +25,7 @@ EnvConfig ReadyMade(const std::string& name, const std::string& scene, ControlMo
   return config;
 }
 
-// Observations of random steps within the range of actions.
+// Returns observations of random steps within the range of actions.
 std::vector<Numbers> RandomEpisode(Env& env) {
   Rng rng = Rng::Stream(1, "env cells");
   env.Reset({.seed = 3});

@@ -15,15 +15,15 @@
 namespace robocell {
 namespace {
 
-constexpr double kPositionSlack = 0.05;  // of what an arm can reach, m
+constexpr double kPositionSlack = 0.05;  // beyond an arm's reach, m
 
-// No configuration puts the TCP farther than this from the robot's base.
+// Returns a bound of the TCP's distance from the robot's base in all configurations.
 double FarthestTcp(const Robot& robot) {
   const ChainModel& chain = robot.chain().model();
   return chain.joints[0].fixed.translation.norm() + chain.reach_bound + kPositionSlack;
 }
 
-// What numbers lie between.
+// The range of numbers.
 struct Bounds {
   std::vector<double> lower, upper;
 
@@ -115,7 +115,7 @@ class Builder {
                                                  : "tquat";
   }
 
-  // Appends a feature, and its path in the dictionaries, and says where its numbers are.
+  // Appends a feature and its path in the dictionaries, and returns the part of its numbers.
   static VectorPart Append(FeatureSchema& schema, std::vector<std::vector<std::string>>& paths,
                            const char* kind, std::vector<std::string> path, ColumnSpec column,
                            Bounds bounds, FeatureRole role, const std::string& source) {
@@ -138,7 +138,7 @@ class Builder {
                   std::move(column), std::move(bounds), role, from);
   }
 
-  // A feature with the shape that it has.
+  // Appends a feature in its own shape.
   VectorPart ObserveAsIs(std::vector<std::string> path, const Feature& feature) {
     Bounds bounds{feature.lower, feature.upper};
     constexpr double kAny = std::numeric_limits<double>::infinity();
@@ -161,7 +161,7 @@ class Builder {
     return {.units = "1", .names = {"opening"}, .description = "0 closed, 1 open."};
   }
 
-  // Where the TCP can be, in the shared base frame.
+  // Returns the bounds of the TCP's position, in the shared base frame.
   static Bounds PositionBounds(const Robot& robot, double radius) {
     const Pose base = robot.scene().shared_base_frame_to_world().inverse() * robot.base_in_world();
     Bounds bounds;

@@ -1,12 +1,12 @@
-// How an environment's action and observation are laid out in flat vectors: pure data made from the
-// configuration and its robots, the same for every copy of the environment. The schemas say what
-// each number is; parts and ranges are views of them. Features and signals keep their shape in the
-// schema; vectors have their numbers in row-major order.
+// The layout of an environment's action and observation in flat vectors: pure data made from the
+// configuration and its robots, the same for every copy of the environment. The schemas define each
+// number; parts and ranges are views of them. Features and signals keep their shape in the schema;
+// vectors have their numbers in row-major order.
 //
 // An action has for each robot its command and, with a gripper, one number more. An observation has
 // for each robot the TCP in the shared base frame (tquat: x y z, quaternion xyzw; xyzrpy: x y z,
-// roll pitch yaw), its joints, and with a gripper its opening, and then the task's objects and
-// signals. Metres, radians, 0 closed ... 1 open.
+// roll pitch yaw), its joints, and with a gripper its opening, followed by the task's objects and
+// signals. Units: metres, radians, openings 0 (closed) to 1 (open).
 #pragma once
 
 #include <cstdint>
@@ -29,7 +29,7 @@ struct VectorPart {
 
 struct RobotLayout {
   std::string robot;
-  std::string command;  // what its action is called: joints, xyzrpy or tquat
+  std::string command;  // name of its action: joints, xyzrpy or tquat
   bool has_gripper = false;
   VectorPart action;
   int gripper_action = -1;
@@ -37,27 +37,27 @@ struct RobotLayout {
   int gripper = -1;
 };
 
-// An object that is observed: its pose in the shared base frame, as tquat.
+// An observed object: its pose in the shared base frame, as tquat.
 struct ObjectLayout {
   std::string object;
   VectorPart tquat;
 };
 
-// What the task adds.
+// A signal that the task adds.
 struct SignalLayout {
   std::string name;
   VectorPart part;
   std::vector<int64_t> shape;  // of its numbers, in row-major order
 };
 
-// A feature that was chosen to be observed too (EnvConfig::features).
+// A feature that the configuration adds to the observation (EnvConfig::features).
 struct FeatureLayout {
   std::string key;  // "tcp_height", "sensors/touch"
   VectorPart part;
   std::vector<int64_t> shape;
 };
 
-// What every number of a vector lies between.
+// The limits of every number of a vector.
 struct VectorRange {
   std::vector<double> lower, upper;
   int size() const { return static_cast<int>(lower.size()); }
@@ -77,21 +77,22 @@ struct EnvLayout {
   VectorRange action, observation;
 };
 
-// Joints are observed up to so far beyond the limits, which give way a little in the engine: rad
-// or m.
+// The range of observed joints extends by this much beyond the limits, which give way a little in
+// the engine: rad or m.
 inline constexpr double kJointSlack = 0.5;
 
-// `robots` are those of the configuration, in its order, in a scene at its start; `task` null
-// without one, and `signals` what it declares, as "task/<name>"; `chosen` are the features of the
-// configuration.
+// `robots` are those of the configuration, in its order, in a scene at its start; `task` is null
+// without one, and `signals` are its declared signals, as "task/<name>"; `chosen` are the features
+// of the configuration.
 EnvLayout MakeEnvLayout(const EnvConfig& config, const std::vector<Robot>& robots, const Task* task,
                         const FeatureSource& signals, const ChosenFeatures& chosen);
 
-// "left.joints[2]", "objects.cube.tquat[0]", "task.goal[1]": number i of the observation.
+// Returns the name of number i of the observation: "left.joints[2]", "objects.cube.tquat[0]",
+// "task.goal[1]".
 std::string NameOfObservation(const EnvLayout& layout, int i);
 
-// Joint positions that an arm can be sent to: its limits, +-2 pi for hinges without. ArgumentError
-// for a slide without limits.
+// Returns the joint positions that may be commanded to an arm: its limits, +-2 pi for hinges
+// without limits. Throws ArgumentError for a slide without limits.
 std::vector<Interval> CommandLimits(const Robot& robot);
 
 }  // namespace robocell

@@ -20,7 +20,7 @@ std::vector<double> PartOfSeen(const Env& env, const VectorPart& part) {
   return {begin, begin + part.size};
 }
 
-// Beside the cube, a pad that feels what lies on it.
+// Adds a tactile pad beside the cube.
 EnvConfig WithPad(ModelFolder& folder) {
   EnvConfig config = Rc7WithCube();
   config.root_frame_objects["pad"] = {

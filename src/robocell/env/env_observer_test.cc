@@ -16,7 +16,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-// Notes what it hears; ticks as their number.
+// Records its calls; ticks as their number.
 struct Listener : EnvObserver {
   std::vector<std::string> heard;
   std::vector<double> times;

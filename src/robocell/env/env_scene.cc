@@ -9,7 +9,7 @@
 namespace robocell {
 namespace {
 
-// SceneSpec's parts have a position and a rotation in the place of a pose.
+// Some parts of SceneSpec have a position and a rotation instead of a pose.
 template <class Spec>
 void StandAt(Spec& spec, const AttachTarget& target, const Pose& pose) {
   spec.attach_to = target;
@@ -29,7 +29,7 @@ RobotSpec RobotInEnv(const EnvConfig& config, const RobotConfig& robot, const st
   return spec;
 }
 
-// One of several robots in one model, which comes with the first of them.
+// Returns one of several robots in one model, which comes with the first of them.
 RobotSpec RobotInCombined(const EnvConfig& config, const RobotConfig& robot,
                           const std::string& name) {
   RobotSpec spec = RobotInEnv(config, robot, name, "");
@@ -67,7 +67,7 @@ void AddObjects(const Map<EnvObject>& objects, const AttachTarget& frame, SceneS
   for (const auto& [id, object] : objects.entries()) {
     SceneObject& added = scene.objects.push_back(object->AsSceneObject());
     added.name = id;
-    // Parts on a robot are mounted, whatever their model's file says.
+    // Parts on a robot are mounted, whatever their model file says.
     if (frame.kind == AttachKind::kAttachment && !added.fixed) added.fixed = true;
     StandAt(added, frame, object->offset);
   }

@@ -1,14 +1,15 @@
-// From an environment's configuration to its scene: robots and grippers in the rig, objects and
-// cameras in their frames. Pure: nothing is read or compiled.
+// Makes the scene of an environment's configuration: robots and grippers in the rig, objects and
+// cameras in their frames. A pure function: it reads and compiles nothing.
 //
 //   const EnvConfig config = EnvConfig::Load("duo.yaml");
 //   Scene scene = Scene::Build(EnvSceneSpec(config));
 //   Robot left = Robot::Of(scene, "left"), gripper = Robot::Of(scene, "gripperleft");
 //
-// CompileEnvScene(config) is what an environment simulates, which a saved scene may be instead.
+// CompileEnvScene(config) gives the scene that an environment simulates, which may also be a saved
+// scene.
 //
-// Robots stand on fixed bases without the pedestal of their configuration, and what a model's file
-// says of its root's pose is dropped, unless the robot's configuration has reset_root_pose: false.
+// Robots stand on fixed bases without the pedestal of their configuration. The root pose in a model
+// file is dropped unless the robot's configuration has reset_root_pose: false.
 #pragma once
 
 #include <string>
@@ -19,14 +20,14 @@
 
 namespace robocell {
 
-// SpecError lists all that is wrong with the configuration.
+// Throws SpecError with all problems of the configuration.
 SceneSpec EnvSceneSpec(const EnvConfig& config);
 
-// Compiled: that scene, or the file of EnvConfig::saved_scene. Errors of CompileScene and
-// CompileSavedScene.
+// Compiles that scene, or loads the file of EnvConfig::saved_scene. Throws the errors of
+// CompileScene and CompileSavedScene.
 std::shared_ptr<CompiledScene> CompileEnvScene(const EnvConfig& config);
 
-// Name of a robot's gripper in the scene if it is one of `grippers`: "gripperleft".
+// Returns the name of a robot's gripper in the scene if it is one of `grippers`: "gripperleft".
 std::string MountedGripperName(const std::string& robot);
 
 }  // namespace robocell

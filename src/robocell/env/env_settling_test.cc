@@ -1,4 +1,5 @@
-// Steps that end away from their target: servos that sag, arms that carry or are blocked.
+// Tests steps that end away from their target: servos that sag, arms that carry a load or are
+// blocked.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

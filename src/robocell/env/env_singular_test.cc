@@ -1,4 +1,4 @@
-// Relative Cartesian actions beside singularities: damped steps, and how far they came.
+// Tests relative Cartesian actions beside singularities: damped steps, and how far they get.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

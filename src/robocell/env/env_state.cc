@@ -31,14 +31,14 @@ int64_t ToWhole(double number, double most) {
       "these numbers are no state of an environment: {} where a whole number is expected", number));
 }
 
-// Fowler, Noll, Vo: FNV-1a.
+// The hash function FNV-1a of Fowler, Noll and Vo.
 class NamesHash {
  public:
   void Add(std::string_view name) {
     for (const char c : name) AddByte(static_cast<unsigned char>(c));
     AddByte(0);  // "ab", "c" are not "a", "bc"
   }
-  // A double holds it.
+  // Returns a value that a double represents exactly.
   double value() const { return static_cast<double>(hash_ >> 16); }
 
  private:
@@ -46,7 +46,8 @@ class NamesHash {
   uint64_t hash_ = 0xcbf29ce484222325u;
 };
 
-// What makes the numbers of a state mean what they do: other fixed bodies do not matter.
+// Hashes the names that give the numbers of a state their meaning; other fixed bodies do not
+// matter.
 double HashOfNames(const EnvConfig& config, const mjModel* m) {
   NamesHash hash;
   const auto add = [&](mjtObj type, int id) {
@@ -183,7 +184,7 @@ void Env::RequireState(const EnvState& state) const {
                         ": the state is of another environment; states fit those of the same "
                         "configuration, but for root_frame_to_world");
   }
-  // A task may remember what it likes.
+  // A task's memory may have any content.
   const auto task =
       static_cast<std::ptrdiff_t>(kNumbersBeforePhysics + 1 + state.physics.size() + 1);
   const std::vector<double> numbers = state.numbers();
@@ -197,7 +198,7 @@ void Env::RequireState(const EnvState& state) const {
   }
 }
 
-// Without the observation.
+// Restores everything but the observation.
 void Env::Recall(const EnvState& state) {
   if (state.variations != variations_.drawn()) variations_.Apply(state.variations);
   scene_.SetState(state.physics);
@@ -214,13 +215,13 @@ void Env::MoveToRoot(const Pose& from) {
     const int root = RequireId(m, mjOBJ_BODY, scene_.compiled()->object(id).root_body, place());
     Move(by, MovablesOf(m, root), m, scene_.data());
   }
-  scene_.SetState(scene_.state());  // and what follows from it
+  scene_.SetState(scene_.state());  // and the quantities derived from it
 }
 
 void Env::SetState(const EnvState& state, StateFrame frame) {
   const SceneUse::Claim claim(scene_.use(), "Env::SetState");
   RequireState(state);
-  phase_ = Phase::kBroken;  // until all is done
+  phase_ = Phase::kBroken;  // until the state is complete
   Recall(state);
   if (frame == StateFrame::kRoot) MoveToRoot(state.root_frame_to_world);
   pacer_.Start(TimeSinceReset());

@@ -1,5 +1,5 @@
-// EnvState: everything that an environment needs to go on as it did, as a value: physics, where its
-// arms were sent, what its task remembers, what was drawn for its objects, its clock.
+// EnvState: everything that an environment needs to continue identically, as a value: physics,
+// targets of its arms, memory of its task, variations drawn for its objects, its clock.
 //
 //   const EnvState state = env.state();
 //   other.SetState(state, StateFrame::kRoot);  // of the same configuration, with its rig elsewhere
@@ -18,8 +18,8 @@ namespace robocell {
 
 // Frame in which free and mocap root_frame_objects are placed when a state is set.
 enum class StateFrame {
-  kWorld,  // where they were in the world; what follows is the same to the bit
-  kRoot,   // where they were in the root frame
+  kWorld,  // same pose in the world; the continuation is the same to the bit
+  kRoot,   // same pose in the root frame
 };
 template <>
 struct EnumNames<StateFrame> {
@@ -28,7 +28,7 @@ struct EnumNames<StateFrame> {
 };
 
 struct EnvState {
-  Pose root_frame_to_world = {};     // of the environment that it was taken from
+  Pose root_frame_to_world = {};     // of the environment of the state
   std::vector<double> physics = {};  // Scene::state()
   std::vector<ArmDriver::Memory> arms = {};
   std::vector<double> task = {};        // Task::memory()
@@ -39,9 +39,9 @@ struct EnvState {
   // an integer in the same format as in a file.
   double names_hash = 0;
 
-  // For files.
+  // Returns the state as numbers for files.
   std::vector<double> numbers() const;
-  // ArgumentError for numbers that are no state.
+  // Throws ArgumentError for numbers that are not a state.
   static EnvState FromNumbers(std::span<const double> numbers);
 };
 

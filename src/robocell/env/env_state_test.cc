@@ -1,4 +1,4 @@
-// States of environments as values, scenes from saved files, and objects that vary.
+// Tests states of environments as values, scenes from saved files, and objects that vary.
 #include "robocell/env/env_state.h"
 
 #include <gmock/gmock.h>
@@ -40,7 +40,7 @@ Pose CubeInRoot(const Env& env) {
   return env.scene().root_frame_to_world().inverse() * env.scene().body_pose("cube");
 }
 
-// The cube turns and flies, the arm is on its way.
+// The cube turns and flies, and the arm is moving.
 void Stir(Env& env) {
   GoTo(env, {0.4, 0.1, 0.3}, 0);
   const mjModel* m = env.scene().model();
@@ -65,8 +65,8 @@ TEST(EnvStates, GoOnTheSameToTheBitInAnotherEnvironmentAndFromNumbers) {
   EXPECT_EQ(Seen(other), Seen(env));
 }
 
-// By the oracle of an environment that was there all the time: only gravity, which both have along
-// their z, and the rig's own frame matter.
+// The oracle is an environment that was at the second place from the beginning: only gravity, which
+// both have along their z, and the rig's own frame matter.
 TEST(EnvStates, InTheRootFrameTheyGoOnWhereverTheRigStands) {
   Env here(Rc7WithCube()), there(Rc7WithCube(kElsewhere));
   here.Reset({.seed = 3});
@@ -99,7 +99,7 @@ TEST(EnvStates, FitTheirConfigurationOnly) {
   ExpectThrow<ArgumentError>([&] { EnvState::FromNumbers(numbers); }, "no state of an environment");
 }
 
-// Where a controller drives to is a sum of steps, which is restored to the bit all the same.
+// A controller's target can be a sum of steps, which is restored to the bit all the same.
 TEST(EnvStates, OfAControllerThatAddsStepsGoOnTheSameToTheBit) {
   for (const ControlMode mode : {ControlMode::kJoints, ControlMode::kCartesianTrpy}) {
     EnvConfig config = Rc7Env(mode);

@@ -1,4 +1,4 @@
-// Tasks in environments, and going back to saved states.
+// Tests tasks in environments, and restoring saved states.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -73,7 +73,7 @@ class EnvTaskTest : public ::testing::Test {
     return MoveTo(env, above(0.12), 0);
   }
 
-  // The same, to be put down beside it, or on a mat of 1 cm.
+  // The same cube, to be put down beside its start, or on a mat of 1 cm.
   EnvConfig Placing(const Pose& root = Pose(), bool mat = false) {
     EnvConfig config = Picking(root);
     config.sim.max_convergence_time = 2;
@@ -98,7 +98,7 @@ class EnvTaskTest : public ::testing::Test {
     return {goal[0], goal[1], goal[2]};
   }
 
-  // Moves what it holds above the goal, down, lets go and leaves.
+  // Moves the held object above the goal and down, releases it and leaves.
   static std::vector<EnvStep> PutDown(Env& env) {
     const Eigen::Vector3d goal = Goal(env);
     const auto at = [&](double height) {
@@ -133,7 +133,7 @@ TEST_F(EnvTaskTest, PuttingItDownIsSuccessWhereverTheRootIs) {
   }
 }
 
-// Each is refused when the environment is made, since no episode could succeed.
+// Each goal is rejected when the environment is made, since no episode could succeed.
 TEST_F(EnvTaskTest, GoalsThatCannotBeMetAreRefusedWithTheReason) {
   const auto placing = [&](const Vec3& goal) {
     EnvConfig config = Placing();
@@ -222,7 +222,7 @@ TEST_F(EnvTaskTest, GoalsAreSpreadAndFarFromWhereItStarts) {
 TEST_F(EnvTaskTest, GoalsAreDrawnAgainWhereNothingOrSomethingElseIsUnderThem) {
   EnvConfig config = Placing();
   config.task->As<PickAndPlaceTaskConfig>().goal_spread = {0.02, 0.12};
-  // From y = 0.30 on, a block lies where the goal may be.
+  // From y = 0.30 on, a block covers possible goals.
   config.root_frame_objects["block"] = {.offset = Pose(Eigen::Vector3d(0.4, 0.4, 0.05)),
                                         .fixed = true,
                                         .shape = Shape::kBox,
@@ -270,7 +270,7 @@ TEST_F(EnvTaskTest, AGoalThatIsSpreadLiesOnSomethingThatCanMove) {
   EXPECT_NEAR(Goal(env).x(), 0.4, 1e-9);
 }
 
-// A task of one's own: the arm is to be high up.
+// A custom task: the arm has to be high up.
 struct BeHighConfig {
   double rise = 0.1;
 
@@ -369,7 +369,7 @@ TEST_F(EnvTaskTest, StartsAreSpreadAroundTheObjectsPlaceInTheRootFrame) {
 
 int evaluations = 0;
 
-// Counts evaluations of the engine for a scope.
+// Counts evaluations of the engine in a scope.
 struct CountingEvaluations {
   CountingEvaluations() {
     evaluations = 0;
@@ -388,7 +388,7 @@ TEST_F(EnvTaskTest, AResetEvaluatesItsStartOnce) {
   EXPECT_EQ(evaluations, 1);
 }
 
-// What the engine finds for the same state, in data of its own.
+// The reference is the engine's result for the same state in data of its own.
 TEST_F(EnvTaskTest, AResetLeavesContactsAndPosesOfWhereThingsStart) {
   Env env(Placing(Pose::FromRpy({1, -1, 0.3}, {0, 0, 2}), true));
   const mjModel* m = env.scene().model();
@@ -432,8 +432,8 @@ TEST_F(EnvTaskTest, PickingItUpIsSuccessWhereverTheRootIs) {
   }
 }
 
-// Asks after things were put somewhere: nothing is simulated. The cube is held between the
-// fingers, which are closed upon it.
+// Judges objects at poses that the test sets: nothing is simulated. The cube is held between the
+// closed fingers.
 class EnvPickTest : public EnvTaskTest {
  protected:
   void Make(const Pose& root, const std::string& kind) {
@@ -455,12 +455,12 @@ class EnvPickTest : public EnvTaskTest {
       const mjtNum* at = env_->scene().data()->geom_xpos + 3 * gripper.finger(finger).geoms[0];
       held_ += 0.5 * Eigen::Vector3d(at[0], at[1], at[2]);
     }
-    // High above the ground, as on a stack: an object counts from where it starts.
+    // High above the ground, as on a stack: the height counts from the object's start.
     Put("cube_cube", 0);
     env_->task()->Begin(env_->scene());
   }
 
-  // `up` from where the cube starts, along the world's z.
+  // Puts a body `up` above the cube's start, along the world's z.
   void Put(const std::string& body, double up, double aside = 0) {
     Scene scene = env_->scene();
     scene.SetBodyPose(body, Pose(held_ + Eigen::Vector3d(aside, 0, up)));
@@ -469,7 +469,7 @@ class EnvPickTest : public EnvTaskTest {
 
   bool IsPicked() {
     const bool success = env_->task()->Judge(env_->scene()).success;
-    // What is to be put down has been lifted once.
+    // An object has to be lifted once before it can be put down.
     return env_->config().task->kind() == "pick" ? success : env_->task()->memory().back() == 1;
   }
 

@@ -1,4 +1,4 @@
-// Actions and observations of an environment.
+// Tests actions and observations of an environment.
 #include "robocell/env/env.h"
 
 #include <gmock/gmock.h>
@@ -27,7 +27,7 @@ constexpr double kIk = 3e-5;  // inverse kinematics ends within 1e-5 m and rad
 
 using Numbers = std::vector<double>;
 
-// The action that does the same on every robot, with its gripper open.
+// Returns the same action for every robot, with its gripper open.
 Numbers ForAll(const Env& env, const Numbers& command, double gripper = 1) {
   Numbers action;
   for (const RobotLayout& robot : env.layout().robots) {
@@ -58,7 +58,7 @@ Numbers ObservedJoints(const Env& env, size_t robot = 0) {
 
 Pose SharedToWorld(const Env& env) { return env.scene().shared_base_frame_to_world(); }
 
-// The last target of a robot, in the world: forward kinematics of its commanded joints.
+// Returns the last target of a robot, in the world: forward kinematics of its commanded joints.
 Pose SentInWorld(const Env& env, const std::string& name) {
   const Robot robot = Robot::Of(env.scene(), name);
   return robot.base_in_world() * robot.FkFrame(robot.controller("arm").commanded_joint_pos());
@@ -254,7 +254,7 @@ TEST(EnvActions, BadOnesAreRefusedBeforeAnythingMoves) {
                              "environment 'env': expected an action of 8 numbers, got 7");
   ExpectThrow<ArgumentError>([&] { (void)env.Step(action); },
                              "environment 'env' / robot 'robot': the quaternion of its tquat is "
-                             "zero, which is no rotation; [0, 0, 0, 1] (xyzw) turns nothing");
+                             "zero, which is not a rotation; for none write [0, 0, 0, 1] (xyzw)");
   action[6] = 1, action[2] = NAN;
   ExpectThrow<ArgumentError>([&] { (void)env.Step(action); },
                              "environment 'env' / robot 'robot': number 2 of its tquat is nan");
@@ -311,7 +311,7 @@ TEST(EnvSteps, TakeAsLongAsTheySimulateWhenPaced) {
   }
 }
 
-// A wall beside the robot, where it comes to when it turns.
+// A wall beside the robot, which the robot reaches by turning.
 EnvConfig BesideAWall(ModelFolder& folder) {
   EnvConfig config = Rc7Env(ControlMode::kJoints, RelativeTo::kNone);
   config.world_frame_objects["wall"] = {
@@ -395,7 +395,7 @@ TEST(EnvSteps, WhereNothingIsInTheWayAGuardChangesNothing) {
   EXPECT_EQ(run(OnCollision::kGuard), run(OnCollision::kStop));
 }
 
-// An arm folded so far that its third link comes to its base; neighbours overlap.
+// An arm folded so far that its third link reaches its base; neighbours overlap.
 TEST(EnvSteps, LinksThatAJointConnectsDoNotCollide) {
   ModelFolder folder;
   RobotConfig arm = ArmConfig(folder.Write("arm", R"(

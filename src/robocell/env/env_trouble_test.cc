@@ -1,4 +1,4 @@
-// Environments where something goes wrong, or goes on for long.
+// Tests environments in which something fails, or that run for long.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 
 class EnvTrouble : public ::testing::Test {
  protected:
-  // The action of one robot, with its gripper open.
+  // Returns the action of one robot, with its gripper open.
   static std::vector<double> Command(const Env& env, std::vector<double> command) {
     if (env.layout().robots[0].has_gripper) command.push_back(1);
     return command;
@@ -96,7 +96,7 @@ TEST_F(EnvTrouble, OnlyAResetGoesOnAfterAnErrorHalfway) {
   scene.RemoveResetHook(hook);
   env.Reset();
   env.Save("start");
-  // A controller that it cannot use, put in behind its back.
+  // Adds a controller that the environment cannot use, without its knowledge.
   Robot robot = Robot::Of(scene, "robot");
   robot.SetController("arm", "cartesian_pose");
   robot.SetController("arm", "differential_ik");
@@ -161,7 +161,7 @@ TEST_F(EnvTrouble, ARestoredStateMeetsTheSameThings) {
   std::vector<std::vector<Collision>> met;
   const auto name = [](size_t step) { return std::to_string(step); };
   size_t first = 0;
-  // To the first tick at which it touches, and a little on.
+  // Runs to the first tick at which it touches, and a little further.
   while (met.size() < 1000 && (first == 0 || met.size() < first + 5)) {
     env.Save(name(met.size()));
     met.push_back(env.Step(turned).collisions);

@@ -14,12 +14,12 @@ namespace {
 
 constexpr double kWatched = 0.05;     // s, a window
 constexpr double kStillShare = 1e-3;  // of the travel, within a window
-constexpr double kDrift = 5e-3;       // of the travel: fingers that were at rest move again
-constexpr int kLongWindows = 4;       // that fingers are watched which are not where they were sent
+constexpr double kDrift = 5e-3;       // share of the travel that ends the rest of fingers
+constexpr int kLongWindows = 4;       // watched windows of fingers away from their target
 constexpr double kThere = 0.05;       // of the opening
 constexpr double kFreeTurn = 1, kFreeSlide = 0.1;  // travel of joints without limits, rad and m
 
-// The joints between a finger and the hand.
+// Collects the joints between a finger and the hand.
 void AddPath(const mjModel* m, int from, int hand, std::vector<int>& joints) {
   for (int body = from; body > 0 && body != hand; body = m->body_parentid[body]) {
     for (int i = 0; i < m->body_jntnum[body]; ++i) joints.push_back(m->body_jntadr[body] + i);

@@ -1,5 +1,5 @@
-// FingerWatch: whether a gripper has come to rest, by what its fingers do: over windows of time
-// neither a joint that moves them nor the opening changes. Private to env.
+// FingerWatch: detects that a gripper has come to rest: over windows of time neither a joint that
+// moves its fingers nor the opening changes. Private to env.
 //
 //   FingerWatch watch(robot_with_gripper);
 //   watch.Begin(scene.time());                        // commanded something new
@@ -17,19 +17,20 @@ class FingerWatch {
  public:
   // The state from earlier ticks.
   struct Memory {
-    double still_windows = 0;  // one after another, up to now
+    double still_windows = 0;  // consecutive, up to now
     bool is_still = false;
     double window_start = 0;
-    std::vector<double> window;  // the fingers when it began, see Look
+    std::vector<double> window;  // the fingers at its beginning, see Look
   };
 
   explicit FingerWatch(Robot robot);
 
-  // Looks anew, from the present state on.
+  // Restarts from the present state.
   void Begin(double time);
-  // At simulated `time`, with the gripper sent to `opening`. Fingers at rest there, or on something
-  // that they hold, rest once they were still for one window; fingers elsewhere may yet begin to
-  // move, and are watched for longer. No allocation.
+  // Returns true if the fingers are at rest at simulated `time`, with the gripper sent to
+  // `opening`. Fingers at that opening, or on an object that they hold, are at rest once they were
+  // still for one window; fingers elsewhere may yet begin to move, and are watched for longer. No
+  // allocation.
   bool IsStill(double time, double opening);
 
   const Memory& memory() const { return memory_; }
@@ -38,12 +39,12 @@ class FingerWatch {
  private:
   struct FingerJoint {
     int id;
-    double scale;  // what it moves between closed and open, roughly, rad or m
+    double scale;  // its approximate travel between closed and open, rad or m
   };
 
   const GripperGroup& gripper() const { return robot_.gripper(); }
   void Bind();
-  // Joints as shares of their travel, and the opening last.
+  // Writes the joints as shares of their travel, and the opening last.
   void Look(std::span<double> out) const;
   double Moved();
   bool IsWhereItEnds(double opening) const;

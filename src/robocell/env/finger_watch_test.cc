@@ -1,4 +1,4 @@
-// A step is over when the fingers are at rest too, whatever the opening says. The oracle is the
+// Tests that a step only ends with the fingers at rest, whatever the opening is. The oracle is the
 // engine's velocity of the finger joints.
 #include "robocell/env/finger_watch.h"
 

@@ -1,4 +1,4 @@
-// Code that runs with every step of the engine allocates nothing.
+// Tests that the code of every engine step allocates nothing.
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 

@@ -1,5 +1,5 @@
-// Lists of numbers in one row, each after how many it has: what states are in files.
-// Private to env.
+// Lists of numbers in one row, each preceded by its length: the format of states in files. Private
+// to env.
 #pragma once
 
 #include <span>
@@ -11,13 +11,14 @@
 
 namespace robocell::internal {
 
-// Says how many follow, then these.
+// Appends the length of a list and its numbers.
 inline void PutList(std::span<const double> list, std::vector<double>& out) {
   out.push_back(static_cast<double>(list.size()));
   out.insert(out.end(), list.begin(), list.end());
 }
 
-// Takes numbers from the front. ArgumentError for a row that is not `what`, "a state".
+// Reads numbers from the front. Throws ArgumentError for a row that is not `what`, for example "a
+// state".
 class NumberReader {
  public:
   NumberReader(std::span<const double> numbers, std::string what)

@@ -44,7 +44,7 @@ ObjectVariations::Varied ObjectVariations::Read(const std::string& object,
     if (!internal::IsInSubtree(m, m->geom_bodyid[g], root)) continue;
     out.geoms.push_back(g);
     out.friction.insert(out.friction.end(), m->geom_friction + 3 * g, m->geom_friction + 3 * g + 3);
-    // A geom with a material has that one's colour as long as its own is not set.
+    // A geom takes the colour of its material as long as its own is not set.
     const int material = m->geom_matid[g];
     const float* rgba = material < 0 ? m->geom_rgba + 4 * g : m->mat_rgba + 4 * material;
     out.rgba.insert(out.rgba.end(), rgba, rgba + 4);
@@ -92,7 +92,7 @@ void ObjectVariations::Apply(std::span<const double> drawn) {
   mjModel* m = scene_.mutable_model();
   const mjStatistic before = m->stat;
   internal::Guarded("scene '" + scene_.name() + "'", [&] { mj_setConst(m, scratch_.get()); });
-  // The appearance stays; the solver's scale follows from the masses.
+  // The visual scale stays; the solver's scale follows from the masses.
   m->stat.extent = before.extent;
   m->stat.meansize = before.meansize;
   std::copy_n(before.center, 3, m->stat.center);

@@ -1,5 +1,5 @@
 // ObjectVariations: masses, frictions and colours of objects that differ from episode to episode.
-// It writes to the model, so that the scene needs one of its own.
+// It writes to the model, so the scene needs a model of its own.
 //
 //   ObjectVariations variations(config, scene);
 //   variations.Draw(rng);                          // at each reset
@@ -21,17 +21,18 @@ class ObjectVariations {
  public:
   ObjectVariations(const EnvConfig& config, Scene scene);
 
-  // Error when the model is frozen and there is something to draw.
+  // Throws Error if the model is frozen and there is something to draw.
   void Draw(Rng& rng);
-  // For each object: factors of mass and friction, and what is added to red, green and blue.
+  // Returns for each object the factors of mass and friction, and the offsets of red, green and
+  // blue.
   const std::vector<double>& drawn() const { return drawn_; }
-  // ArgumentError for another number of numbers.
+  // Throws ArgumentError for a wrong number of values.
   void Apply(std::span<const double> drawn);
 
  private:
   static constexpr size_t kNumbers = 5;
 
-  // What the model says of an object's own.
+  // The original values of an object in the model.
   struct Varied {
     ObjectVariation range;
     std::vector<int> bodies, geoms;

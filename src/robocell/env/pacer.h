@@ -1,5 +1,4 @@
-// RealTimePacer: lets simulated time pass no faster than the clock on the wall. What was late stays
-// late: lost time is not caught up.
+// RealTimePacer: lets simulated time pass no faster than the wall clock. A delay is not caught up.
 #pragma once
 
 #include <chrono>
@@ -14,8 +13,8 @@ class RealTimePacer {
     start_ = Clock::now();
     simulated_start_ = simulated_s;
   }
-  // Returns when as much time has passed since Start as in the simulation. `poll`, if any, is
-  // called every few milliseconds; what it throws ends the wait.
+  // Returns when as much time has passed since Start as in the simulation. `poll`, if set, is
+  // called every few milliseconds; its exception ends the wait.
   void Wait(double simulated_s, const std::function<void()>& poll = {}) {
     const std::chrono::duration<double> simulated(simulated_s - simulated_start_);
     const auto due = start_ + std::chrono::duration_cast<Clock::duration>(simulated);

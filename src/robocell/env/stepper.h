@@ -1,13 +1,13 @@
-// Stepper: the clock that drives robots and engine, for Env, the episode runner and batches alike.
-// Per control tick every robot's Update(), then the engine's steps; per policy tick the caller
-// reads sensors and cameras.
+// Stepper: the clock that drives robots and engine, shared by Env, the episode runner and batches.
+// Each control tick calls every robot's Update() and then steps the engine; at each policy tick the
+// caller reads sensors and cameras.
 //
 //   Stepper stepper(scene, robots, {.control_ticks = 33, .sim_steps = 1});
 //   StepOutcome outcome = stepper.Advance(action);
 //   if (!outcome.ok()) EndEpisode(outcome.step.message);
 //
 // Ticks are counted in whole engine steps, so they do not drift. Control ticks allocate nothing;
-// Robot::Apply, at the policy rate, does. Errors: those of Robot::Apply and Robot::Update.
+// Robot::Apply, at the policy rate, does. Throws the errors of Robot::Apply and Robot::Update.
 // Divergence is a value. Threads: those of the scene.
 #pragma once
 
@@ -37,22 +37,22 @@ struct StepOutcome {
 
 class Stepper {
  public:
-  // ArgumentError for rates below 1 and for robots of another scene.
+  // Throws ArgumentError for rates below 1 and for robots of another scene.
   Stepper(Scene scene, std::vector<Robot> robots, StepperRates rates);
 
   void set_on_control_tick(OnControlTick callback) { on_control_tick_ = std::move(callback); }
-  // Applies the action and advances by one policy tick. Stops at divergence. An unknown robot is a
-  // NotFoundError before anything is applied.
+  // Applies the action and advances by one policy tick. Stops at divergence. Throws NotFoundError
+  // for an unknown robot before anything is applied.
   StepOutcome Advance(const Action& action);
-  // The two halves of Advance, for callers who ask whose an error is: of the action, or of the
+  // The two halves of Advance, for callers that distinguish an error of the action from one of the
   // simulation.
   StepOutcome Apply(const Action& action);
   void Simulate(StepOutcome& outcome);
-  // The same as Advance for as many control ticks as it takes until `done()`, which is asked after each one;
-  // `most_ticks` at most.
+  // Like Advance, but for as many control ticks as it takes until `done()`, called after each one,
+  // returns true; `most_ticks` at most.
   StepOutcome AdvanceUntil(const Action& action, int64_t most_ticks, const StopRequest& done);
 
-  // Calls of Advance and AdvanceUntil that did not throw.
+  // Returns the number of calls of Advance and AdvanceUntil that did not throw.
   int64_t policy_ticks() const { return policy_ticks_; }
   const std::vector<Robot>& robots() const { return robots_; }
   const Scene& scene() const { return scene_; }

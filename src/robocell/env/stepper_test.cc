@@ -1,4 +1,4 @@
-// The stepper: exact ticks, what the control tick sees, divergence, messages.
+// Tests the stepper: exact ticks, the state at control ticks, divergence, messages.
 #include "robocell/env/stepper.h"
 
 #include <gtest/gtest.h>
@@ -75,7 +75,7 @@ TEST_F(StepperTest, ControlTicksSeeTheControlsThatWillAct) {
   EXPECT_EQ(seen, both);
 }
 
-// The controls of the control ticks, replayed in the bare engine, move it to the same place.
+// The recorded controls, replayed in the bare engine, give the same state.
 TEST_F(StepperTest, RecordedControlsReplayedByTheEngineGiveTheSameBits) {
   Scene scene = robot.scene();
   const mjModel* m = scene.model();

@@ -20,26 +20,28 @@ Vector3d TurnBetween(const Pose& from, const Pose& to) {
       .rotvec();
 }
 
-// What of `pending` the target is `ahead`: it keeps the direction of what was sent.
+// Returns the part of `pending` by which the target is `ahead`: it keeps the direction of the
+// command.
 double Outstanding(double pending, double ahead) {
   return pending * ahead > 0 ? std::copysign(std::min(std::abs(pending), std::abs(ahead)), pending)
                              : 0;
 }
 
-// With what an arm that `moved` against it was pushed away.
+// Adds the distance by which the arm was pushed away: it `moved` against the pending motion.
 double WithPush(double pending, double moved) {
   return pending * moved < 0 ? pending - moved : pending;
 }
 
-// By how much the target is ahead of all places that the arm counts as.
+// Returns how far the target is ahead of all positions that the arm counts as having.
 double AheadOf(double sent, std::initializer_list<double> places) {
   return sent - std::clamp(sent, std::min(places), std::max(places));
 }
 
-// What is left of the lead for an action that goes by so much along it.
+// Returns the lead that remains for an action that moves by `forth` along it.
 double LeadFor(double lead, double forth) { return std::max(0.0, lead + std::min(forth, 0.0)); }
 
-// All from where the arm is. Returns what is to be taken back, and takes it from `pending`.
+// All relative to the arm's position. Returns the displacement to take back, and removes it from
+// `pending`.
 Vector3d TakeBack(const Vector3d& sent, const Led<Vector3d>& led, double lead,
                   std::array<double, 3>& pending, const std::array<double, 3>& action) {
   Vector3d ahead, unexplained;

@@ -1,19 +1,19 @@
-// How far a target may lead an arm: takes back what an arm was sent and does not carry out, as it
-// does behind what blocks it. Pure functions of targets and states; the driver of an arm
-// (arm_driver.h) remembers what is pending.
+// Limits how far a target may lead an arm: takes back the part of a command that the arm does not
+// carry out because something blocks it. Pure functions of targets and states; the driver of an arm
+// (arm_driver.h) stores the pending part.
 //
 //   PendingMove pending;                                  // what was sent and is not carried out
 //   pending.Add(before, sent);
 //   sent = WithinLead(sent, {last_tcp, tcp, held_by, led_by}, lead, pending);
 //
-// Only what is pending is taken back, and only along its own direction: a tool that is pressed onto
-// a table is not turned away or moved aside because it gives way there, and an arm that sags under
-// a load keeps its target. What a fast arm lags behind its target stays pending: it is lead from
-// the moment at which something stops the arm. So is what the arm moves against what is pending:
-// then something pushes it away.
+// Only the pending part is taken back, and only along its own direction: a tool that is pressed
+// onto a table is not turned away or moved aside because the arm gives way there, and an arm that
+// sags under a load keeps its target. The lag of a fast arm behind its target stays pending: it
+// becomes lead at the moment at which something stops the arm. So does a motion against the pending
+// direction, by which something pushes the arm away.
 //
-// An action against the lead reduces it by as much as it asks for: so an arm that is pressed onto
-// something leaves with the first action back, and small actions still let go little by little.
+// An action against the lead reduces it by its own size: an arm that is pressed onto something
+// leaves with the first action back, and small actions still let go little by little.
 #pragma once
 
 #include <array>
@@ -30,18 +30,19 @@ struct PendingMove {
   void Add(const Pose& from, const Pose& to);
 };
 
-// Where an arm, or a joint, was when it was last sent something and is, to be compared with its
-// target; and the targets under which it would stay there, as it sags, and under which it would go
-// on moving as it does, as it lags.
+// The position of an arm, or of a joint, at the last command and now, to be compared with its
+// target; and the targets under which it would stay there, as it sags, and under which it would
+// continue its motion, as it lags.
 template <typename T>
 struct Led {
   T before, present, rest, steady;
 };
 
-// `sent` without that part of `pending` by which it leads the arm by more than `lead`, less what
-// `action` goes against it, along the direction of `pending`. The arm counts as anywhere from where
-// it is `present` to where it is at `rest` and `steady`, along each axis. `pending` becomes what is
-// still pending: no more than by what the target leads the arm at rest. `action` is what comes next.
+// Returns `sent` less the part of `pending` by which it leads the arm by more than `lead`, reduced
+// by the part of `action` against it, along the direction of `pending`. The arm counts as anywhere
+// between its `present` position and those of `rest` and `steady`, along each axis. `pending`
+// becomes the remaining part: at most the target's lead over the arm at rest. `action` is the next
+// one.
 Pose WithinLead(const Pose& sent, const Led<Pose>& led, const StepLimit& lead, PendingMove& pending,
                 const PendingMove& action = {});
 
@@ -49,9 +50,9 @@ Pose WithinLead(const Pose& sent, const Led<Pose>& led, const StepLimit& lead, P
 double WithinJointLead(double sent, const Led<double>& led, double lead, double& pending,
                        double action = 0);
 
-// The same for the joints of an arm that follow poses, each with its own lead: all of them are taken
-// back by the same share of what is pending, which keeps the direction of the TCP's lead, and the
-// TCP itself where joints lead in the null space only. Returns whether it took anything back.
+// The same for the joints of an arm that follow poses, each with its own lead: the same share of
+// the pending part is taken back from all of them, which keeps the direction of the TCP's lead, and
+// the TCP itself where joints lead in the null space only. Returns true if it took anything back.
 bool TakeBackJoints(std::span<double> sent, std::span<const Led<double>> led,
                     std::span<const double> leads, std::span<double> pending);
 

@@ -1,4 +1,4 @@
-// What is taken back of a target that leads the arm, as laws of random poses.
+// Tests, as laws of random poses, what is taken back of a target that leads the arm.
 #include "robocell/env/target_lead.h"
 
 #include <gtest/gtest.h>
@@ -177,8 +177,8 @@ TEST(TargetLead, JointsThatLagSagOrWereNotSentAreNotTakenBack) {
   EXPECT_EQ(pending, (std::vector<double>{1, 0, 0})) << "what lags is not carried out yet";
 }
 
-// Whatever an arm that lags behind its target was sent on its way: where a wall stops it, its
-// target is ahead by the lead and one action, and as far back as one sends it from there.
+// Whatever commands an arm receives while it lags behind its target: where a wall stops it, its
+// target is ahead by the lead and one action, and is as far back as an action sends it from there.
 TEST(TargetLead, AnArmThatIsStoppedInFullMotionIsLedByTheLeadAndOneAction) {
   Rng rng = Rng::Stream(4, "target lead");
   for (int trial = 0; trial < 300; ++trial) {
@@ -190,7 +190,7 @@ TEST(TargetLead, AnArmThatIsStoppedInFullMotionIsLedByTheLeadAndOneAction) {
     double target = 0, joint = 0, pending_joint = 0, v = 0;
     int last_moves = 0;
     for (int step = 0; step < 2000 && last_moves < 3; ++step) {
-      // An action's time is the unit of time: the arm goes where it lags by v times lag.
+      // The time of an action is the unit of time: an arm at speed v lags by v times lag.
       const double next = std::min(wall, joint + v);
       const bool stopped = next == wall;
       if (stopped) ++last_moves;

@@ -1,5 +1,5 @@
-// WorkerThreads: runs the same work for the numbers 0 to n-1 on threads that stay, the caller's
-// among them. Private to env.
+// WorkerThreads: runs the same work for the numbers 0 to n-1 on persistent threads, including the
+// caller's. Private to env.
 #pragma once
 
 #include <atomic>
@@ -15,16 +15,16 @@ namespace robocell::internal {
 
 class WorkerThreads {
  public:
-  // `threads` in all, the caller's included; 0: as many as the machine has cores. No more than
-  // `most`. ArgumentError for a number below 0, Error when the machine has no threads left.
+  // `threads` in all, including the caller's; 0: one for each core. At most `most`. Throws
+  // ArgumentError for a number below 0, and Error if the machine has no threads left.
   WorkerThreads(int threads, int most);
   ~WorkerThreads();
   WorkerThreads(const WorkerThreads&) = delete;
   WorkerThreads& operator=(const WorkerThreads&) = delete;
 
-  // Returns when all is done. What work threw comes out then, that of the lowest number. While the
-  // caller has no work left and waits for the others, it calls `meanwhile` every few milliseconds;
-  // what that throws comes out first, when all is done.
+  // Returns when all work is done and rethrows the exception of the lowest number. While the caller
+  // waits for the others, it calls `meanwhile` every few milliseconds; an exception of `meanwhile`
+  // takes precedence, and is rethrown when all work is done.
   void Run(int count, const std::function<void(int)>& work,
            const std::function<void()>& meanwhile = {});
 

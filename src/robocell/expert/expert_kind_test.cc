@@ -20,7 +20,7 @@ class Nobody final : public ExpertKind {
   }
 };
 
-// A task that nobody demonstrates.
+// A task that no expert demonstrates.
 struct IdleConfig {
   int seconds = 1;
   static constexpr const char* kKind = "idle_of_test";

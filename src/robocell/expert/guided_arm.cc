@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kSettleSeconds = 0.1;      // after a motion ...
 constexpr double kMostSettleSeconds = 0.5;  // ... and while the arm is still on its way
-// The arm is near enough for the next motion, which it can begin from anywhere near: within as many
-// tolerances, and never less than these, rad and m.
+// The arm is near enough for the next motion, which can begin from anywhere near: within this many
+// tolerances, and at least within these distances, rad and m.
 constexpr double kNearlyArrived = 2, kNearRad = 0.02, kNearMetres = 0.002;
 constexpr double kMostLag = 0.25;       // rad between target and joint: the arm is blocked
 constexpr double kMostSlideLag = 0.08;  // ... in metres
@@ -73,7 +73,8 @@ double GuidedArm::GentleSeconds(const JointPath& points, double least, double mo
   return std::clamp(SecondsForJumps(points, jumps, tick_), least, most);
 }
 
-// How far the worst joint is behind its target, as a share of what counts as blocked.
+// Returns how far the worst joint is behind its target, as a share of the lag that counts as
+// blocked.
 double GuidedArm::Lag() const {
   const std::vector<double> q = robot_.arm().joint_pos();
   double lag = 0;

@@ -1,5 +1,5 @@
-// GuidedArm: one arm of an expert on a timed path: its next joint target each tick, whether it has
-// arrived at the end, and whether something blocks it.
+// GuidedArm: one arm of an expert on a timed path. It gives the next joint target each tick and
+// reports whether the arm has arrived at the end and whether something blocks it.
 //
 //   GuidedArm arm(robot, tick);
 //   arm.Begin();                         // a new path, from the last target
@@ -18,29 +18,29 @@ namespace robocell {
 
 class GuidedArm {
  public:
-  // For the robot's arm, which is at its target. `tick`: seconds between targets.
+  // Guides the robot's arm, which is at its target. `tick`: seconds between targets.
   GuidedArm(const Robot& robot, double tick);
 
   void Begin();
-  // As TimedPath::AddLeg.
+  // Adds a leg like TimedPath::AddLeg.
   void AddLeg(JointPath points, double speed, double least);
-  // Takes where the arm is for its target: it gave way, or something pushed it.
+  // Sets the target to the measured position: the arm gave way, or something pushed it.
   void TakeMeasured();
-  // The next target; call Settled() before, once in a tick.
+  // Returns the next target; call Settled() before, once in a tick.
   const JointVector& Next();
   const JointVector& target() const { return target_; }
   bool finished() const { return path_.finished(); }
-  // Whether the path has ended and the arm has arrived. It gets some time to come to rest, but not
-  // an unlimited time.
+  // Returns true if the path has ended and the arm has arrived. The arm gets some time to come to
+  // rest, but not an unlimited time.
   bool Settled();
-  // Whether the arm has been far behind its target for a while; call it once per tick.
+  // Returns true if the arm has been far behind its target for a while; call it once per tick.
   bool Blocked();
-  // From now on it is not.
+  // Restarts the count of blocked ticks.
   void Unblock() { lagging_ = 0; }
 
   int Ticks(double seconds) const;
-  // How long a motion through `points` takes at least for no servo to reach its force limit, so
-  // that what is held is not shaken out of the hand; between `least` and `most` seconds.
+  // Returns the shortest duration of a motion through `points` in which no servo reaches its force
+  // limit, so that a held object is not shaken out of the hand; between `least` and `most` seconds.
   double GentleSeconds(const JointPath& points, double least, double most) const;
 
  private:

@@ -11,7 +11,7 @@ constexpr double kTick = 0.066;
 
 struct Moving {
   Moving() : pick(MakePickScene(ObjectOnTheTable("box"))), arm(pick.robot, kTick) {}
-  // One policy tick with this target.
+  // Simulates one policy tick with this target.
   void Tick(const JointVector& target) {
     RobotAction action;
     action["arm"] = GroupCommand::Joints(std::vector<double>(target.begin(), target.end()));

@@ -12,8 +12,8 @@ namespace robocell {
 namespace {
 
 constexpr int kMostPicks = 3;
-// An object that moved in the hand by more than this, m and rad, is put down another way; that is
-// planned at most so often more.
+// An object that moved in the hand by more than this, m and rad, is put down another way, with at
+// most this many new plans.
 constexpr double kShifted = 0.003, kTurned = 0.05;
 constexpr int kMostReplans = 2;
 constexpr double kCarrySpeed =
@@ -117,8 +117,8 @@ Action PickAndPlacePlanner::Act(const Scene& scene, Rng& rng) {
   return Command();
 }
 
-// Plans where to put the object and the path there, with the object as it is in the hand now: as
-// upright as it stood, else rotated as it is. Returns "" or the reason why there is no plan.
+// Plans where to put the object and the path there, with the object's present pose in the hand: as
+// upright as it stood, else in its present rotation. Returns "" or the reason why there is no plan.
 std::string PickAndPlacePlanner::PlanPlace(Rng& rng) {
   PlanningScene& planning = pick_.planning();
   planning.Update();

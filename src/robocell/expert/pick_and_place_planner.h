@@ -1,11 +1,11 @@
-// PickAndPlacePlanner: a scripted expert that picks an object up as the PickPlanner does and puts it
+// PickAndPlacePlanner: a scripted expert that picks an object up like the PickPlanner and puts it
 // down at the goal of a PickAndPlaceTask, for any robot with one arm and one gripper.
 //
-// Its phases are those of the pick, then transfer (with the object over the goal, free of
-// collisions for the object too), lower, release, retreat and done. It plans how to put the object
-// down, as upright as it stood, once it has it in the hand, and again over the goal when it moved in
-// there on the way. What slips out of the hand on the way
-// is picked up again, twice at most. failure() is one of few texts.
+// Its phases are those of the pick, then transfer (with the object over the goal, collision-free
+// for the object too), lower, release, retreat and done. It plans how to put the object down, as
+// upright as it stood, once the object is in the hand, and again over the goal if the object moved
+// in the hand on the way. An object that slips out of the hand is picked up again, twice at most.
+// failure() is one of few texts.
 #pragma once
 
 #include <memory>
@@ -22,11 +22,11 @@ namespace robocell {
 
 class PickAndPlacePlanner : public Expert {
  public:
-  // `task`: of the episode, begun. Names in the scene.
+  // `task`: the episode's task, after Begin. Names are those in the scene.
   PickAndPlacePlanner(std::string robot, std::string target_object,
                       std::shared_ptr<const PickAndPlaceTask> task, SimOptions sim,
                       const PickPlannerOptions& options = {});
-  // Makes the planner of a run. SpecError for another task.
+  // Makes the planner of a run. Throws SpecError for another task.
   PickAndPlacePlanner(const RunConfig& run, const EpisodeStart& start);
   ~PickAndPlacePlanner() override;
 
@@ -60,7 +60,7 @@ class PickAndPlacePlanner : public Expert {
   std::optional<PlaceMotion> place_;
   JointPath transfer_;
   Pose at_rest_;        // the object before it was picked up, in the world
-  Pose object_in_tcp_;  // as the way to put it down was planned for
+  Pose object_in_tcp_;  // for which the way to put it down was planned
   double opening_ = 0;
   double opening_step_ = 1;  // a tick
 

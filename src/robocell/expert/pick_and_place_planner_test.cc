@@ -19,7 +19,7 @@ using ::testing::ElementsAre;
 struct PlaceOutcome {
   bool success = false;
   std::string failure;
-  std::vector<std::string> phases;  // in their order, repetitions left out
+  std::vector<std::string> phases;  // in order, without repetitions
   int rows = 0;
 };
 using PlaceMeddle = std::function<void(Scene&, const PickAndPlacePlanner&)>;

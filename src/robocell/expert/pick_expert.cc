@@ -23,19 +23,19 @@
 namespace robocell {
 namespace {
 
-// What a check throws becomes a problem of the robot.
+// Turns an exception of a check into a problem of the robot.
 template <class F>
 void AsProblem(Problems& problems, const F& check) {
   try {
     check();
   } catch (const IoError&) {
-    throw;  // of the disk, not of the spec
+    throw;  // an error of the disk, not of the spec
   } catch (const Error& error) {
     problems.Add(error.what());
   }
 }
 
-// Each episode puts the robot at another height; the scripted expert knows no other starts.
+// Each episode puts the robot at another height, and the scripted expert knows no other starts.
 void ValidateBaseMoves(const RobotConfig& config, Problems& problems) {
   const auto why = [](BaseKind kind) {
     switch (kind) {
@@ -59,7 +59,7 @@ void ValidateBaseMoves(const RobotConfig& config, Problems& problems) {
                                           no));
 }
 
-// Both planners: an arm, and a gripper that can be measured.
+// Checks the needs of both planners: an arm, and a gripper that can be measured.
 void RequirePickParts(const Robot& robot, const SimOptions& options, double timestep) {
   robot.arm();
   if (!GripperShape::Supports(robot.gripper())) {
@@ -71,7 +71,7 @@ void RequirePickParts(const Robot& robot, const SimOptions& options, double time
   GripperShape::Of(robot.config(), options, timestep);
 }
 
-// What can be said of a pick run before its first episode.
+// Checks what can be known of a pick run before its first episode.
 class PickRunValidator {
  public:
   PickRunValidator(const RunConfig& run, const Scene& scene, Robot& robot, Problems& problems,
@@ -92,7 +92,7 @@ class PickRunValidator {
   }
 
  private:
-  // The expert acts with one arm.
+  // Warns of further groups: the expert acts with one arm.
   void WarnOfUnusedGroups() {
     const std::string unused = internal::TellUnusedGroups(robot_);
     if (unused.empty()) return;
@@ -103,7 +103,7 @@ class PickRunValidator {
     warnings_.push_back(LinesOf(doubt).front());
   }
 
-  // Kinds of objects that the gripper cannot take; sizes that are drawn may differ.
+  // Warns of kinds of objects that the gripper cannot grasp; drawn sizes may differ.
   void ValidateGraspable(const NameList& objects) {
     Scene scene = scene_;
     const auto shape = GripperShape::Of(robot_.config(), run_.options, scene.timestep());
@@ -143,7 +143,8 @@ class KindOfPicker final : public ExpertKind {
   }
 };
 
-// As a text, to the millimetre: never more than it is, so that what is written there is accepted.
+// Formats a length rounded down to the millimetre, so that a field with the printed value is
+// accepted.
 std::string AtMost(double metres) {
   return fmt::format("{:.3f}", std::floor(1000 * metres) / 1000);
 }
@@ -175,7 +176,7 @@ std::vector<std::string> WhyNoPicks(const Robot& robot) {
 
 void ValidateReach(const PickRun& task, const BaseRange& base, const Robot& robot,
                    Problems& problems) {
-  // From the bottom of what the robot stands on, which is what is placed, to its base frame.
+  // The offset from the bottom of the robot's pedestal, which is what is placed, to its base frame.
   const Eigen::Vector3d up = (robot.base().pose().inverse() * robot.base_in_world()).translation();
   const double most = kReachShare * robot.reach();
   const double low = base.height_offset + base.height_noise[0] + up.z(),
@@ -193,7 +194,7 @@ void ValidateReach(const PickRun& task, const BaseRange& base, const Robot& robo
                                base.height_offset, low, high, up.z(), reach));
     return;
   }
-  // The arm that stands highest has least to lift, and the nearest the farthest to go.
+  // The arm that stands highest has the least to lift, and the nearest one the farthest to reach.
   const double nearest = std::max(base.distance[0] - up.head<2>().norm(), 0.0);
   const double lift = GraspMotionsToLift(task.lift_height).lift;
   if (nearest < robot.reach()) {

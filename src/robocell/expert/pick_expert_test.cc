@@ -12,7 +12,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// What it says of ranges and a lift, for the robot of the demo, whose reach is about 0.8 m.
+// Returns the problem reported for ranges and a lift, for the robot of the demo, whose reach is
+// about 0.8 m.
 std::string ReachProblem(const BaseRange& base, double lift_height = 0.05) {
   static const PickScene kScene = MakePickScene(ObjectOnTheTable("box"));
   Problems problems;
@@ -34,7 +35,7 @@ TEST(ValidateReach, ADistanceBeyondTheReachIsNamedWithTheFarthest) {
 TEST(ValidateReach, AHeightBeyondTheReachIsNamed) {
   EXPECT_THAT(ReachProblem({.height_offset = 7}),
               HasSubstr("start.base_height_offset: 7 m puts the base frame "));
-  // The noise may bring it back.
+  // The noise may bring the height back into reach.
   EXPECT_EQ(ReachProblem({.distance = {0.1, 0.2}, .height_offset = 2, .height_noise = {-2, 0}}),
             "");
 }

@@ -39,7 +39,8 @@ class Approach {
     return std::nullopt;
   }
 
-  // Straight up from the start, keeping its turn or taking the grasp's, then across.
+  // Returns a path straight up from the start, keeping its turn or taking that of the grasp, then
+  // across.
   std::optional<JointPath> OverTheStart(const GraspMotion& motion, const FreeFunction& is_free) {
     const JointVector& goal = motion.down.front();
     Eigen::Vector3d over = request_.tcp_now.translation();

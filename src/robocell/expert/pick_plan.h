@@ -1,5 +1,5 @@
-// Plans one pick: which grasp, and how the arm gets above it. Free of side effects: executing it is
-// the PickPlanner's.
+// Plans one pick: which grasp, and how the arm gets above it. Planning has no side effects: the
+// PickPlanner executes the plan.
 #pragma once
 
 #include <optional>
@@ -12,9 +12,10 @@
 
 namespace robocell {
 
-// To what is not the robot, on paths, metres: the largest that both ends have.
+// Clearances between the robot and everything else on paths, metres: the largest that both ends
+// have is used.
 inline constexpr double kPathClearances[] = {0.02, 0.008, 0.002};
-inline constexpr int kMostPathSearches = 4;  // grasps or places that a path is searched for
+inline constexpr int kMostPathSearches = 4;  // grasps or places to which a path is searched
 
 struct PickPlan {
   GraspMotion motion;
@@ -22,8 +23,8 @@ struct PickPlan {
 };
 
 struct PickPlanRequest {
-  JointVector start;        // where the arm is
-  JointVector home;         // what joint positions should be near
+  JointVector start;        // the arm's present positions
+  JointVector home;         // joint positions that solutions should be near
   Pose tcp_now;             // in the world, at `start`
   std::vector<Pose> avoid;  // grasps that failed: TCP in the object's frame
   GraspMotionOptions motion = {};

@@ -13,7 +13,7 @@ PickPlanRequest RequestFor(const PickScene& pick) {
       .start = pick.home(), .home = pick.home(), .tcp_now = pick.robot.tcp_in_world(), .avoid = {}};
 }
 
-// The whole approach at a fifth of the planner's step, without its clearance.
+// Checks the whole approach at a fifth of the planner's step, without its clearance.
 void ExpectFree(PlanningScene& planning, const JointPath& path) {
   for (size_t i = 1; i < path.size(); ++i) {
     const FreeFunction is_free = [&](const JointVector& q) {
@@ -36,7 +36,7 @@ TEST(PlanPick, TheApproachTouchesNothing) {
   }
 }
 
-// The xArm's home is stretched out beside the table's edge: no straight way leads over it.
+// The xArm's home is stretched out beside the table's edge: no straight path leads over it.
 TEST(PlanPick, FindsDetours) {
   REQUIRE_MENAGERIE("ufactory_xarm7");
   const PickScene pick = MakePickScene(ObjectOnTheTable("box"), "xarm7_pick.yaml", 0.5);

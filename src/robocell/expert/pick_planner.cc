@@ -9,28 +9,29 @@
 namespace robocell {
 namespace {
 
-constexpr double kOpenSeconds = 0.1;    // at the start, when the hand is open already
+constexpr double kOpenSeconds = 0.1;    // at the start, when the hand is already open
 constexpr double kReopenSeconds = 0.4;  // after a failure: the object may fall
 constexpr double kMostOpenSeconds = 1.0;
 constexpr double kCloseSeconds = 0.5;  // weak servos take this long to build up their force
 constexpr double kMostCloseSeconds = 1.0;
-// Speed of the distance between the closing fingers, m/s. A contact as MuJoCo has it by default
-// stops a finger within 20 ms: at half of this each it goes 1 mm deep, and walls are some thick.
-// One command to close would let a light finger go through them.
+// Speed of the distance between the closing fingers, m/s. A contact with MuJoCo's default
+// parameters stops a finger within 20 ms: at half of this speed each finger penetrates by 1 mm, and
+// the walls of some objects are that thin. One command to close would let a light finger pass
+// through them.
 constexpr double kCloseSpeed = 0.2;
 constexpr double kSqueezeSeconds = 0.2;  // of the full force, at least
 constexpr double kHoldSeconds = 0.33;    // at the top
 constexpr double kLeastFreeSeconds = 0.15, kLeastDownSeconds = 0.5, kLeastUpSeconds = 0.6;
 constexpr double kMostUpSeconds = 2.5;
 constexpr double kSteadyGap = 3e-4;  // metres per tick
-constexpr double kEmptyGap = 0.003;  // above the closed gripper's: nothing is held
-constexpr double kWideGap = 0.008;   // above the object's width: something else is held
-constexpr double kRisenShare = 0.5;  // of the lift that the object must have made
+constexpr double kEmptyGap = 0.003;  // above the closed gripper's gap: nothing is held
+constexpr double kWideGap = 0.008;   // above the object's width: another object is held
+constexpr double kRisenShare = 0.5;  // share of the lift that the object must have made
 
 }  // namespace
 
 PickPlannerOptions PickPlannerOptionsOf(const RunConfig& run) {
-  // Other tasks that pick something up lift as a pick does by default.
+  // Other tasks that pick an object up lift like a pick does by default.
   const std::optional<PickRun> pick = PickRunOf(run.task);
   const GraspMotionOptions motion = GraspMotionsToLift(pick ? pick->lift_height : kLiftHeight);
   return {.tick = run.rates.policy_period(), .above = motion.above, .lift = motion.lift};
@@ -203,7 +204,7 @@ void PickPlanner::Fail(const std::string& why) {
   setback_ = why;
   // Blocked while backing off: there is no other grasp to back off to.
   if (!plan_ || attempts_ >= options_.attempts) return GiveUp(why);
-  // The place where the object has been pushed meanwhile says nothing about the grasp.
+  // The place to which the object has been pushed meanwhile says nothing about the grasp.
   failed_.push_back(planned_for_.inverse() * plan_->motion.grasp.tcp_in_world);
   plan_.reset();
   arm_->Unblock();

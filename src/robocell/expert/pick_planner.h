@@ -3,12 +3,12 @@
 // one joint target and one opening.
 //
 // Phases: open (also backing off after a failure), pregrasp, grasp, close, lift, done (holding at
-// the top). It sees an empty hand, an object that slipped, fingers that stopped on something else
-// and an arm that does not follow; it then re-opens, backs off and tries the next best grasp, at
-// most three times in all. failure() is one of few texts.
+// the top). It detects an empty hand, an object that slipped, fingers that stopped on something
+// else and an arm that does not follow; it then re-opens, backs off and tries the next best grasp,
+// at most three times in all. failure() is one of few texts.
 //
-// Nothing is tuned to a robot: what it needs to know of the gripper is measured (gripper_shape.h),
-// and the lift is as slow as the arm's servos need to stay below their force limits (timed_path.h).
+// Nothing is tuned to a robot: the gripper's properties are measured (gripper_shape.h), and the
+// lift is slow enough that the arm's servos stay below their force limits (timed_path.h).
 #pragma once
 
 #include <memory>
@@ -25,11 +25,11 @@ namespace robocell {
 
 struct PickPlannerOptions {
   double tick = 0.066;      // seconds between actions
-  double above = 0.08;      // of the pregrasp over the grasp, metres
+  double above = 0.08;      // height of the pregrasp over the grasp, metres
   double lift = 0.10;       // metres
   double free_speed = 1.2;  // of the fastest joint on free paths, rad/s (m/s)
   double line_speed = 0.6;  // ... on the way down and up
-  int attempts = 3;         // at a grasp
+  int attempts = 3;         // grasp attempts
 };
 
 // Returns the options of a run.
@@ -39,7 +39,7 @@ class PickPlanner : public Expert {
  public:
   static constexpr double kOpened = 0.9;  // opening that counts as open
 
-  // Names in the scene. `options` as in GripperShape::Of.
+  // Names are those in the scene. `options` as in GripperShape::Of.
   PickPlanner(std::string robot, std::string target_object, SimOptions sim,
               const PickPlannerOptions& options = {});
   // Makes the planner of a run.
@@ -53,12 +53,12 @@ class PickPlanner : public Expert {
   int phase() const override { return static_cast<int>(phase_); }
   std::vector<std::string> phase_names() const override;
 
-  // Grasps tried so far.
+  // Returns the number of grasps tried so far.
   int attempts() const { return attempts_; }
-  // Whether there is nothing between the fingers.
+  // Returns true if there is nothing between the fingers.
   bool HandIsEmpty() const;
-  // For those who go on where it ends (done, without a failure): the planning scene as it was at
-  // the last plan, and the width of what is held, metres.
+  // For planners that continue where it ends (done, without a failure): the planning scene of the
+  // last plan, and the width of the held object, metres.
   PlanningScene& planning() { return *planning_; }
   double held_width() const { return plan_->motion.grasp.width; }
 
@@ -93,7 +93,7 @@ class PickPlanner : public Expert {
   std::optional<GuidedArm> arm_;
   double opening_ = 1;
   JointVector retreat_;       // where to back off to; empty: stay
-  Pose planned_for_;          // where the object was then, in the world
+  Pose planned_for_;          // the object's pose at the time of planning, in the world
   std::vector<Pose> failed_;  // grasps, TCP in the object's frame
 
   Phase phase_ = Phase::kOpen;

@@ -28,10 +28,10 @@ struct Outcome {
   std::vector<double> end;          // state of the scene
 };
 
-// Called before each action; may meddle with the scene.
+// Called before each action; may modify the scene.
 using Meddle = std::function<void(Scene&, const PickPlanner&)>;
 
-// Acts as a stepper does, which is a layer above.
+// Acts like a stepper, which belongs to a higher layer.
 Outcome RollOut(Scene scene, Task& task, PickPlanner& planner, Rng& rng,
                 const Meddle& meddle = {}) {
   Outcome outcome;
@@ -144,8 +144,8 @@ TEST(PickPlanner, NoticesAnEmptyHandAndTriesAgainWhereTheObjectIsNow) {
                                           "grasp", "close", "lift", "done"));
 }
 
-// One finger may have pushed the object aside: the grasp is known by where the object was when it
-// was planned.
+// A finger may have pushed the object aside: a grasp is identified by the object's pose at the time
+// of planning.
 TEST(PickPlanner, AfterAnEmptyHandAnotherGraspIsTried) {
   Bench bench("box");
   std::vector<Pose> grasps;  // TCP in the object's frame
@@ -195,7 +195,7 @@ TEST(PickPlanner, NoticesAnObjectThatIsPulledOutOfTheHand) {
   EXPECT_EQ(bench.planner.attempts(), 2);
 }
 
-// A hand pushed aside with 400 N for half a second.
+// Pushes the hand aside with 400 N for half a second.
 TEST(PickPlanner, NoticesAnArmThatIsBlockedAndGoesOnAfterwards) {
   Bench bench("box");
   int pushed = 0;
@@ -218,8 +218,8 @@ TEST(PickPlanner, HoldsStillWhenTheObjectIsOutOfReach) {
   EXPECT_EQ(bench.planner.Act(bench.pick.scene, bench.rng).at("rc7").at("arm").values.size(), 7u);
 }
 
-// Starts as the sampler makes them, with other objects around: the planner must succeed where the
-// sampler accepts.
+// Uses starts of the sampler, with other objects around: the planner must succeed where the sampler
+// accepts.
 double SuccessRate(const RunConfig& run, int episodes) {
   PickTaskSampler sampler(run);
   int accepted = 0, successes = 0;

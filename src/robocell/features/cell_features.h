@@ -1,5 +1,5 @@
-// CellFeatures: all features of a cell, one schema: what is observed of it, row by row, and what its
-// robots are commanded. Recorders, environments and policies read from it and name its numbers by
+// CellFeatures: all features of a cell in one schema: its observed state, row by row, and the
+// commands of its robots. Recorders, environments and policies read from it and name its numbers by
 // it.
 //
 //   CellFeatures features(scene, robots, {.objects = {"target"}});
@@ -7,9 +7,9 @@
 //   scene and robots act ...
 //   std::span<const double> action = features.ReadActions();
 //
-// The sources of numbers come in this order: scene and objects, sensors, robots, features of a
-// user's own, those of the task (declared_features.h). Errors: those of the sources. Threads: those
-// of the scene.
+// The sources of numbers come in this order: scene and objects, sensors, robots, a user's own
+// features, those of the task (declared_features.h). Throws the errors of the sources. Threads:
+// those of the scene.
 #pragma once
 
 #include <map>
@@ -26,9 +26,9 @@
 namespace robocell {
 
 struct CellFeatureOptions {
-  std::vector<std::string> objects = {};     // whose poses are observed
+  std::vector<std::string> objects = {};     // objects whose poses are observed
   std::vector<std::string> own = {};         // registered features (own_features.h)
-  std::unique_ptr<FeatureSource> more = {};  // of those who know more of the cell
+  std::unique_ptr<FeatureSource> more = {};  // from code that knows more of the cell
 };
 
 class CellFeatures {
@@ -40,19 +40,20 @@ class CellFeatures {
 
   const FeatureSchema& observed() const { return observed_; }
   const FeatureSchema& commanded() const { return commanded_; }
-  // Both.
+  // Returns both schemas in one.
   FeatureSchema schema() const;
 
-  // The present values of observed(), one after another; valid until the next call. The action that
-  // follows is relative to this state.
+  // Returns the present values of observed(), one after another; valid until the next call. The
+  // next action is relative to this state.
   std::span<const double> ReadState();
-  // Those that were read last.
+  // Returns the values that were read last.
   std::span<const double> state() const { return state_; }
-  // The numbers of commanded(), after the action was applied.
+  // Returns the numbers of commanded(), after the action was applied.
   std::span<const double> ReadActions();
 
-  // Converts values of action features, by name, to commands of the robots. NotFoundError with the
-  // nearest names; ArgumentError for two of one group and for a wrong number of values.
+  // Converts values of action features, by name, to commands of the robots. Throws NotFoundError
+  // with the nearest names, and ArgumentError for two features of one group or a wrong number of
+  // values.
   Action ToAction(const std::map<std::string, std::vector<double>>& values) const;
 
  private:

@@ -1,5 +1,5 @@
-// CellImages: the image streams of a cell (CameraSystemConfig), drawn for its present state. What
-// recorders write and policies see comes from here, so that both are the same.
+// CellImages: the image streams of a cell (CameraSystemConfig), drawn for its present state.
+// Recorders and policies use the same images from here.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace robocell {
 
-// A pixel of segmentation that shows nothing.
+// A pixel of segmentation that shows no body.
 inline constexpr uint16_t kNoBody = 65535;
 
 struct CellImage {
@@ -29,9 +29,9 @@ struct CellImage {
 class CellImages {
  public:
   // `renderer` may be null without streams; it is shared by all cells of a process and must outlive
-  // this object. NotFoundError for cameras that are not in the scene.
+  // this object. Throws NotFoundError for cameras that are not in the scene.
   CellImages(const Scene& scene, const CameraSystemConfig& config, Renderer* renderer);
-  // All streams, of the present state.
+  // Draws all streams of the present state.
   void Draw();
   const std::vector<CellImage>& images() const { return images_; }
 
@@ -39,7 +39,7 @@ class CellImages {
   Scene scene_;
   Renderer* renderer_;
   std::vector<CellImage> images_;
-  std::vector<int32_t> ids_;  // as the renderer gives them
+  std::vector<int32_t> ids_;  // as returned by the renderer
 };
 
 }  // namespace robocell

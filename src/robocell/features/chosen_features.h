@@ -1,13 +1,13 @@
-// ChosenFeatures: some features of a cell, by name, in the order in which they were chosen: what an
+// ChosenFeatures: selected features of a cell, by name, in the order of selection: what an
 // environment observes beside its robots, objects and task.
 //
 //   ChosenFeatures chosen(scene, robots, {"tcp_height", "sensors/*", "robots/left/arm/qvel"});
 //   chosen.keys();      // "tcp_height", "sensors/touch", "robots/left/arm/qvel"
 //   chosen.Read(out);   // their numbers
 //
-// A registered feature (own_features.h) is chosen by its name; all others have the names that
-// datasets have them under, with "*" for any part. What is not chosen is not read; reading allocates
-// nothing. Errors: NotFoundError with the nearest names; those of the sources.
+// A registered feature (own_features.h) is selected by its name; all others have the names that
+// they have in datasets, with "*" for any part. Other features are not read; reading allocates
+// nothing. Throws NotFoundError with the nearest names, and the errors of the sources.
 #pragma once
 
 #include <memory>
@@ -24,7 +24,8 @@ class ChosenFeatures final : public FeatureSource {
  public:
   ChosenFeatures(const Scene& scene, const std::vector<Robot>& robots,
                  const std::vector<std::string>& names);
-  // How each was chosen: a registered feature without "features/", all others by their names.
+  // Returns how each was selected: a registered feature without "features/", all others by their
+  // names.
   const std::vector<std::string>& keys() const { return keys_; }
 
  private:
@@ -42,7 +43,7 @@ class ChosenFeatures final : public FeatureSource {
   std::vector<std::string> keys_;
 };
 
-// Those of the names that are registered features.
+// Returns the names that are registered features.
 std::vector<std::string> OwnAmong(const std::vector<std::string>& names);
 
 }  // namespace robocell

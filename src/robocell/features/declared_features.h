@@ -1,4 +1,4 @@
-// DeclaresFeatures: who adds features of its own to a cell, as tasks do. DeclaredFeatures: the
+// DeclaresFeatures: an interface for adding features to a cell, as tasks do. DeclaredFeatures: the
 // source that reads them, the same in environments and runs.
 #pragma once
 
@@ -15,17 +15,17 @@ namespace robocell {
 
 class DeclaresFeatures : public Hooks {
  public:
-  // What it adds to the observation: name, shape, unit, frame, names and range of each, float64;
-  // privileged or not. Asked for once.
+  // Returns the features that it adds to the observation: name, shape, unit, frame, names and range
+  // of each, float64; privileged or not. Called once.
   virtual std::vector<Feature> signals() const { return {}; }
-  // The numbers of all signals one after another into `out`.
+  // Writes the numbers of all signals, one after another, into `out`.
   virtual void Observe(const Scene& /*scene*/, std::span<double> /*out*/) const {}
 };
 
 class DeclaredFeatures final : public FeatureSource {
  public:
-  // Full names are `path` + "/" + the declared ones. `of` may be null: then there are none.
-  // HookError for features that are not valid.
+  // Full names are `path` + "/" + the declared ones. With a null `of` there are none. Throws
+  // HookError for invalid features.
   DeclaredFeatures(Scene scene, std::shared_ptr<const DeclaresFeatures> of,
                    const std::string& path);
 

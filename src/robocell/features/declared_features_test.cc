@@ -15,7 +15,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-// Declares and observes what it is told.
+// Declares and observes the given features.
 class Declaring final : public DeclaresFeatures {
  public:
   Declaring(std::vector<Feature> features, std::vector<double> numbers)

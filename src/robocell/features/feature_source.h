@@ -1,6 +1,6 @@
-// FeatureSource: who makes some features of a cell (data/feature_schema.h) and reads their numbers
-// from the simulation. Robots, objects, sensors and functions of a user's own are sources; a cell
-// has several (cell_features.h).
+// FeatureSource: defines some features of a cell (data/feature_schema.h) and reads their numbers
+// from the simulation. Robots, objects, sensors and a user's own functions are sources; a cell has
+// several (cell_features.h).
 #pragma once
 
 #include <span>
@@ -19,9 +19,9 @@ class FeatureSource {
   virtual ~FeatureSource() = default;
   const std::vector<Feature>& features() const { return features_; }
   int64_t size() const;
-  // The numbers of all features in the scene's present state, one after another. `out` has size()
-  // of them, as they are: also beyond the range of their feature, which what observes may clip to.
-  // HookError names a feature of a user's code whose numbers are not finite.
+  // Writes the numbers of all features in the scene's present state, one after another. `out` has
+  // size() numbers. They are not clipped to the range of their feature; observations may clip them.
+  // Throws HookError that names a feature of a user's code whose numbers are not finite.
   void Read(std::span<double> out);
 
  protected:
@@ -31,10 +31,10 @@ class FeatureSource {
 
  private:
   virtual void ReadNumbers(std::span<double> out) = 0;
-  // Whether a user's code makes the numbers, which have to be finite then. Those of the engine are
-  // what they are.
+  // Returns true if a user's code computes the numbers, which must then be finite. The engine's
+  // numbers are not checked.
   virtual bool is_users() const { return false; }
-  // Where a feature is read by code of a user's own (base/hook_error.h), for messages.
+  // Returns where a user's code reads a feature (base/hook_error.h), for messages.
   virtual std::string PlaceOf(size_t /*feature*/) const { return ""; }
   void RequireFinite(size_t feature, std::span<const double> numbers) const;
 

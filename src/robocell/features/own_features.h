@@ -1,11 +1,11 @@
-// Features of a user's own: functions of a scene, known by a name. Cells that name them observe and
-// record them like what is built in.
+// A user's own features: functions of a scene, registered by name. Cells that name them observe and
+// record them like built-in ones.
 //
 //   RegisterFeature("tcp_height", {.column = {.units = "m", .frame = "world"}},
 //                   [](const Scene& scene, std::span<double> out) { out[0] = ...; });
 //
-// Errors: ArgumentError for a name that is taken or no path, or a type other than float64;
-// NotFoundError lists the names; HookError for a function that fails, or writes numbers that are not
+// Errors: ArgumentError for a name that is taken or not a path, or a type other than float64;
+// NotFoundError lists the names; HookError for a function that fails or writes numbers that are not
 // finite.
 #pragma once
 
@@ -21,21 +21,21 @@
 
 namespace robocell {
 
-// Writes the numbers of the feature, as the scene is now.
+// Writes the numbers of the feature for the scene's present state.
 using FeatureFunction = std::function<void(const Scene& scene, std::span<double> out)>;
 
-// How a feature's function is written, asked for when it is needed.
+// Describes the code of a feature's function; called when needed.
 struct FeatureCode {
-  std::function<std::vector<std::string>()> files = {};  // that define it, which datasets remember
+  std::function<std::vector<std::string>()> files = {};  // that define it, stored by datasets
   std::function<std::string()> place = {};               // for messages (base/hook_error.h)
 };
 
-// Makes a feature known on all threads, from now on. Its full name is "features/" + `name`.
+// Registers a feature for all threads. Its full name is "features/" + `name`.
 void RegisterFeature(const std::string& name, Feature feature, FeatureFunction function,
                      bool replace = false, FeatureCode code = {});
-// Those files of registered features.
+// Returns the code files of registered features.
 std::vector<std::string> CodeOfFeatures(const std::vector<std::string>& names);
-// All names, in alphabetical order.
+// Returns all names in alphabetical order.
 std::vector<std::string> OwnFeatures();
 bool IsOwnFeature(const std::string& name);
 

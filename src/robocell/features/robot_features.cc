@@ -28,7 +28,7 @@ const char* UnitOfJoint(const mjModel* m, int joint, bool rate) {
   }
 }
 
-// Of joints that have one position each; none otherwise.
+// Returns the names of joints that have one position each; empty otherwise.
 std::vector<std::string> NamesOf(const MoveGroup& group, int count) {
   const std::vector<std::string>& joints = group.joint_names();
   return count == static_cast<int>(joints.size()) ? joints : std::vector<std::string>{};
@@ -38,14 +38,14 @@ std::string PathOf(const Robot& robot) { return "robots/" + robot.name() + "/"; 
 std::string SourceOf(const Robot& robot) { return "robot " + robot.name(); }
 std::string BaseOf(const Robot& robot) { return "base of " + robot.name(); }
 
-// What nothing drives is not acted on; arms and grippers that nothing drives are refused.
+// A group without actuators has no commands; arms and grippers without them are rejected.
 bool IsCommanded(const Robot& robot, const MoveGroup& group) {
   const bool may_be_undriven =
       group.kind() == MoveGroupKind::kGeneric && !robot.is_driven(group.name());
   return group.nu() > 0 && !may_be_undriven;
 }
 
-// A target of the group's controller, or how it changes.
+// Describes a target of the group's controller, or its change.
 Feature TargetFeature(const Robot& robot, MoveGroup& group, const std::string& name,
                       FeatureRole role, const std::string& description) {
   const bool gripper = group.kind() == MoveGroupKind::kGripper;

@@ -1,7 +1,7 @@
-// What a robot contributes to a cell's features: its state (RobotFeatures), and what it is commanded
-// (RobotActions), in the canonical form that all other forms of an action follow from: joint targets
-// and opening, absolute; beside them the same relative to the targets before, and the arm's as TCP
-// pose and twist in the robot's base frame.
+// The features of a robot in a cell: its state (RobotFeatures) and its commands (RobotActions) in
+// the canonical form from which all other forms of an action follow: absolute joint targets and
+// opening; also the same relative to the previous targets, and the arm's TCP pose and twist in the
+// robot's base frame.
 #pragma once
 
 #include <memory>
@@ -17,18 +17,17 @@
 
 namespace robocell {
 
-// Units of joints of the model: "rad", "m", or all in their order; with `rate` those of their
-// velocities. "" when one of them is no joint: a group of the user's own kind may have other
-// coordinates.
+// Returns the units of joints of the model: "rad", "m", or all in order; with `rate` those of their
+// velocities. "" if one of them is not a joint: a custom group may have other coordinates.
 std::string UnitsOfJoints(const mjModel* m, const std::vector<std::string>& joints, bool rate);
 
-// Joints and targets of every group, base and TCP pose, opening of the gripper.
+// Features: joints and targets of every group, base and TCP pose, opening of the gripper.
 class RobotFeatures final : public FeatureSource {
  public:
   explicit RobotFeatures(Robot robot);
 
  private:
-  // Error when the robot's groups are no longer those that the features were made for.
+  // Throws Error if the robot's groups have changed since the features were made.
   void ReadNumbers(std::span<double> out) override;
   struct Group {
     std::string name;
@@ -50,12 +49,13 @@ class RobotActions {
   const std::vector<Feature>& features() const { return features_; }
   // Remembers the targets and the TCP's pose: call it before the action is applied.
   void Begin();
-  // The numbers of all features, of the action that was applied since Begin().
+  // Writes the numbers of all features, for the action applied since Begin().
   void Read(std::span<double> out) const;
 
-  // Whether a name is of this robot's actions, and the command that it stands for: of which group,
-  // and what. A pose is the TCP's in the base frame; a twist goes from where the TCP is now; relative
-  // joints and openings go from the targets of now. ArgumentError for numbers that are not finite.
+  // Has returns true if a name is one of this robot's actions; the other functions return its group
+  // and command. A pose is that of the TCP in the base frame; a twist starts at the present TCP;
+  // relative joints and openings start at the present targets. Throws ArgumentError for numbers
+  // that are not finite.
   bool Has(std::string_view name) const;
   std::pair<std::string, GroupCommand> Command(std::string_view name,
                                                std::span<const double> values) const;
@@ -75,7 +75,7 @@ class RobotActions {
   std::string name_;
   std::vector<Feature> features_;
   std::vector<Part> parts_;                  // of each feature
-  std::vector<std::vector<double>> before_;  // targets, of each feature that is relative
+  std::vector<std::vector<double>> before_;  // previous targets of each relative feature
   Pose tcp_before_;
 };
 

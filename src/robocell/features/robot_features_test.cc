@@ -16,7 +16,7 @@
 namespace robocell {
 namespace {
 
-// A group of the user's own kind with a coordinate that is no joint of the model.
+// A custom group with a coordinate that is not a joint of the model.
 class Belt : public JointGroup {
  public:
   explicit Belt(const Scene& scene)
@@ -106,7 +106,7 @@ TEST(RobotFeatures, AGroupThatIsAddedDuringTheEpisodeIsRefused) {
   ExpectThrow<Error>([&] { features.Read(numbers); }, "group 'belt' was added during the episode");
 }
 
-// An action is stored in every form. Each of them, given back, moves the robot to the same targets.
+// An action is stored in every form. Each form moves the robot to the same targets.
 TEST(RobotActions, EveryFormOfAnActionLeadsToTheSameTargets) {
   Robot robot = RobotAlone(Rc7());
   const std::vector<double> home = robot.arm().joint_pos();

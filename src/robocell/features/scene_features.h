@@ -15,7 +15,7 @@ namespace robocell::internal {
 
 class SceneFeatures final : public FeatureSource {
  public:
-  // `objects`: their names. NotFoundError for one that is not there.
+  // `objects`: their names. Throws NotFoundError for an unknown one.
   SceneFeatures(Scene given, std::vector<Robot> robots, const std::vector<std::string>& objects);
 
  private:

@@ -1,8 +1,7 @@
-// The scene's sensors as features of a cell: `sensors/<name>`, one for each sensor of
-// the model, with its unit and frame, and `robots/<robot>/sensors/<name>` for each force-torque
-// sensor of a robot: the load on it (scene/ft_sensor.h), never tared. The values are the engine's,
-// computed from the row's state with the controls that act until then; quaternions are xyzw like
-// everywhere else.
+// The scene's sensors as features of a cell: `sensors/<name>` for each sensor of the model, with
+// its unit and frame, and `robots/<robot>/sensors/<name>` for each force-torque sensor of a robot:
+// the load on it (scene/ft_sensor.h), never tared. The values are the engine's, computed from the
+// row's state with the controls that act until then; quaternions are xyzw like everywhere else.
 #pragma once
 
 #include <span>
@@ -21,7 +20,7 @@ class SensorFeatures final : public FeatureSource {
   explicit SensorFeatures(Scene given);
 
  private:
-  // Computed in a simulation of its own: the scene's is only read, so that recording changes no
+  // Computes them in a simulation of its own: the scene is only read, so that recording changes no
   // trajectory.
   void ReadNumbers(std::span<double> out) override;
   struct Column {

@@ -158,7 +158,7 @@ TEST_F(SensorFeaturesTest, RecordingDoesNotChangeTheTrajectory) {
   EXPECT_EQ(scene->state(), recorded);
 }
 
-// The engine's pair is the reaction, the robot's sensor the load.
+// The engine's pair is the reaction, the robot's sensor is the load.
 TEST(SensorFeatures, ForceTorqueSensorsOfRobotsAreRecordedAsLoads) {
   RobotConfig config{.name = "probe", .model = "ft_sensor"};
   config.attachments.push_back({.mjcf_path = "mug", .attach_to = Site("wrist_ft_site")});

@@ -22,7 +22,7 @@ std::string LengthUnit(const mjModel* m, int actuator) {
   return m->jnt_type[id] == mjJNT_BALL || m->jnt_type[id] == mjJNT_FREE ? "" : JointUnit(m, id);
 }
 
-// Unit of an actuator that drives to its control, or to the integral of it.
+// Returns the unit of an actuator's control, or "actuator" for a meaning of the actuator's own.
 std::string UnitOf(const mjModel* m, int actuator) {
   const std::string length = LengthUnit(m, actuator);
   const int dynamics = m->actuator_dyntype[actuator];

@@ -1,9 +1,9 @@
 // The same chain with base (minimal) inertial parameters: W. Khalil, F. Bennis, "Symbolic
 // calculation of the base inertial parameters of closed-loop robots", 1995.
 //
-// Some of a link's inertia does not depend on the angle of its hinge: a mass on the axis, and the
-// inertia that is alike about both axes across. It is moved to the link before; that of the first
-// link goes to the base, which does not move.
+// A part of a link's inertia does not depend on the angle of its hinge: a mass on the axis, and the
+// inertia that is equal about both perpendicular axes. It is moved to the previous link; that of
+// the first link goes to the base, which does not move.
 #pragma once
 
 #include "robocell/kinematics/chain_model.h"

@@ -1,4 +1,4 @@
-// Base inertial parameters leave the dynamics of the joints as they are.
+// Tests that base inertial parameters do not change the dynamics of the joints.
 #include "robocell/kinematics/base_inertial_parameters.h"
 
 #include <gtest/gtest.h>
@@ -57,7 +57,7 @@ TEST(BaseInertialParameters, OfAHingesLinkHasNothingThatLooksTheSameFromAllSides
   const ChainModel chain = WithBaseInertialParameters(plain);
   for (int i = 0; i < chain.n; ++i) {
     const LinkInertia& link = chain.joints[i].link;
-    if (chain.joints[i].slide) {  // it keeps what it has, and gets what hinges beyond it give away
+    if (chain.joints[i].slide) {  // keeps its own and gets those of hinges beyond
       EXPECT_GE(link.mass, plain.joints[i].link.mass) << i;
       continue;
     }

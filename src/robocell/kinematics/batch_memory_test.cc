@@ -1,4 +1,5 @@
-// Batches touch nothing around the arrays of a caller, which lie between forbidden pages here.
+// Tests that batches touch nothing around the arrays of a caller, which lie between forbidden pages
+// here.
 #include <sys/mman.h>
 #include <unistd.h>
 #include <gtest/gtest.h>
@@ -17,7 +18,7 @@ namespace {
 
 enum class Edge { kFirst, kLast };
 
-// Numbers that begin where a page does, or end where one does; the pages around are forbidden.
+// Numbers that begin or end at the edge of a page; the surrounding pages are forbidden.
 class Fenced {
  public:
   Fenced(size_t count, Edge edge) : count_(count) {
@@ -47,7 +48,7 @@ class Fenced {
   double* data_ = nullptr;
 };
 
-// All batches, with every array at this edge of its memory; their answers.
+// Returns the results of all batches, with every array at this edge of its memory.
 std::vector<std::vector<double>> Answers(const Chain& chain, size_t count, Edge edge) {
   const size_t n = chain.n_joints();
   std::vector<double> some(count * n);

@@ -19,7 +19,7 @@ namespace robocell {
 struct Chain::Lazy {
   std::once_flag made;
   std::optional<internal::LaneChain> lanes;
-  std::atomic<const internal::LaneChain*> ready = nullptr;  // sooner looked at than the flag
+  std::atomic<const internal::LaneChain*> ready = nullptr;  // faster to read than the flag
   std::shared_ptr<void> companion;
 };
 

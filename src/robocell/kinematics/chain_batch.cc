@@ -14,7 +14,7 @@ namespace robocell {
 
 namespace {
 
-// Adds NaN for what is not finite, in several sums that do not wait for each other.
+// Adds up NaN for values that are not finite, in several independent sums.
 bool AllFinite(std::span<const double> values) {
   constexpr size_t kSums = 8;
   double nothing[kSums] = {};
@@ -27,7 +27,7 @@ bool AllFinite(std::span<const double> values) {
   return std::accumulate(nothing, nothing + kSums, 0.0) == 0;
 }
 
-// Checks the arguments of one batch and makes rows of them.
+// Checks the arguments of one batch and splits them into rows.
 class BatchRows {
  public:
   BatchRows(const Chain& chain, std::span<double> out, size_t per_row)

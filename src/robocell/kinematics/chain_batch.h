@@ -1,14 +1,13 @@
-// Kinematics and dynamics of many configurations of a chain at once, as many at a time as the
-// registers of the processor have lanes.
+// Kinematics and dynamics of many configurations of a chain at once, one in each lane of the
+// processor's registers.
 //
-// All arrays are row by row, one row per configuration; the number of rows is that of the output.
-// An input with one row is that of all configurations. Frames, units and meaning are those of the
-// functions of Chain (chain.h), which for a single configuration are faster. A result does not
-// depend on the batch that it is in; those of Chain, and of other instruction sets, differ from it
-// by rounding.
+// All arrays have one row per configuration; the number of rows is that of the output. An input
+// with one row applies to all configurations. Frames, units and meaning are those of the functions
+// of Chain (chain.h), which are faster for a single configuration. A result does not depend on its
+// batch; results of Chain, and of other instruction sets, differ from it by rounding.
 //
-// Errors: ArgumentError, naming the argument, for a number of values that does not fit and for
-// values that are not finite. No allocation. Outputs may not overlap inputs.
+// Throws ArgumentError, with the argument, for a number of values that does not fit and for values
+// that are not finite. No allocation. Outputs may not overlap inputs.
 //
 //   std::vector<double> q(1000 * 7), torques(1000 * 7);
 //   GravityTorquesBatch(chain, q, std::array{0.0, 0.0, -9.81}, torques);
@@ -24,7 +23,7 @@ namespace robocell {
 void FkBatch(const Chain& chain, std::span<const double> q, std::span<double> tips);
 // q (B, n); jacobians (B, 6, n).
 void JacobianBatch(const Chain& chain, std::span<const double> q, std::span<double> jacobians);
-// And tips (B, 4, 4), of the same walk along the chain: bit for bit those of FkBatch.
+// Also computes tips (B, 4, 4) in the same pass: bit for bit those of FkBatch.
 void JacobianBatch(const Chain& chain, std::span<const double> q, std::span<double> jacobians,
                    std::span<double> tips);
 // q (B, n), gravity in the base frame (B, 3); torques (B, n).
@@ -32,7 +31,7 @@ void GravityTorquesBatch(const Chain& chain, std::span<const double> q,
                          std::span<const double> gravity_in_base, std::span<double> torques);
 // q (B, n); masses (B, n, n).
 void MassMatrixBatch(const Chain& chain, std::span<const double> q, std::span<double> masses);
-// q, qd (B, n); torques (B, n): the part that comes from moving.
+// q, qd (B, n); torques (B, n): the part caused by the velocities.
 void CoriolisTorquesBatch(const Chain& chain, std::span<const double> q, std::span<const double> qd,
                           std::span<double> torques);
 // q, qd, qdd (B, n), gravity in the base frame (B, 3); torques (B, n).

@@ -1,4 +1,4 @@
-// Batches against the engine, finite differences and the chain's own functions, on every
+// Tests batches against the engine, finite differences and the chain's own functions, on every
 // instruction set; no result depends on its neighbours.
 #include "robocell/kinematics/chain_batch.h"
 
@@ -57,7 +57,8 @@ Results Compute(const Chain& chain, const Motions& m, int count) {
   return r;
 }
 
-// The volume that the Jacobian makes of speeds of unit norm: the product of its singular values.
+// Returns the volume of the twists for joint speeds of unit norm: the product of the Jacobian's
+// singular values.
 double VolumeOf(const Matrix& jacobian) { return SvdOf(jacobian).values.prod(); }
 
 JointVector RandomRates(Rng* rng, int n) {
@@ -158,7 +159,7 @@ TEST(ChainBatch, AgreesWithTheEngineWhereAxesAreParallelOrSquare) {
   }
 }
 
-// Hinges that deviate from parallel by less than a cosine shows.
+// Hinges whose deviation from parallel is too small to appear in the cosine.
 TEST(ChainBatch, AgreesWithTheEngineWhereAxesAreNearlyParallel) {
   for (const double twist : {1e-9, 1e-8, 1e-6, 1e-3}) {
     std::string bodies;
@@ -201,7 +202,7 @@ struct RandomCase {
   }
 };
 
-// Chains of all kinds that kernels distinguish.
+// Returns chains of all kinds that kernels distinguish.
 std::vector<RandomChainOptions> Chains() {
   std::vector<RandomChainOptions> chains;
   for (const int joints : {2, 6, 7, 10}) {
@@ -246,7 +247,7 @@ TEST(ChainBatch, JacobiansComeWithTheTipsOfForwardKinematics) {
   });
 }
 
-// Bit for bit: whole, one by one, and shifted by some lanes.
+// Compares bit for bit: whole, one by one, and shifted by some lanes.
 TEST(ChainBatch, ResultsDoNotDependOnTheBatch) {
   OnEveryInstructionSet([](const std::string&) {
     for (const RandomChainOptions& options : Chains()) {

@@ -34,7 +34,7 @@ std::string JointName(const mjModel* m, int joint) {
 
 Eigen::Vector3d Vector(const mjtNum* v) { return {v[0], v[1], v[2]}; }
 
-// Whatever length somebody gave it in the model: the engine does not mind either.
+// Accepts quaternions of any length, like the engine.
 Eigen::Matrix3d Rotation(const mjtNum* engine_quat) {
   mjtNum unit[4];
   mju_copy4(unit, engine_quat);
@@ -50,7 +50,8 @@ Transform BodyInParent(const mjModel* m, int body) {
   return Frame(m->body_pos + 3 * body, m->body_quat + 4 * body);
 }
 
-// A right-handed frame at the joint's anchor whose z axis is the joint's axis, in the body's frame.
+// Returns a right-handed frame at the joint's anchor whose z axis is the joint's axis, in the
+// body's frame.
 Transform JointInBody(const mjModel* m, int joint) {
   const Eigen::Vector3d z = Vector(m->jnt_axis + 3 * joint).normalized();
   const Eigen::Vector3d x = z.unitOrthogonal();
@@ -60,8 +61,8 @@ Transform JointInBody(const mjModel* m, int joint) {
   return frame;
 }
 
-// What rotors add to the joint's own inertia: that of the joint, and those of actuators that act on
-// it directly, behind their gears.
+// Returns the inertia of rotors: that of the joint, and those of actuators that act on it directly,
+// behind their gears.
 double Armature(const mjModel* m, int joint) {
   double sum = m->dof_armature[m->jnt_dofadr[joint]];
   for (int a = 0; a < m->nactuator; ++a) {
@@ -72,12 +73,12 @@ double Armature(const mjModel* m, int joint) {
   return sum;
 }
 
-// How a fixed tendon's length changes with each joint of the chain; others stand still.
+// Returns how a fixed tendon's length changes with each joint of the chain; others do not move.
 std::vector<double> TendonCoefficients(const mjModel* m, int tendon, const BuiltChain& chain) {
   std::vector<double> coefficients(chain.joints.size());
   const int first = m->tendon_adr[tendon];
   for (int w = first; w < first + m->tendon_num[tendon]; ++w) {
-    if (m->wrap_type[w] != mjWRAP_JOINT) continue;  // a spatial one's changes with the pose
+    if (m->wrap_type[w] != mjWRAP_JOINT) continue;  // spatial: changes with the pose
     for (size_t i = 0; i < coefficients.size(); ++i) {
       if (chain.joints[i].id == m->wrap_objid[w]) coefficients[i] += m->wrap_prm[w];
     }
@@ -126,7 +127,7 @@ Transform MovedBodyInParent(const mjModel* m, int body, const mjtNum* qpos) {
   return frame;
 }
 
-// Bodies after `base` down to `tip`, in order.
+// Returns the bodies after `base` down to `tip`, in order.
 std::vector<int> PathBetween(const mjModel* m, int base, int tip, const std::string& place) {
   std::vector<int> path, ancestors;
   int body = tip;
@@ -159,7 +160,8 @@ void RefuseNonScalar(const mjModel* m, int joint, const std::string& place) {
                   BodyName(m, body)));
 }
 
-// Whether only hinges and slides, at least one, are between `base` and a body of its subtree.
+// Returns true if only hinges and slides, at least one, are between `base` and a body of its
+// subtree.
 bool MayEndAt(const mjModel* m, int base, int body) {
   int joints = 0;
   for (; body != base; body = m->body_parentid[body]) {
@@ -214,7 +216,8 @@ class Builder {
     return std::move(out_);
   }
 
-  // Index of the joint behind which each body of the model hangs; -1 for all others.
+  // Returns, for each body of the model, the index of the joint behind which it hangs; -1 for
+  // others.
   std::vector<int> LinkOfBodies() const {
     std::vector<int> link(m_->nbody, -1);
     for (int body = 1; body < m_->nbody; ++body) {
@@ -303,7 +306,7 @@ void RequireTool(const mjModel* m, const ChainOptions& options, const BuiltChain
   if (options.tool_body.empty()) return;
   const std::string name = options.prefix + options.tool_body;
   const int tool = RequireId(m, mjOBJ_BODY, name, place);
-  // The last link may be the tool, those before it cannot.
+  // Only the last link may be the tool.
   for (size_t i = 0; i + 1 < chain.joints.size(); ++i) {
     const ChainJoint& joint = chain.joints[i];
     if (!IsInSubtree(m, m->jnt_bodyid[joint.id], tool)) continue;

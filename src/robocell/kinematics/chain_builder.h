@@ -1,5 +1,5 @@
-// Reads a chain out of a compiled model. For Chain's makers only; see chain.h for meaning and
-// errors.
+// Reads a chain from a compiled model. Only for code that makes a Chain; see chain.h for meaning
+// and errors.
 #pragma once
 
 #include <string_view>
@@ -16,12 +16,12 @@ struct BuiltChain {
   std::vector<JointCoupling> couplings;
 };
 
-// Names in full, without the options' prefix.
+// Names are full names, without the options' prefix.
 BuiltChain BuildChain(const mjModel* model, std::string_view base_body, const ChainTip& tip,
                       const ChainOptions& options);
 
-// Fills reach_bound and length. Straightens the chain out in thought: no pose reaches farther than
-// the sum of its parts.
+// Fills reach_bound and length. The bound is that of the stretched chain: no pose reaches farther
+// than the sum of its parts.
 void MeasureLength(ChainModel* chain);
 
 }  // namespace robocell::internal

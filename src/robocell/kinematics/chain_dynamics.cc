@@ -1,4 +1,4 @@
-// Kinematics and dynamics of Chain (chain.h): what the kernel computes, checked and handed over.
+// Kinematics and dynamics of Chain (chain.h): checks arguments and calls the kernel.
 #include <algorithm>
 
 #include "robocell/kinematics/chain.h"

@@ -1,4 +1,4 @@
-// Gravity torques, mass matrix and inverse dynamics against the engine's.
+// Tests gravity torques, mass matrix and inverse dynamics against the engine's.
 #include <gtest/gtest.h>
 
 #include "robocell/kinematics/chain.h"
@@ -93,7 +93,7 @@ TEST(ChainDynamics, RotorsOfActuatorsCountBehindTheirGears) {
   }
 }
 
-// Side branches stand still, so that a tendon to one of them is a rotor of the joint in the chain.
+// Side branches do not move, so that a tendon to one of them is a rotor of the joint in the chain.
 constexpr const char* kTendons =
     R"(<mujoco><compiler angle="radian"/><worldbody><body name="base">
       <geom size=".1"/><body><joint name="a" axis="0 1 0" armature=".1"/><geom size=".1" pos=".3 0 0"/>
@@ -151,7 +151,7 @@ TEST(ChainDynamics, RotorsBehindFixedTendonsAreInBatchesToo) {
   }
 }
 
-// All numbers of lanes, full and not.
+// Covers all numbers of lanes, full and not.
 TEST(RandomChainDynamics, AgreesWithTheEngineOnEveryInstructionSet) {
   OnEveryInstructionSet([](const std::string&) {
     for (int joints = 1; joints <= 16; ++joints) {
@@ -167,7 +167,7 @@ TEST(RandomChainDynamics, AgreesWithTheEngineOnEveryInstructionSet) {
   });
 }
 
-// One walk answers what the parts answer, to the bit.
+// One pass computes the same as the separate parts, to the bit.
 TEST(RandomChainDynamics, IsTheSameAllAtOnceAsInParts) {
   OnEveryInstructionSet([](const std::string&) {
     for (const int joints : {1, 6, 7, 16}) {
@@ -196,7 +196,7 @@ TEST(RandomChainDynamics, IsTheSameAllAtOnceAsInParts) {
   });
 }
 
-// A base that is far from the arm costs no digits.
+// A base far from the arm costs no digits.
 TEST(ChainDynamics, IsTheSameFarFromTheBase) {
   MatrixXd masses[2] = {MatrixXd(2, 2), MatrixXd(2, 2)};
   for (const int far : {0, 1}) {

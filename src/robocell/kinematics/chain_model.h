@@ -2,9 +2,8 @@
 // joint.
 //
 // Every joint has a frame whose z axis is the joint's axis and whose origin lies on it; the
-// transform from the moved frame of the joint before (for the first one: from the base body) is
-// constant. This is what solvers read. It holds no pointer and no name; Chain (chain.h) is what
-// users hold.
+// transform from the moved frame of the previous joint (for the first one: from the base body) is
+// constant. Solvers read this. It has no pointers and no names; users hold a Chain (chain.h).
 #pragma once
 
 #include <array>
@@ -26,7 +25,7 @@ struct LinkInertia {
 // Transforms an inertia to another frame; `frame` is the pose of the first in the other.
 LinkInertia InFrame(const Transform& frame, const LinkInertia& link);
 
-// Both known in the same frame.
+// Requires both in the same frame.
 LinkInertia& operator+=(LinkInertia& link, const LinkInertia& more);
 LinkInertia& operator-=(LinkInertia& link, const LinkInertia& less);
 
@@ -44,8 +43,8 @@ struct JointModel {
 
 struct ChainModel {
   int n = 0;
-  // No configuration in the limits puts the tip farther than this from the first joint's reference
-  // origin, m; infinity with a slide without limits.
+  // Bound of the tip's distance from the first joint's reference origin for configurations within
+  // the limits, m; infinity with a slide without limits.
   double reach_bound = 0;
   // Characteristic length of the chain, which weighs lengths against angles: the bound without the
   // slides' travel, never 0.
@@ -54,8 +53,8 @@ struct ChainModel {
   Transform last_to_tip;  // moved frame of the last joint -> tip
 };
 
-// The unit of a joint for solvers that weigh joints against each other: 1 rad for a hinge, the
-// chain's length in m for a slide.
+// Returns the unit of a joint for solvers that weigh joints against each other: 1 rad for a hinge,
+// the chain's length in m for a slide.
 inline double UnitOf(const ChainModel& chain, int joint) {
   return chain.joints[joint].slide ? chain.length : 1;
 }
@@ -67,7 +66,7 @@ struct ChainFrames {
   Transform tip;
 };
 
-// The joint's motion, applied to the frame in which the joint stands at its reference position.
+// Applies the joint's motion to the frame of the joint at its reference position.
 inline void MoveJoint(const JointModel& joint, double q, Transform* frame) {
   const double d = q - joint.reference;
   if (joint.slide) {

@@ -1,4 +1,4 @@
-// Forward kinematics and Jacobians against the engine's, on real robots and on random chains.
+// Tests forward kinematics and Jacobians against the engine's, on real robots and on random chains.
 #include <gtest/gtest.h>
 
 #include "robocell/kinematics/chain.h"

@@ -1,13 +1,13 @@
 // ChainSource: the numbers of a model that a chain was read from, to detect writes to them: masses,
-// places of bodies, joints and sites, limits, armature.
+// poses of bodies, joints and sites, limits, armature.
 //
 //   const Chain chain(model, "base", tip);
 //   const ChainSource source(model, chain);
 //   model->body_mass[hand] *= 2;
 //   if (source.IsStale(model)) ... make the chain anew
 //
-// It does not watch names and the tree, which a compiled model keeps. A check compares what the
-// chain moves, 160 bytes a body; no allocation.
+// It does not watch names and the tree, which never change in a compiled model. A check compares
+// the bodies that the chain moves, 160 bytes each; no allocation.
 #pragma once
 
 #include <cstddef>
@@ -20,10 +20,10 @@ namespace robocell::internal {
 
 class ChainSource {
  public:
-  ChainSource() = default;  // of none, which is never stale
+  ChainSource() = default;  // of no chain, never stale
   ChainSource(const mjModel* model, const Chain& chain);
 
-  // Whether reading the chain again may give another one. False for any other model.
+  // Returns true if reading the chain again may give a different one. False for any other model.
   bool IsStale(const mjModel* model) const;
 
  private:
@@ -39,7 +39,7 @@ class ChainSource {
   };
   std::vector<int> fixed_;  // bodies before that
   Range bodies_, joints_, dofs_, positions_;
-  int site_ = -1;  // the tip, if it is one
+  int site_ = -1;  // the tip, if it is a site
   std::vector<std::byte> numbers_;
 };
 

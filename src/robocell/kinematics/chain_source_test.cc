@@ -1,4 +1,4 @@
-// Writes to a model are noticed exactly where a chain that is read anew is another.
+// Tests that writes to a model are noticed exactly if they change the chain.
 #include "robocell/kinematics/chain_source.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 namespace robocell::internal {
 namespace {
 
-// All that a chain can be asked, at one place.
+// Returns all results of a chain at one configuration.
 std::vector<double> AnswersOf(const Chain& chain) {
   const int n = chain.n_joints();
   JointVector q(n), torques(n);
@@ -29,8 +29,8 @@ std::vector<double> AnswersOf(const Chain& chain) {
   return answers;
 }
 
-// Writes another value to one real number or flag of the model after the other; calls `check(name)`
-// each time.
+// Changes the real numbers and flags of the model one after the other; calls `check(name)` each
+// time.
 template <class Check>
 void WriteEverywhere(mjModel* m, Check&& check) {
   const auto write = [&](auto* values, size_t count, const char* name) {

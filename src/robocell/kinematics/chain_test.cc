@@ -1,4 +1,4 @@
-// Properties of a Chain, and the errors when it cannot be made.
+// Tests properties of a Chain, and the errors when it cannot be made.
 #include "robocell/kinematics/chain.h"
 
 #include <fmt/format.h>
@@ -62,7 +62,7 @@ TEST_F(ChainTest, ACopyIsGoodWhateverBecomesOfTheChain) {
   const JointVector q{0.1, 0.2, 0.3};
   const Pose before = chain->Fk(q);
   const Chain copy = *chain;
-  EXPECT_EQ(&copy.model(), &chain->model());  // shared, so that it costs nothing
+  EXPECT_EQ(&copy.model(), &chain->model());  // shared, so copies are cheap
   EXPECT_EQ(&copy.lanes(), &chain->lanes());
   chain = Make("right_base", ChainTip::Body("right_upper"));
   EXPECT_EQ(copy.Fk(q), before);

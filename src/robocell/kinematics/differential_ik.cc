@@ -23,10 +23,11 @@ using Jacobian6 = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, k
 constexpr double kLeastDamping = 1e-8, kMostDamping = 4e-4;
 // Singular values of the Jacobian below this are near a singularity.
 constexpr double kNearSingular = 0.02;
-// Of the damping, for the joints that were not at their bounds; after these rounds it only grows.
+// Rounds that recompute the damping for the joints that were not at their bounds; after them it
+// only grows.
 constexpr int kRoundsAtWill = 4;
-// What makes a tip slower than asked: this part of the twist, and these rad/s or lengths per
-// second.
+// A tip counts as slower than requested from this share of the twist on, and from these rad/s or
+// lengths per second.
 constexpr double kNoticed = 1e-3, kStill = 1e-5;
 
 enum class Side : char { kFree, kLower, kUpper };
@@ -40,7 +41,7 @@ class BoundedLeastSquares {
   std::array<double, kMaxChainJoints> lower{}, upper{}, preferred{};
 
   bool may_move(int i) const { return lower[i] < upper[i]; }
-  // After Solve: it is not at a bound.
+  // Returns true, after Solve, if the joint is not at a bound.
   bool is_free(int i) const { return side_[i] == Side::kFree; }
 
   void Solve(const Matrix6& damping, double* v) {
@@ -49,7 +50,7 @@ class BoundedLeastSquares {
       v[i] = std::clamp(preferred[i], lower[i], upper[i]);
       side_[i] = may_move(i) ? Side::kFree : Side::kLower;
     }
-    // Each round lowers the cost; so many are never needed but for rounding.
+    // Each round lowers the cost; only rounding could require more rounds.
     for (int round = 0; round < 8 * n_; ++round) {
       SolveFree(v);
       if (MoveAsFarAsAllowed(v) && !LetOneGo(v)) return;
@@ -57,7 +58,7 @@ class BoundedLeastSquares {
   }
 
  private:
-  // The best values of the free joints, the others as they are.
+  // Computes the best values of the free joints and keeps the others.
   void SolveFree(const double* v) {
     Matrix6 a = damping_;
     Vector6 left = task_;
@@ -72,7 +73,8 @@ class BoundedLeastSquares {
     }
   }
 
-  // Towards the best values until the first joint is at a bound. True when none was in the way.
+  // Moves towards the best values until the first joint is at a bound. Returns true if no bound was
+  // in the way.
   bool MoveAsFarAsAllowed(double* v) {
     double share = 1;
     int stopped = -1;
@@ -94,7 +96,8 @@ class BoundedLeastSquares {
     return false;
   }
 
-  // Frees the joint that is pulled hardest away from its bound. False when none is: v is the best.
+  // Frees the joint with the strongest pull away from its bound. Returns false if there is none: v
+  // is the best.
   bool LetOneGo(const double* v) {
     double hardest = 1e-9 * pull_.norm() + 1e-12;
     int which = -1;
@@ -115,7 +118,7 @@ class BoundedLeastSquares {
   const Jacobian6& jacobian_;
   const Vector6& task_;
   Matrix6 damping_;
-  // Where the free joints have their best values: D^-1 times what is left of the task.
+  // The best values of the free joints satisfy this: D^-1 times the residual of the task.
   Vector6 pull_;
   std::array<Side, kMaxChainJoints> side_{};
   std::array<double, kMaxChainJoints> best_{};
@@ -123,8 +126,8 @@ class BoundedLeastSquares {
 
 using Joints = std::array<bool, kMaxChainJoints>;
 
-// Along each direction it grows from the least to the most as the singular value of the joints that
-// count goes to 0.
+// Along each direction it grows from the least to the most as the singular value of the counting
+// joints goes to 0.
 Matrix6 DampingAt(const Jacobian6& jacobian, const Joints& count) {
   Matrix6 squared = Matrix6::Zero(), damping = kLeastDamping * Matrix6::Identity();
   for (Eigen::Index i = 0; i < jacobian.cols(); ++i) {
@@ -140,7 +143,7 @@ Matrix6 DampingAt(const Jacobian6& jacobian, const Joints& count) {
   return damping;
 }
 
-// Which joints are not at their bounds says how much damping it takes, and the other way round.
+// The joints at their bounds determine the damping, and the damping determines these joints.
 void SolveDamped(const Jacobian6& jacobian, BoundedLeastSquares* squares, double* v) {
   const int n = static_cast<int>(jacobian.cols());
   Joints count{};
@@ -191,7 +194,7 @@ struct Bounds {
   double lower = 0, upper = 0;
 };
 
-// How fast joint i may be.
+// Returns the speed limits of joint i.
 Bounds BoundsOf(const ChainModel& chain, int i, double q, const DifferentialIkOptions& options) {
   if (options.locked[i]) return {0, 0};
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -202,7 +205,7 @@ Bounds BoundsOf(const ChainModel& chain, int i, double q, const DifferentialIkOp
           std::clamp((joint.upper - q) / options.seconds, -most, most)};
 }
 
-// Those that a twist has, in the base frame.
+// Returns the axes of the twist in the base frame.
 Eigen::Matrix3d AxesOf(const DifferentialIkOptions& options, const Pose& tip) {
   if (options.frame == TwistFrame::kTip) return tip.rotation();
   if (options.frame == TwistFrame::kWorld) return options.base_in_world.transpose();
@@ -222,7 +225,8 @@ DifferentialIkResult DifferentialIk(const Chain& chain, std::span<const double> 
   Vector6 task;
   task << axes * twist.linear * per_metre, axes * twist.angular;
   jacobian.topRows<3>() *= per_metre;
-  // Speeds of slides in lengths too: neither damping nor how near a singularity is knows metres.
+  // Speeds of slides are in lengths too: neither the damping nor the distance to a singularity
+  // depends on metres.
   for (int i = 0; i < n; ++i) jacobian.col(i) *= UnitOf(chain.model(), i);
 
   BoundedLeastSquares squares(jacobian, task);
@@ -246,7 +250,7 @@ DifferentialIkResult DifferentialIk(const Chain& chain, std::span<const double> 
 
   for (int i = 0; i < n; ++i) {
     double& v = result.velocity[i];
-    // What is at a bound is there to the bit.
+    // A joint at a bound is there to the bit.
     v = v == squares.lower[i] ? bounds[i].lower
         : v == squares.upper[i]
             ? bounds[i].upper

@@ -1,19 +1,19 @@
-// Differential inverse kinematics: joint velocities that move the tip as asked, within limits.
+// Differential inverse kinematics: joint velocities for a twist of the tip, within limits.
 //
 //   const DifferentialIkResult now = DifferentialIk(chain, q, twist, {.seconds = 0.002});
 //   for (int i = 0; i < n; ++i) q[i] += 0.002 * now.velocity[i];
 //
 // The velocity v minimises (J v - twist)^T D^-1 (J v - twist) + |v - v_posture|^2 between its
-// bounds, exactly: a joint that is at its bound leaves its share to the others (P. B. Stark and R.
-// L. Parker, "Bounded-Variable Least-Squares", 1995). Lengths are weighed against angles by the
-// chain's length, those that slides move too. The damping D is next to nothing, but along
-// directions in which the joints that are not at a bound have come near a singularity, where it
-// grows (A. A. Maciejewski and C. A. Klein, "Numerical Filtering for the Operation of Robotic
-// Manipulators through Kinematically Singular Configurations", 1988): there speeds stay bounded,
-// and the tip stays behind; in all other directions it moves as asked.
+// bounds, exactly: a joint at its bound leaves its share to the others (P. B. Stark and R. L.
+// Parker, "Bounded-Variable Least-Squares", 1995). Lengths are weighed against angles by the
+// chain's length, also those that slides move. The damping D is negligible, except along directions
+// in which the joints that are not at a bound have come near a singularity, where it grows (A. A.
+// Maciejewski and C. A. Klein, "Numerical Filtering for the Operation of Robotic Manipulators
+// through Kinematically Singular Configurations", 1988): there speeds stay bounded, and the tip
+// lags behind; in all other directions it follows the twist.
 //
-// No allocation; some microseconds. Errors: ArgumentError for wrong numbers of values and for what
-// is not finite or out of range, naming it.
+// No allocation; some microseconds. Throws ArgumentError, with the name, for wrong numbers of
+// values and for values that are not finite or out of range.
 #pragma once
 
 #include "robocell/kinematics/chain.h"
@@ -22,15 +22,15 @@
 
 namespace robocell {
 
-// Whose axes a twist of the tip has. Its reference point is the tip.
+// The axes of a twist of the tip. Its reference point is the tip.
 enum class TwistFrame { kBase, kTip, kWorld };
 
 struct DifferentialIkOptions {
   TwistFrame frame = TwistFrame::kBase;
-  // How the base stands in the world; for TwistFrame::kWorld.
+  // Rotation of the base in the world; for TwistFrame::kWorld.
   Eigen::Matrix3d base_in_world = Eigen::Matrix3d::Identity();
-  // How long the velocity will be kept, s: no joint leaves its limits in this time, and one that is
-  // beyond them comes back. 0: positions are not looked at.
+  // Duration of the velocity, s: no joint leaves its limits in this time, and one beyond them comes
+  // back. 0: positions are ignored.
   double seconds = 0;
   // Largest speed of each joint, rad/s or m/s, above 0. Empty: any.
   JointVector max_speed{};
@@ -45,7 +45,7 @@ struct DifferentialIkOptions {
 struct DifferentialIkResult {
   JointVector velocity{};  // rad/s or m/s
   // The resulting twist of the tip, in the requested axes; and whether bounds or damping make it
-  // differ from the target twist by more than a thousandth (and more than is visible).
+  // differ from the target twist by more than a thousandth (and noticeably).
   Twist twist{};
   bool slower = false;
 };

@@ -1,4 +1,4 @@
-// Joint velocities against finite differences, the engine and the definition of the best.
+// Tests joint velocities against finite differences, the engine and the conditions of optimality.
 #include "robocell/kinematics/differential_ik.h"
 
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ class DifferentialIkTest : public testing::TestWithParam<int> {
     }
     return q;
   }
-  // The true motion of the tip, by differences of forward kinematics.
+  // Returns the true motion of the tip, by differences of forward kinematics.
   Twist Measured(const JointVector& q, const JointVector& velocity) {
     constexpr double kStep = 1e-6;
     JointVector before = q, after = q;
@@ -99,8 +99,8 @@ TEST_P(DifferentialIkTest, AgreesWithTheEnginesJacobian) {
   EXPECT_NEAR((axes.transpose() * turns - found.twist.angular).norm(), 0, 1e-9);
 }
 
-// Optimality of bounded least squares (W. Karush 1939): the residual pulls at no free joint, and at
-// the others only towards their bounds. This is exact where the damping is next to nothing.
+// Checks optimality of bounded least squares (W. Karush 1939): the residual pulls at no free joint,
+// and at the others only towards their bounds. This is exact where the damping is negligible.
 TEST_P(DifferentialIkTest, ObeysBoundsAndIsTheBestBetweenThem) {
   const int n = chain_.n_joints();
   int bounded = 0, judged = 0, exact = 0;
@@ -147,8 +147,8 @@ TEST_P(DifferentialIkTest, ObeysBoundsAndIsTheBestBetweenThem) {
       if (found.velocity[i] < high(i)) worst = std::max(worst, pull[i]);
       if (found.velocity[i] > low(i)) worst = std::max(worst, -pull[i]);
     }
-    // Directions that joints at bounds take away are damped; what those at the others do is then
-    // a little less than the best.
+    // Directions that joints at bounds remove are damped; the others are then slightly less than
+    // optimal.
     EXPECT_LT(worst, 3e-3);
     exact += worst < 1e-6;
   }
@@ -157,7 +157,7 @@ TEST_P(DifferentialIkTest, ObeysBoundsAndIsTheBestBetweenThem) {
   EXPECT_GT(exact, 0.9 * judged);
 }
 
-// Whatever is asked of whatever chain, wherever it stands.
+// Covers all twists, chains and configurations.
 TEST(DifferentialIk, ObeysItsBoundsOnEveryChain) {
   for (int joints = 1; joints <= 12; ++joints) {
     Rng rng = Rng::Stream(joints, "any differential ik");
@@ -170,7 +170,7 @@ TEST(DifferentialIk, ObeysItsBoundsOnEveryChain) {
       for (int i = 0; i < joints; ++i) {
         options.max_speed[i] = rng.Uniform(0.1, 2);
         options.locked[i] = rng.Uniform() < 0.1;
-        if (k % 3 == 0) q[i] += rng.Uniform(-0.1, 0.1);  // some of them beyond their limits
+        if (k % 3 == 0) q[i] += rng.Uniform(-0.1, 0.1);  // some beyond their limits
       }
       if (k % 2) options.posture = RandomJoints(chain, &rng);
       const Vector3d linear(rng.Normal(), rng.Normal(), rng.Normal());
@@ -188,7 +188,7 @@ TEST(DifferentialIk, ObeysItsBoundsOnEveryChain) {
           EXPECT_EQ(v, 0) << joint.name;
           continue;
         }
-        // In the limits after the time, or on the way back as fast as it may be.
+        // After the time it is within the limits, or coming back as fast as allowed.
         const double after = q[i] + v * options.seconds;
         EXPECT_TRUE(after >= joint.lower - 1e-12 || v == most) << joint.name;
         EXPECT_TRUE(after <= joint.upper + 1e-12 || v == -most) << joint.name;
@@ -249,7 +249,7 @@ TEST_P(DifferentialIkTest, IsDampedWhereTheJointsThatMoveAreNearASingularity) {
     const int stuck = k % n;
     options.locked[stuck] = k % 2;
     options.seconds = k % 2 ? 0 : 0.002;
-    // The worst of many.
+    // Takes the worst of many.
     JointVector q;
     Svd svd;
     for (int other = 0; other < 60; ++other) {
@@ -272,7 +272,7 @@ TEST_P(DifferentialIkTest, IsDampedWhereTheJointsThatMoveAreNearASingularity) {
     const DifferentialIkResult found = DifferentialIk(chain_, q, asked, options);
     if (found.velocity[stuck] != 0) continue;
     ++held;
-    // A singular value s asks for 1 / s, damped for s / (s^2 + d): at most 40, and at 0.02 for 50.
+    // A singular value s requires 1 / s, damped to s / (s^2 + d): at most 40, and at 0.02 for 50.
     double fastest = 0;
     for (const double v : found.velocity) fastest = std::max(fastest, std::abs(v));
     Eigen::Matrix<double, 6, 1> task = asked.vector();
@@ -283,7 +283,7 @@ TEST_P(DifferentialIkTest, IsDampedWhereTheJointsThatMoveAreNearASingularity) {
   EXPECT_GT(held, 30);
 }
 
-// Only what is nearly lost is damped: along all other directions the tip moves as asked.
+// Only nearly lost directions are damped: along all others the tip follows the twist.
 TEST(DifferentialIk, OfAChainThatCannotReachAllDirectionsIsExactInThoseItCan) {
   for (const int n : {3, 5, 7}) {
     std::string xml =
@@ -317,7 +317,7 @@ TEST_P(DifferentialIkTest, StandingStillIsNeverSlower) {
   }
 }
 
-// Stretched: the inverse of the Jacobian is infinite, the speeds are not.
+// In the stretched arm the inverse of the Jacobian is infinite, the speeds are not.
 TEST(DifferentialIk, IsDampedNearSingularities) {
   const TestModel t = TestModel::FromXml(
       "<mujoco><compiler angle='radian'/><worldbody><body name='base'><geom size='.1'/>"

@@ -1,4 +1,4 @@
-// Configurations that a filter is asked about in one call. For the solvers of this folder.
+// Configurations that are passed to a filter in one call. For the solvers of this folder.
 #pragma once
 
 #include <span>
@@ -14,7 +14,7 @@ class FilterCall {
     rows_.insert(rows_.end(), q.begin(), q.end());
     ++count_;
   }
-  // 1 for each that is kept, else 0, in the order in which they were added. Then there are none.
+  // Returns 1 for each that is kept, else 0, in the order of adding, and clears the list.
   std::span<const uint8_t> Ask(const IkFilter& filter) {
     keep_.assign(count_, 0);
     if (count_ > 0) filter(rows_, count_, keep_);

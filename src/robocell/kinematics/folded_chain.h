@@ -1,11 +1,11 @@
-// FoldedChain: a serial chain as few numbers as possible, for kernels that handle many poses at
+// FoldedChain: a serial chain in as few numbers as possible, for kernels that handle many poses at
 // once.
 //
-// Between two joint axes lie a length along their common normal and a twist about it; everything
-// else about a joint is a turn about and a shift along its own axis, which the joint's value is
-// simply added to (J. Denavit and R. S. Hartenberg, "A Kinematic Notation for Lower-Pair
-// Mechanisms", 1955). Axes that are nearly, but not exactly, parallel have their common normal far
-// away, where digits are lost: their link keeps its whole transform.
+// Between two joint axes there are a length along their common normal and a twist about it; the
+// rest of a joint is a turn about and a shift along its own axis, to which the joint's value is
+// simply added (J. Denavit and R. S. Hartenberg, "A Kinematic Notation for Lower-Pair Mechanisms",
+// 1955). The common normal of nearly, but not exactly, parallel axes is far away, where digits are
+// lost: their link keeps its whole transform.
 //
 //   pose of the tip = base * screw(0) * link(1) * screw(1) * ... * screw(n-1) * tip
 //
@@ -28,16 +28,17 @@ struct PlainTransform {
 };
 
 struct FoldedJoint {
-  // From the joint before, along the common normal and about it. Not for joint 0.
+  // The link from the previous joint, along the common normal and about it. Not for joint 0.
   bool whole_link = false;  // `link` instead
   double normal_length = 0, cos_twist = 1, sin_twist = 0;
   PlainTransform link;
-  // Its own screw: turned by (hinge: value +) angle, shifted by (slide: value * per_metre +) shift.
+  // The joint's own screw: turned by (hinge: value +) angle, shifted by (slide: value * per_metre
+  // +) shift.
   bool slide = false;
   double angle = 0, shift = 0;
   double cos_angle = 1, sin_angle = 0;  // of `angle`, for slides
   double lower = 0, upper = 0;          // rad or m; +-infinity without limits
-  // A hinge whose limits leave out no direction: what is beyond them is whole turns from inside.
+  // A hinge whose limits exclude no direction: positions beyond them are whole turns from inside.
   bool has_whole_turn = false;
 };
 

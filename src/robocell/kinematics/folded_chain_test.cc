@@ -1,4 +1,4 @@
-// A folded chain puts the tip where the chain itself does, whatever its joints look like.
+// Tests that a folded chain gives the same tip as the chain, for joints of all kinds.
 #include "robocell/kinematics/folded_chain.h"
 
 #include <gtest/gtest.h>
@@ -62,7 +62,7 @@ TEST(FoldedChain, PutsTheTipOfRandomChainsWhereTheChainDoes) {
   }
 }
 
-// Parallel, antiparallel, and everything next to it.
+// Covers parallel, antiparallel and nearly parallel axes.
 TEST(FoldedChain, LosesNoDigitsWhereAxesAreNearlyParallel) {
   Rng rng = Rng::Stream(2, "parallel");
   const Eigen::Vector3d tilted = Eigen::Vector3d(0.6, 0.8, 0);

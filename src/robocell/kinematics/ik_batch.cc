@@ -18,16 +18,16 @@ namespace robocell {
 
 namespace {
 
-// Questions that a thread takes at a time: neighbours, so that threads hardly ever write to the
-// same line of memory, and few, so that none waits long for the last.
+// Number of queries that a thread takes at a time: neighbours, so that threads hardly ever write to
+// the same cache line, and few, so that none waits long for the last.
 constexpr int kTakenTogether = 64;
 
-// Questions that are chosen for together.
+// Number of queries whose solutions are chosen together.
 constexpr int kChosenTogether = 64;
 
 const std::function<void()> kNoPoll;
 
-// How the seeds are laid out for B questions about n joints.
+// The layout of the seeds for B queries about n joints.
 enum class Seeds { kNone, kOne, kEach };
 
 Seeds LayoutOf(const Chain& chain, std::size_t questions, std::size_t values) {
@@ -61,7 +61,7 @@ class Batch {
     const int shares = chosen ? std::min(out_.size, kChosenTogether)
                               : (out_.size + kTakenTogether - 1) / kTakenTogether;
     const int threads = std::clamp(options_.threads, 1, std::max(1, shares));
-    if (threads > 1) chain_.lanes().starts(chain_.model());  // what throws, throws here
+    if (threads > 1) chain_.lanes().starts(chain_.model());  // throws here, not in a thread
     if (chosen) return ChooseAll(threads);
     internal::OnThreads(threads, [&](int t) { SolveShare(t == 0 ? options_.poll : kNoPoll); });
   }
@@ -89,7 +89,7 @@ class Batch {
     }
     IkOptions first = options_.ik;
     first.seed = JointVector(SeedOf(0));
-    // Where nothing is asked, no question lacks a seed.
+    // Without targets no query lacks a seed.
     if (targets_.empty() && first.seed.empty()) first.seed = JointVector(chain_.n_joints());
     RequireIkOptions(chain_, first);
     for (std::size_t b = 0; b < targets_.size(); ++b) {
@@ -108,7 +108,7 @@ class Batch {
     out_.iterations.resize(size);
   }
 
-  // Tells the helpers to end when an exception leaves the caller's thread.
+  // Ends the helpers when an exception leaves the caller's thread.
   struct Ending {
     std::atomic<bool>& flag;
     int before = std::uncaught_exceptions();
@@ -117,7 +117,7 @@ class Batch {
     }
   };
 
-  // What one thread solves: some questions, and some more when it is done with them.
+  // The work of one thread: some queries, and more when these are done.
   class Share : public internal::LaneQueue {
    public:
     Share(Batch* batch, const std::function<void()>& poll) : batch_(*batch), poll_(poll) {}

@@ -1,13 +1,11 @@
 // Inverse kinematics of many poses at once.
 //
 // Each query is solved on its own: its result does not depend on the other queries, on their order
-// or on the number of threads. It may differ from the result of Ik, and on a processor with another
-// instruction set again; each is a solution. Results are arrays with one row per query. See
-// lane_solver.h for the method. A filter gets the solutions of many queries at once, on the
-// caller's thread.
+// or on the number of threads. It may differ from the result of Ik, and on another instruction set
+// again; each is a solution. Results are arrays with one row per query. lane_solver.h describes the
+// method. A filter gets the solutions of many queries at once, on the caller's thread.
 //
-// Errors: ArgumentError before any work starts, naming the row that is wrong. See ik.h for the
-// options.
+// Throws ArgumentError, with the wrong row, before any work starts. See ik.h for the options.
 //
 //   IkBatchResult r = IkBatch(chain, targets, seeds, {.threads = 2});
 //   for (int b = 0; b < r.size; ++b) if (r.success[b]) Use(r.row(b));
@@ -26,9 +24,9 @@ namespace robocell {
 struct IkBatchOptions {
   // Options of every query. The seed in here must be empty: seeds are a separate argument.
   IkOptions ik{};
-  // The caller's thread is one of them.
+  // Number of threads, including the caller's.
   int threads = 1;
-  // Called now and then on the caller's thread. What it throws ends the batch and comes out of it.
+  // Called occasionally on the caller's thread. Its exception ends the batch and is rethrown.
   std::function<void()> poll = {};
 };
 
@@ -47,12 +45,12 @@ struct IkBatchResult {
   int solved() const;
 };
 
-// `seeds` holds no value (the middle of the limits), n values (the same seed for all) or B x n
-// values row by row.
+// `seeds` has no value (the middle of the limits), n values (the same seed for all) or B x n values
+// row by row.
 IkBatchResult IkBatch(const Chain& chain, const IkTargets& tips_in_base,
                       std::span<const double> seeds = {}, const IkBatchOptions& options = {});
-// The same into a result whose memory is used again: no allocation when the size is the same,
-// threads is 1, and the options have neither a preference nor a filter.
+// The same into a result whose memory is reused: no allocation if the size is the same, threads is
+// 1, and the options have neither a preference nor a filter.
 void IkBatch(const Chain& chain, const IkTargets& tips_in_base, std::span<const double> seeds,
              const IkBatchOptions& options, IkBatchResult* result);
 

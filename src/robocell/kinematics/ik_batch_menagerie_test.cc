@@ -1,5 +1,5 @@
-// Batched inverse kinematics on real arms and on random chains, judged by the engine: how much is
-// solved, limits, tolerances, targets that nothing reaches.
+// Tests batched inverse kinematics on real arms and on random chains, judged by the engine: success
+// rates, limits, tolerances, unreachable targets.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,7 +16,7 @@ std::vector<Pose> ReachableTargets(const Chain& chain, int count, Rng* rng) {
   return targets;
 }
 
-// How many are solved; every claimed solution must convince the engine.
+// Returns the number of solved targets; every claimed solution must convince the engine.
 int CountSolvedTogether(const TestModel& t, const Chain& chain, const std::vector<Pose>& targets,
                         double tolerance = 1e-5) {
   const IkBatchResult result = IkBatch(chain, targets, {}, {.ik = {.tolerance = tolerance}});
@@ -50,7 +50,7 @@ TEST_P(MenagerieIkBatch, SolvesToTightTolerances) {
   EXPECT_GE(CountSolvedTogether(arm.model, arm.chain, targets, 1e-8), 1999);
 }
 
-// A seed near the solution is answered near it: joints do not jump.
+// A seed near a solution leads to that solution: joints do not jump.
 TEST_P(MenagerieIkBatch, StaysNearASeedThatIsNear) {
   const Arm arm(GetParam());
   Rng rng = Rng::Stream(3, "batched ik targets", GetParam().folder);
@@ -99,7 +99,7 @@ TEST(IkBatchOfRandomChains, SolvesEightToTwelveJointsOfWhichSomeAreNearlyFixed) 
   EXPECT_GE(solved, asked - 20);
 }
 
-// Every way to hold two joints at values of their own is a chain that no table knows.
+// Each choice of two locked values is a chain that is in no table.
 TEST(IkBatchOfRandomChains, KeepsLockedJointsExactly) {
   Rng rng = Rng::Stream(5, "locked batch");
   const TestModel t = TestModel::FromXml(
@@ -140,7 +140,7 @@ TEST(IkBatchOfRandomChains, SaysOfWhatNothingReachesHowNearItCame) {
   }
 }
 
-// Numbers that overflow in every kernel: the result is within the limits and depends on its own
+// These numbers overflow in every kernel: the result is within the limits and depends on its own
 // query alone.
 TEST(IkBatchOfRandomChains, AnswersAbsurdTargetsBehindOthersAsAlone) {
   Rng rng = Rng::Stream(8, "absurd");

@@ -1,5 +1,5 @@
-// Batched inverse kinematics: the same answers as one by one, whatever the batch, the order and the
-// threads.
+// Tests that batched inverse kinematics gives the same results as single queries, whatever the
+// batch, the order and the threads.
 #include "robocell/kinematics/ik_batch.h"
 
 #include <gtest/gtest.h>
@@ -50,7 +50,7 @@ TEST_F(IkBatchTest, AnswersEachQuestionAsIfItWereAlone) {
 }
 
 TEST_F(IkBatchTest, DoesNotDependOnOrderOrThreads) {
-  // So many that each thread has some.
+  // Enough targets for each thread.
   while (targets_.size() < 400) targets_.push_back(targets_[targets_.size() - 40]);
   const IkBatchResult all = IkBatch(chain_, targets_);
   const IkBatchResult threaded = IkBatch(chain_, targets_, {}, {.threads = 3});
@@ -62,7 +62,7 @@ TEST_F(IkBatchTest, DoesNotDependOnOrderOrThreads) {
     EXPECT_TRUE(std::ranges::equal(reversed.row(399 - b), all.row(b))) << b;
 }
 
-// Several threads ask for what a chain makes on first use.
+// Several threads use data that a chain makes on first use.
 TEST_F(IkBatchTest, AFreshChainMayBeAskedByManyThreads) {
   const IkBatchResult expected = IkBatch(chain_, targets_);
   const Chain fresh(model_.model(), "base", ChainTip::Site("tip"));
@@ -94,7 +94,7 @@ TEST_F(IkBatchTest, UsesTheResultsMemoryAgain) {
 }
 
 TEST_F(IkBatchTest, EndsWithTheExceptionOfItsPoll) {
-  // So many that the helpers cannot take all but a few, however rarely the caller gets a core.
+  // Enough targets that the helpers leave some to the caller, however rarely it gets a core.
   while (targets_.size() < 50000) targets_.push_back(targets_[targets_.size() % 40]);
   for (const int threads : {1, 3}) {
     int polls = 0;

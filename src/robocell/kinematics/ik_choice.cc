@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kMostStartsMore = 2000;
 
-// After so many starts that led to nothing better the best is most likely known.
+// After this many starts without an improvement the best is most likely known.
 constexpr int kNothingBetter = 256;
 
 }  // namespace
@@ -105,7 +105,7 @@ IkChoice::IkChoice(const Chain& chain, const IkOptions& options,
   for (std::size_t k = 0; k < questions.size(); ++k) {
     Begin(static_cast<int>(k), /*patient=*/false);
     answers_[k] = {.position_error = std::numeric_limits<double>::infinity()};
-    // A query with a filter but without a preference is mostly solved at once.
+    // A query with a filter but without a preference is usually solved at once.
     Open(static_cast<int>(k), preference_.any() ? kSearches : 1);
   }
 }
@@ -202,7 +202,7 @@ std::span<const uint8_t> IkChoice::Filter() {
   return filtered_.Ask(options_.filter);
 }
 
-// How far off an approach is; where any rotation will do, the tip's is no part of it.
+// Returns the error of an approach; if any rotation is accepted, the tip's rotation does not count.
 double IkChoice::Miss(const IkResult& result) const {
   const double lengths = result.position_error / chain_.model().length;
   const double turn = task_.position_only ? 0 : result.rotation_error;
@@ -225,13 +225,13 @@ void IkChoice::ChooseFor(int question, std::span<const uint8_t> keep, std::size_
       best.success = success;
       best.restarts = search.began;
     };
-    // The best approach, for when there is no solution.
+    // The best approach, in case there is no solution.
     if (!best.success && Miss(search.found) < Miss(best)) take(search.found, false);
     ForBetter(search, goal, before, [&](const IkResult& result, double cost) {
       const bool kept = keep.empty() || keep[*row] != 0;
       ++*row;
       if (!kept) return;
-      // A solution that is found again is each time a little better or worse, by rounding.
+      // Rounding makes a repeated solution slightly better or worse each time.
       const bool again = best.success && !AreApart(chain_.model(), result.q, best.q, kAnother);
       const int first = again ? std::min(best.restarts, search.began) : search.began;
       if (cost < least) {

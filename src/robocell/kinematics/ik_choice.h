@@ -1,10 +1,11 @@
-// Solves queries for the best of several solutions, or for one that a filter keeps. For ik.cc,
+// Finds the best of several solutions of a query, or one that a filter keeps. For ik.cc,
 // ik_batch.cc and ik_solutions.cc.
 //
 // Each query has kSearches searches at a time, each with its own starts; their solutions are
-// filtered and compared. If none was kept, the searches continue from their next starts, and when
-// there are no more, begin again with more time for each: many searches with a few starts each do
-// not miss what one search finds after many starts. The result depends on the query alone.
+// filtered and compared. If none was kept, the searches continue from their next starts, and
+// without further starts begin again with more time for each: many searches with a few starts each
+// do not miss solutions that one search finds after many starts. The result depends on the query
+// alone.
 //
 // Without redundant joints, where solutions can be counted, starts continue until many of them found
 // nothing better.
@@ -22,22 +23,24 @@
 
 namespace robocell::internal {
 
-// Chains without redundant joints have solutions that can be counted: how long to look for all of
-// them. Who allows fewer starts than these wants to know soon, and gets no more.
+// Chains without redundant joints have a countable set of solutions: how long to search for all of
+// them. A caller that allows fewer starts than these wants a quick result, and gets no more.
 inline constexpr int kFewStarts = 48;
 
-// Whether starts continue beyond max_restarts, until all solutions are most likely known.
+// Returns true if starts continue beyond max_restarts, until all solutions are most likely known.
 bool LooksForAll(const Chain& chain, const IkTask& task, const IkOptions& options);
 
-// Whether more starts may lead to another (or better) solution, if start `newest` was the first to
-// lead to the last such one and `begun` were tried. The search ends after `quiet` starts in a row
-// without one, and after 2000 more than allowed, because singular poses have infinitely many.
+// Returns true if more starts may lead to another (or better) solution, if start `newest` was the
+// first to lead to the last such one and `begun` were tried. The search ends after `quiet` starts
+// in a row without one, and after 2000 more than allowed, because singular poses have infinitely
+// many.
 bool MayFindAnother(const IkOptions& options, int newest, int begun, int quiet);
 
-// In some joint by more than `least`: rad (whole turns are no difference), lengths of the chain.
+// Returns true if some joint differs by more than `least`: rad (modulo whole turns), lengths of the
+// chain.
 bool AreApart(const ChainModel& chain, const JointVector& a, const JointVector& b, double least);
 
-// Nearer solutions count as one; as near as the tolerance of the tip can distinguish; rad.
+// Nearer solutions count as one, rad: they are as near as the tolerance of the tip can distinguish.
 inline constexpr double kAnother = 0.05;
 
 // Returns true if these options need a choice between solutions.
@@ -45,23 +48,23 @@ bool IsChosen(const IkOptions& options);
 
 class IkChoice {
  public:
-  // Ways to look for one answer; so many solutions are compared.
+  // Number of searches for one query, and of compared solutions.
   static constexpr int kSearches = 16;
 
   struct Search {
     int next_start = 0, starts_left = 0, began = 0;
     bool patient = false;  // LaneQuestion::patient
-    bool open = false;     // has to be run
+    bool open = false;     // has to run
     bool unmoved_too = false;
     IkResult found, unmoved;
   };
 
-  // `searches`: memory for kSearches of each query. All arguments must outlive this.
+  // `searches`: memory for kSearches of each query. All arguments must outlive this object.
   IkChoice(const Chain& chain, const IkOptions& options, std::span<const LaneQuestion> questions,
            std::span<Search> searches, std::span<IkResult> answers);
 
   // Runs the open searches of every `stride`-th query from `first` on, until `ended`; several
-  // threads may do so. `poll` may be empty; it is called now and then.
+  // threads may do so. `poll` may be empty; it is called occasionally.
   void Run(int first, int stride, const std::atomic<bool>& ended,
            const std::function<void()>& poll);
   // Filters and chooses after all have run. Returns false when every query has its result.
@@ -73,29 +76,30 @@ class IkChoice {
   void Begin(int question, bool patient);
   void Open(int question, int searches);
   bool MayBeginAgain(int question) const;
-  // Returns true if a better solution than the present one may still come.
+  // Returns true if a better solution may still be found.
   bool GoesOn(int question) const;
-  // One more start for each search.
+  // Adds one start to each search.
   void LookFurther(int question);
-  // Cost of the present solution; infinite without one.
+  // Returns the cost of the present solution; infinite without one.
   double CostOf(int question) const;
   JointVector GoalOf(int question) const;
   // Calls use(result, cost) for each solution of a search that is better than `least`.
   template <class Use>
   void ForBetter(Search& search, const JointVector& goal, double least, const Use& use);
   void ChooseFor(int question, std::span<const uint8_t> keep, std::size_t* row);
-  // Which of the solutions found, in their order, the filter keeps; empty without one.
+  // Returns which solutions, in the order of finding, the filter keeps; empty without a filter.
   std::span<const uint8_t> Filter();
   double Miss(const IkResult& result) const;
   int StartsFor(const LaneQuestion& question) const;
-  // More starts if nothing was found but a start came near, as for queries without a preference.
+  // Returns additional starts if there is no solution but a start came near, as for queries without
+  // a preference.
   int MoreStartsFor(int question) const;
 
   const Chain& chain_;
   const IkOptions& options_;
   IkTask task_;
   IkPreference preference_;
-  bool compares_all_ = false;  // no joints are to spare
+  bool compares_all_ = false;  // without redundant joints
   std::span<const LaneQuestion> questions_;
   std::span<Search> searches_;
   std::span<IkResult> answers_;

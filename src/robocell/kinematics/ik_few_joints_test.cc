@@ -1,5 +1,5 @@
-// Arms of three to five joints, which reach a pose in one way or a few: a start that leads
-// elsewhere finds nothing. Reachable by construction.
+// Tests arms of three to five joints, which reach a pose in one or a few ways: a start that leads
+// elsewhere finds nothing. Targets are reachable by construction.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 namespace robocell {
 namespace {
 
-// A turning or sliding base, joints that pitch, and with four and more one that rolls.
+// A turning or sliding base, joints that pitch, and with four or more joints one that rolls.
 std::string FewJointsXml(Rng* rng, int joints, const std::string& base) {
   std::string xml =
       "<mujoco><compiler angle='radian' autolimits='true'/><default><geom size='.01'/></default>"
@@ -40,8 +40,8 @@ INSTANTIATE_TEST_SUITE_P(
                                      "<joint axis='0 0 1'/>",
                                      "<joint type='slide' axis='1 0 0' range='-.5 .5'/>")));
 
-// The number of starts that a reach map gives a place. From the first starts alone, most places
-// behind the base, at the ends of its joint's range, were missed.
+// The number of starts that a reach map gives each place. The first starts alone missed most
+// places behind the base, at the ends of its joint's range.
 TEST_P(ArmOfFewJoints, ReachesFromNineStartsWhatItReaches) {
   const auto [joints, base] = GetParam();
   Rng rng = Rng::Stream(1, "few joints", joints);

@@ -1,5 +1,5 @@
-// Poses that all restarts missed, but one came near: those in corners of the limits are found, what
-// cannot be reached costs little more, and who allows few starts gets no more of them.
+// Tests poses that all restarts missed although one came near: those in corners of the limits are
+// found, unreachable ones cost little more, and a caller that allows few starts gets no more.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ struct LimitedChain {
                                      .Write())),
         chain(model.model(), "base", ChainTip::Site("tip")) {}
 
-  // A part of the joints at one of their limits.
+  // Puts some of the joints at one of their limits.
   Pose Reachable(double at_limits) {
     JointVector q = RandomJoints(chain, &rng);
     for (int i = 0; i < q.size(); ++i) {
@@ -32,7 +32,8 @@ struct LimitedChain {
     }
     return chain.Fk(q);
   }
-  // Anywhere in a ball around the root, turned anyhow: nothing reaches most of them.
+  // Returns poses anywhere in a ball around the root, with any rotation: most of them are
+  // unreachable.
   Pose InTheReach() {
     Eigen::Vector3d place;
     do {
@@ -94,7 +95,7 @@ TEST(IkNearMiss, SolvesAsManyPosesInCornersWithAPreference) {
   EXPECT_GE(solved, 0.995 * kTargets * kChains);
 }
 
-// Mean number of steps of a query.
+// Returns the mean number of steps of a query.
 double StepsOf(const Chain& chain, const std::vector<Pose>& targets, int max_restarts) {
   const IkBatchResult found = IkBatch(chain, targets, {}, {.ik = {.max_restarts = max_restarts}});
   return std::accumulate(found.iterations.begin(), found.iterations.end(), 0.0) / found.size;

@@ -1,6 +1,6 @@
-// Properties of every query with more or less than a pose: random chains of 2 to 12 joints with
-// slides, tiny limits and locked joints, seeds inside and outside of the limits. The judge is the
-// engine, with its own formulas.
+// Tests properties of every query for more or less than a pose: random chains of 2 to 12 joints
+// with slides, tiny limits and locked joints, seeds inside and outside of the limits. The judge is
+// the engine, with its own formulas.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -80,7 +80,7 @@ class IkObjectives : public testing::TestWithParam<std::tuple<int, Joints>> {
     return objectives;
   }
 
-  // Targets that each objective can have, and seeds for them; locked joints as they have to be.
+  // Makes targets that each objective can reach, with seeds and the required locked joints.
   void MakeQuestions(int count) {
     targets_.clear();
     seeds_.clear();
@@ -98,7 +98,7 @@ class IkObjectives : public testing::TestWithParam<std::tuple<int, Joints>> {
     return std::span(seeds_).subspan(b * n, n);
   }
 
-  // How far off an answer is by the engine, as the options count it: m, rad.
+  // Returns the errors of a result by the engine, weighted by the options: m, rad.
   std::pair<double, double> ErrorsOf(const Pose& target, std::span<const double> q,
                                      const IkOptions& options) {
     for (int i = 0; i < chain_.n_joints(); ++i)
@@ -121,7 +121,7 @@ class IkObjectives : public testing::TestWithParam<std::tuple<int, Joints>> {
     return {position, weighed(turn.angle() * turn.axis(), options.rotation_weights)};
   }
 
-  // Everything that an answer claims.
+  // Checks everything that a result claims.
   void Check(const Objective& objective, int b, std::span<const double> q, bool success) {
     const std::string what = fmt::format("{}, question {}", objective.name, b);
     for (int i = 0; i < chain_.n_joints(); ++i) {
@@ -190,11 +190,11 @@ TEST_P(IkObjectives, AreMetByAllSolutions) {
   }
 }
 
-// Nothing reaches there, whatever is asked for: said so, with the limits obeyed.
+// Unreachable for every objective: reported as such, with the limits obeyed.
 TEST_P(IkObjectives, OutOfReachAreToldAsSuch) {
   for (const Objective& objective : Objectives()) {
     const auto& w = objective.options.position_weights;
-    if (*std::min_element(w.begin(), w.end()) == 0) continue;  // anywhere on a line may be reached
+    if (*std::min_element(w.begin(), w.end()) == 0) continue;  // may be reachable
     MakeQuestions(3);
     for (Pose& target : targets_) {
       const double far = 5 * chain_.model().reach_bound + 50;

@@ -12,7 +12,7 @@ namespace robocell::internal {
 
 namespace {
 
-// After more of them too few digits are left for an angle.
+// Beyond this number too few digits are left for an angle.
 constexpr double kMostTurns = 1e5;
 constexpr double kLessThanHalfATurn = 3;  // rad
 
@@ -27,7 +27,8 @@ bool IsOutOfReach(const ChainModel& chain, const Transform& target, double toler
   return (target.translation - root).norm() > chain.reach_bound + tolerance;
 }
 
-// A locked slide may be beyond its limits; wherever a hinge is, the chain is as long.
+// A locked slide may be beyond its limits; the position of a hinge does not change the chain's
+// length.
 bool MayExceedReach(const ChainModel& chain, const LockedJoints& locked) {
   for (int i = 0; i < chain.n; ++i) {
     if (locked[i] && chain.joints[i].slide) return true;
@@ -35,7 +36,7 @@ bool MayExceedReach(const ChainModel& chain, const LockedJoints& locked) {
   return false;
 }
 
-// Length of a vector whose square may overflow.
+// Returns the length of a vector whose square may overflow.
 double Length(const Eigen::Vector3d& v) {
   const double square = v.squaredNorm();
   return square > 1e-200 && square < 1e200 ? std::sqrt(square) : v.stableNorm();
@@ -61,9 +62,9 @@ double TurnedTowards(double seed, double q, const FoldedJoint& joint) {
   const double nearest = q + turns * kTurn;
   if (nearest > joint.upper) turns -= 1;
   if (nearest < joint.lower) turns += 1;
-  // Limits that are just a turn apart are passed by rounding.
+  // Rounding can cross limits that are exactly a turn apart.
   const double turned = q + turns * kTurn;
-  return turned >= joint.lower ? std::min(turned, joint.upper) : joint.lower;  // no NaN
+  return turned >= joint.lower ? std::min(turned, joint.upper) : joint.lower;  // not NaN
 }
 
 }  // namespace
@@ -117,7 +118,7 @@ void UnwindTowards(const FoldedChain& chain, const JointVector& seed, const Lock
   }
 }
 
-// Flat: a call of a product of matrices costs more than the product.
+// Flattened: a call of a matrix product costs more than the product.
 [[gnu::flatten]] IkResult Judged(const Chain& chain, const Transform& target, const IkTask& task,
                                  double tolerance, const JointVector& q) {
   IkResult result{.q = q};

@@ -1,5 +1,5 @@
-// Parts of every search for joint values: its start, and the evaluation of a configuration. For the
-// solvers of this folder.
+// The common parts of searches for joint values: the start, and the evaluation of a configuration.
+// For the solvers of this folder.
 #pragma once
 
 #include <numbers>
@@ -14,31 +14,34 @@ inline constexpr double kTurn = 2 * std::numbers::pi;  // rad
 // Number of queries, and of starts, between two polls of a thread.
 inline constexpr unsigned kPollEvery = 64;
 
-// The seed, or the middle of the limits without one; inside the limits but for locked joints.
+// Returns the seed, or the middle of the limits without one; inside the limits except for locked
+// joints.
 JointVector SeedOf(const ChainModel& chain, std::span<const double> seed,
                    const LockedJoints& locked);
 
-// Start k > 0 of those that fill the joint space, locked joints as in the seed. With `part` < 1
-// they fill that part of the space around the seed.
+// Returns start k > 0 of those that fill the joint space, with locked joints as in the seed. With
+// `part` < 1 they fill that part of the space around the seed.
 JointVector SpreadStart(const ChainModel& chain, const JointVector& seed,
                         const LockedJoints& locked, int k, double part = 1);
 
-// How often a search for the target may start again: a few times only, for the best approach, when
-// no stretched chain touches it.
+// Returns how often a search for the target may restart: only a few times, for the best approach,
+// if the stretched chain does not reach it.
 int RestartsFor(const ChainModel& chain, const IkTask& task, const IkOptions& options,
                 const Transform& target);
-// How often more, when all of these failed and the best of them had this cost (squared error, rad
-// and lengths of the chain): where it came near, in a corner of the limits there mostly is a way.
+// Returns the number of additional restarts, if all of these failed and the best of them had this
+// cost (squared error, rad and lengths of the chain): a start that came near usually means a
+// solution in a corner of the limits.
 int MoreRestartsFor(const ChainModel& chain, const IkTask& task, const IkOptions& options,
                     const Transform& target, double best_cost);
 
-// Whole turns do not move the tip: takes as many as bring a hinge nearest to the seed, which is in
-// the limits, within its limits. A hinge beyond them must have limits that hold a whole turn.
+// Whole turns do not move the tip: adds those that bring a hinge nearest to the seed, which is
+// within the limits, and keep it within its limits. The limits of a hinge beyond them must span a
+// whole turn.
 void UnwindTowards(const FoldedChain& chain, const JointVector& seed, const LockedJoints& locked,
                    JointVector* q);
 
 // Judges q by a fresh forward kinematics, that of Chain::Fk, in double precision and one pose at a
-// time: what the kernel of the search says counts for nothing. Fills in the errors and `success`.
+// time: errors from the search kernel do not count. Sets the errors and `success`.
 IkResult Judged(const Chain& chain, const Transform& target, const IkTask& task, double tolerance,
                 const JointVector& q);
 

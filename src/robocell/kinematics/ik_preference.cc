@@ -45,9 +45,9 @@ JointVector IkPreference::GoalFor(const JointVector& seed) const {
   return goal;
 }
 
-// How much joints of different ranges count. Away from limits a joint counts by the square of its
-// share of the half range (A. Liegeois, "Automatic Supervisory Control
-// of the Configuration and Behavior of Multibody Mechanisms", 1977).
+// The weight that makes joints of different ranges comparable. Away from limits a joint counts by
+// the square of its share of the half range (A. Liegeois, "Automatic Supervisory Control of the
+// Configuration and Behavior of Multibody Mechanisms", 1977).
 double IkPreference::squared_scale(int i) const {
   const JointModel& joint = chain_.joints[i];
   const bool by_range = prefer_ == IkPrefer::kAwayFromLimits && IsLimited(joint);

@@ -1,5 +1,5 @@
-// The secondary objective: which of several solutions of one query is better, and where redundant
-// joints move. For the solvers of this folder.
+// The secondary objective: it ranks several solutions of one query, and moves redundant joints. For
+// the solvers of this folder.
 #pragma once
 
 #include "robocell/kinematics/chain_model.h"
@@ -11,19 +11,20 @@ class IkPreference {
  public:
   IkPreference(const ChainModel& chain, const IkOptions& options);
 
-  // Whether solutions are compared at all.
+  // Returns true if solutions are compared at all.
   bool any() const { return prefer_ != IkPrefer::kFirst; }
-  // Whether solutions should be near a configuration. Searches then start at it and around it.
+  // Returns true if solutions should be near a configuration. Searches then start at it and around
+  // it.
   bool has_goal() const { return any() && prefer_ != IkPrefer::kManipulability; }
   // Returns that configuration with locked joints as in the seed; without one, the seed.
   JointVector GoalFor(const JointVector& seed) const;
-  // The share of the distance to a goal that joint i moves in a step, and how easily it moves for
-  // other joints (at most 1).
+  // Return the share of the distance to a goal that joint i moves in a step, and how easily it
+  // moves for other joints (at most 1).
   double part(int i) const;
   double ease(int i) const { return squared_scale(i) / largest_squared_scale(); }
   // Returns where redundant joints move from q.
   JointVector GoalFrom(const JointVector& q, const JointVector& goal) const;
-  // The less the better.
+  // Returns the cost; lower is better.
   double Cost(const JointVector& q, const JointVector& goal) const;
 
  private:

@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Cost of the preference in the options; less is better.
+// Returns the cost of the preference in the options; lower is better.
 double Badness(const Chain& chain, const IkOptions& options, std::span<const double> q) {
   if (options.prefer == IkPrefer::kManipulability) return -Manipulability(chain, q);
   if (options.prefer != IkPrefer::kAwayFromLimits) {
@@ -66,7 +66,7 @@ TEST_P(IkPrefers, IsMetBetterThanByTheFirstSolution) {
       chosen += after;
     }
     EXPECT_GE(solved, 39);
-    EXPECT_LE(worse, 4) << static_cast<int>(prefer);  // the first hit may be lucky
+    EXPECT_LE(worse, 4) << static_cast<int>(prefer);  // the first solution may be lucky
     // Six joints have a handful of solutions to choose from.
     const double better = chain_.n_joints() == 6 ? 0 : 0.1 * std::abs(first);
     EXPECT_LT(chosen, first - better) << static_cast<int>(prefer);
@@ -74,7 +74,7 @@ TEST_P(IkPrefers, IsMetBetterThanByTheFirstSolution) {
 }
 
 // With redundant joints no better solution is near: a step along any direction that does not move
-// the tip is no improvement.
+// the tip is not an improvement.
 TEST_P(IkPrefersToSpare, IsMetAsWellAsTheJointsToSpareAllow) {
   for (const IkPrefer prefer : {IkPrefer::kPosture, IkPrefer::kAwayFromLimits}) {
     int settled = 0, counted = 0;
@@ -108,7 +108,7 @@ TEST_P(IkPrefersToSpare, IsMetAsWellAsTheJointsToSpareAllow) {
       settled += best_here;
     }
     EXPECT_GE(counted, 10);
-    // With many redundant joints some are still moving after the allowed steps.
+    // With many redundant joints some still move after the allowed steps.
     const double share = prefer == IkPrefer::kPosture ? 0.95 : 0.9;
     EXPECT_GE(settled, share * counted) << static_cast<int>(prefer);
   }

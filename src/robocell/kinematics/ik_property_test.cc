@@ -1,6 +1,6 @@
-// Properties of every query of every chain, alone and in batches: random chains of 1 to 12 joints
-// with slides, tiny limits, limits of a turn and more, and without limits; queries of every kind.
-// The judge is the engine.
+// Tests properties of every query of every chain, alone and in batches: random chains of 1 to 12
+// joints with slides, tiny limits, limits of a turn and more, and without limits; queries of every
+// kind. The judge is the engine.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -54,7 +54,7 @@ class IkProperties : public testing::TestWithParam<std::tuple<int, Sort>> {
     questions_.targets.push_back(target);
     questions_.reachable.push_back(reachable);
     questions_.kinds.push_back(kind);
-    // Near the solution, anywhere in the limits, far beyond them.
+    // Starts near the solution, anywhere in the limits, far beyond them.
     const double away = questions_.size() % 3 == 0 ? 0.05 : questions_.size() % 3 == 1 ? 1 : 20;
     for (int i = 0; i < truth.size(); ++i) {
       const double off = options_.locked[i] ? 0 : rng_.Uniform(-away, away);
@@ -70,7 +70,7 @@ class IkProperties : public testing::TestWithParam<std::tuple<int, Sort>> {
     }
     return q;
   }
-  // The worst of many.
+  // Takes the worst of many.
   JointVector NearlySingular() {
     JointVector worst = RandomJoints(chain_, &rng_);
     for (int k = 0; k < 100; ++k) {
@@ -92,7 +92,7 @@ class IkProperties : public testing::TestWithParam<std::tuple<int, Sort>> {
     }
   }
 
-  // Everything that an answer claims.
+  // Checks everything that a result claims.
   void Check(int b, std::span<const double> q, bool success, double position_error,
              double rotation_error, int iterations) {
     const std::string what = fmt::format("question {}, {}", b, questions_.kinds[b]);

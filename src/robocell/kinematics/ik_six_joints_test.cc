@@ -1,5 +1,5 @@
-// Arms of six joints, which have none to spare: three parallel axes, a spherical wrist, a slide,
-// and the arm of the examples. Judged by the engine.
+// Tests arms of six joints without redundancy: three parallel axes, a spherical wrist, a slide, and
+// the arm of the examples. The engine is the judge.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -82,7 +82,7 @@ class ArmOfSixJoints : public testing::TestWithParam<SixJoints> {
 INSTANTIATE_TEST_SUITE_P(Arms, ArmOfSixJoints, testing::ValuesIn(SixJointArms()),
                          [](const auto& info) { return info.param.name; });
 
-// At least 99.9 % are asked for.
+// Requires at least 99.9 %.
 TEST_P(ArmOfSixJoints, SolvesTwentyThousandReachableTargetsWithinTheLimits) {
   ASSERT_EQ(chain_.n_joints(), 6);
   EXPECT_GE(CountSolved(Reached(20000), {.tolerance = kSixTolerance}), 19990);
@@ -104,7 +104,7 @@ TEST_P(ArmOfSixJoints, AnswersSingleQuestionsToo) {
   EXPECT_GE(solved, 999);
 }
 
-// Who asks for the best solution, or for one that a filter keeps, gets an answer no less often.
+// Queries for the best solution, or for one that a filter keeps, succeed as often.
 TEST_P(ArmOfSixJoints, SolvesAsManyWhereASolutionIsChosen) {
   const std::vector<Pose> targets = Reached(1000);
   const IkFilter all = [](std::span<const double>, int, std::span<uint8_t> keep) {
@@ -118,7 +118,7 @@ TEST_P(ArmOfSixJoints, SolvesAsManyWhereASolutionIsChosen) {
     EXPECT_GE(CountSolved(targets, options), 999);
 }
 
-// The configuration that a pose was made from is among all solutions of it.
+// The configuration that a pose was made from is among all of its solutions.
 TEST_P(ArmOfSixJoints, FindsTheSolutionThatIsKnownAmongAll) {
   int known = 0;
   for (int k = 0; k < 100; ++k) {
@@ -136,7 +136,7 @@ TEST_P(ArmOfSixJoints, FindsTheSolutionThatIsKnownAmongAll) {
   EXPECT_GE(known, 95);
 }
 
-// Whole turns of hinges are no difference.
+// Compares modulo whole turns of hinges.
 bool AreTheSame(const Chain& chain, const JointVector& a, const JointVector& b) {
   for (int i = 0; i < a.size(); ++i) {
     const double off = a[i] - b[i];
@@ -161,7 +161,7 @@ TEST_P(ArmOfSixJoints, FindsAsManySolutionsAsAMuchLongerSearch) {
   EXPECT_EQ(missed, 0) << count;
 }
 
-// Without redundant joints the best is one of a few, and all of them are looked at.
+// Without redundant joints the best is one of a few, and all of them are compared.
 TEST_P(ArmOfSixJoints, PrefersTheVeryNearestToTheSeedOrPosture) {
   int farther = 0;
   for (const Pose& target : Reached(100)) {
@@ -185,14 +185,14 @@ TEST_P(ArmOfSixJoints, PrefersTheVeryNearestToTheSeedOrPosture) {
   EXPECT_LE(farther, 2);
 }
 
-// A solution that is found again is sometimes a little nearer, by rounding: no reason to continue.
+// Rounding sometimes makes a repeated solution slightly nearer, which is no reason to continue.
 TEST_P(ArmOfSixJoints, CountsFromTheStartThatFirstLedToThePreferredSolution) {
   int same = 0;
   for (const Pose& target : Reached(100)) {
     const JointVector seed = RandomJoints(chain_, &rng_);
     const IkOptions best{.seed = seed, .prefer = IkPrefer::kSeed};
     IkOptions near = best;
-    near.max_restarts = 46;  // ends with what is found first
+    near.max_restarts = 46;  // ends with the first solution
     const IkResult first = Ik(chain_, target, near), all = Ik(chain_, target, best);
     if (!first.success || !AreTheSame(chain_, first.q, all.q)) continue;
     EXPECT_LE(all.restarts, first.restarts);

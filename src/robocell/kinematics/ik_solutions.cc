@@ -17,13 +17,13 @@ namespace robocell {
 
 namespace {
 
-// Far beyond what finds anything new; their answers have to fit into memory.
+// Far beyond the number that finds anything new; the results have to fit into memory.
 constexpr int kMostStarts = 1'000'000;
 constexpr int kStartsBetweenPolls = 16;
-// Arms of six joints have solutions that one start in two hundred leads to.
+// Some solutions of six-joint arms are reached by one start in two hundred.
 constexpr int kQuietStarts = 600, kMoreAtATime = 100;
 
-// Every start is a question of its own.
+// Makes every start a query of its own.
 class EveryStart : public internal::LaneQueue {
  public:
   EveryStart(const Transform& target, const IkOptions& options, const std::function<void()>& poll)
@@ -74,7 +74,7 @@ void Filter(const IkFilter& filter, std::vector<IkResult>* solutions) {
   std::erase_if(*solutions, [&](const IkResult&) { return keep[row++] == 0; });
 }
 
-// In order of preference; equals in the order of their starts.
+// Sorts by preference, and equal ones by their starts.
 std::vector<IkResult> BestFirst(const ChainModel& chain, const IkOptions& options,
                                 std::vector<IkResult> solutions) {
   const internal::IkPreference preference(chain, options);
@@ -96,7 +96,7 @@ bool IsNew(const ChainModel& chain, const IkResult& found, std::span<const Joint
          });
 }
 
-// Starts on, after those that were asked for, until nothing new has come for long.
+// Continues beyond the requested starts until nothing new has been found for long.
 void GoOn(const Chain& chain, const IkOptions& options, double separation, EveryStart* every) {
   const double least = std::max(separation, internal::kAnother);
   std::vector<JointVector> known;

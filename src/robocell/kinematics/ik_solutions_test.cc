@@ -76,8 +76,8 @@ TEST(IkSolutionsOfTwoLinks, AreBothElbows) {
     for (int k = 0; k < count; ++k) keep[k] = q[2 * k + 1] > 0;
   };
   EXPECT_EQ(IkSolutions(chain, target, {.position_only = true, .filter = up}).size(), 1u);
-  // Yoshikawa's textbook case: l1 l2 |sin(elbow)|, for the position. With the turn it is a 3 x 2
-  // task.
+  // Yoshikawa's textbook case: l1 l2 |sin(elbow)|, for the position. With the rotation it is a 3 x
+  // 2 task.
   Eigen::Matrix<double, 6, 2> j;
   chain.Jacobian(all[0].q, j);
   EXPECT_NEAR(Manipulability(chain, all[0].q), std::sqrt((j.transpose() * j).determinant()), 1e-12);

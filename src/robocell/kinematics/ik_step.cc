@@ -12,8 +12,8 @@
 namespace robocell::internal {
 namespace {
 
-// If the search from the present joint values fails, others begin; for an unreachable target that
-// should not take long.
+// If the search from the present joint values fails, others begin; an unreachable target should not
+// take long.
 constexpr int kOtherStarts = 32;
 
 bool IsNear(const ChainModel& chain, std::span<const double> q, std::span<const double> from,
@@ -24,25 +24,25 @@ bool IsNear(const ChainModel& chain, std::span<const double> q, std::span<const 
   return true;
 }
 
-// How far the tip goes in one damped step, rad and chain lengths, and how many steps one search
+// How far the tip moves in one damped step, rad and chain lengths, and how many steps one search
 // and all searches together may take. A step of seven joints takes about three microseconds.
 constexpr double kDampedStep = 0.02;
 constexpr int kDampedSteps = 60, kDampedStepsInAll = 360;
-// The share of the pose error that each step, and all of them together, must take away.
+// The share of the pose error that each step, and all of them together, must remove.
 constexpr double kShareOfStep = 1e-3, kShareInAll = 0.02;
-// Where the joints are singular to first order, as in a stretched arm that is to be bent, the
+// If the joints are singular to first order, for example in a stretched arm that is to bend, the
 // search begins beside them: one joint is moved by one of these, rad or chain lengths. The larger
 // ones are tried only if the smallest does not help: they pass the singular place, for an arm that
-// rests at a limit on the side of it where there is no more room.
+// rests at a limit on the side of it without room.
 constexpr double kAside[] = {0.05, 0.15, 0.3};
 constexpr int kAsides = 2 * std::size(kAside);  // of a joint, to both sides
-// A search that takes less of the pose error away than this share is compared with others, until
-// one takes as much and leaves every joint this far from its limits, rad or chain lengths.
+// A search that removes less of the pose error than this share is compared with others, until one
+// removes as much and leaves every joint this far from its limits, rad or chain lengths.
 constexpr double kGoodShare = 0.5, kGoodRoom = 0.1;
-constexpr double kNoRoom = 1e-12;  // the speed of a joint that has gone as far as it may
+constexpr double kNoRoom = 1e-12;  // the speed of a joint that has used up its range
 
 struct Remaining {
-  Twist twist;      // to the target, in the axes of the base
+  Twist twist;      // to the target, in base axes
   double size = 0;  // rad and chain lengths
 };
 
@@ -79,7 +79,7 @@ class DampedSearch {
     options_.max_speed = JointVector(chain.n_joints());
   }
 
-  // Goes from `q` towards the target as far as the steps bring it nearer.
+  // Moves from `q` towards the target as long as the steps come nearer.
   Remaining GoFrom(JointVector& q) {
     Remaining left = DifferenceTo(chain_, q, target_);
     JointVector next = q;
@@ -99,7 +99,7 @@ class DampedSearch {
   }
 
  private:
-  // So that the step's second does not lead any joint too far from where it was before.
+  // Limits the step's second so that no joint moves too far from its initial position.
   void LimitSpeeds(const JointVector& q) {
     for (int i = 0; i < q.size(); ++i) {
       const double most = most_ * UnitOf(chain_.model(), i);

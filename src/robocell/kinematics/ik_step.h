@@ -1,14 +1,15 @@
-// Inverse kinematics for a step of a motion: joint values near those before it.
+// Inverse kinematics for a step of a motion: joint values near the previous ones.
 //
-// Ik takes the first solution that it finds. That may have the elbow or the wrist on their other
-// side, and an arm that is sent there swings on its way however small the step of its tip was. For
-// IkStep a solution is one only when no joint goes farther than such a step may take it; without
-// one it fails, as an arm has to stop there. Large steps are free to take any solution.
+// Ik takes the first solution that it finds. Its elbow or wrist may be on the other side, and an
+// arm that is sent there swings even for a small step of its tip. IkStep only accepts a solution if
+// no joint moves farther than such a step allows; without one it fails, and the arm has to stop
+// there. Large steps may take any solution.
 //
 //   const IkResult next = IkStep(chain, target, commanded);
 //   if (next.success) Command(next.q);
 //
-// A step may have no solution nearby, as beside a singularity: IkTowards goes as far as it can.
+// A step may have no solution nearby, for example beside a singularity: IkTowards goes as far as it
+// can.
 #pragma once
 
 #include <span>
@@ -18,27 +19,27 @@
 
 namespace robocell::internal {
 
-// How far a joint may go while the tip goes from one pose to another: kLeastJointStep and
-// kJointStepGain for each radian that it turns and each chain length (ChainModel::length) that it
-// moves. Radians for hinges, chain lengths for slides.
+// The largest motion of a joint while the tip moves from one pose to another: kLeastJointStep, and
+// kJointStepGain for each radian of rotation and each chain length (ChainModel::length) of
+// translation. Radians for hinges, chain lengths for slides.
 inline constexpr double kLeastJointStep = 0.3;
 inline constexpr double kJointStepGain = 4;
 double LargestJointStep(const Chain& chain, const Pose& from, const Pose& to);
 
-// The joint values for `tip_in_base` near `from`, the joint values before. Errors as of Ik. Nothing
-// is allocated when the search from there succeeds.
+// Returns joint values for `tip_in_base` near `from`, the previous joint values. Throws the errors
+// of Ik. Nothing is allocated when the search from there succeeds.
 IkResult IkStep(const Chain& chain, const Pose& tip_in_base, std::span<const double> from);
 
 // Returns joint values near `from` that bring the tip as near to `tip_in_base` as damped
 // differential steps (differential_ik.h) can, while no joint moves farther than LargestJointStep
-// from `from`. Of two ways that lead equally far, as of an elbow that can bend to both sides, it
-// takes the one with more room to the joint limits. `success` says that at least a fiftieth of the
-// pose error is gone; the errors are the rest. Angles are weighed against lengths by the chain's
-// length. Errors as in Ik. No allocation; 0.2 ms on average from singular places, a few
-// milliseconds where nothing helps.
+// from `from`. Of two ways that lead equally far, for example of an elbow that can bend to both
+// sides, it takes the one with more room to the joint limits. `success` is true if at least a
+// fiftieth of the pose error is removed; the errors are the rest. Angles are weighed against
+// lengths by the chain's length. Throws the errors of Ik. No allocation; 0.2 ms on average from
+// singular places, a few milliseconds if nothing helps.
 //
 //   const IkResult next = IkTowards(chain, target, commanded);
-//   if (next.success) Command(next.q);  // next.position_error is what is left
+//   if (next.success) Command(next.q);  // next.position_error remains
 IkResult IkTowards(const Chain& chain, const Pose& tip_in_base, std::span<const double> from);
 
 }  // namespace robocell::internal

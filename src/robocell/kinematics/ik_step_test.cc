@@ -1,4 +1,4 @@
-// Damped steps towards a pose: they come nearer, never farther, and no joint swings.
+// Tests damped steps towards a pose: they come nearer, never farther, and no joint swings.
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@ namespace {
 
 using RowMajor = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
 
-// Products of a few rotations are no farther from one than this.
+// Products of a few rotations deviate from a rotation by no more than this.
 constexpr double kRounding = 1e-14;
 
 // Returns true if a matrix is a rigid transform to rounding, false if it is not finite.

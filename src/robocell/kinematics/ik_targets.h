@@ -1,5 +1,5 @@
-// IkTargets: poses of the tip in the base frame (metres) that are asked for together, as Poses or
-// as the numbers of matrices.
+// IkTargets: poses of the tip in the base frame (metres) for a batch of queries, as Poses or as the
+// numbers of matrices.
 //
 //   IkBatch(chain, poses);                             // std::vector<Pose>
 //   IkBatch(chain, IkTargets::FromMatrices(numbers));  // B x 4 x 4 numbers, as numpy has them
@@ -14,7 +14,7 @@
 
 namespace robocell {
 
-// Refers to what it is made from, and allocates nothing.
+// Refers to its sources, and allocates nothing.
 class IkTargets {
  public:
   IkTargets() = default;
@@ -22,10 +22,10 @@ class IkTargets {
   requires std::convertible_to<const Poses&, std::span<const Pose>> IkTargets(const Poses& poses)
       : poses_(poses) {}
   IkTargets(const Pose* poses, std::size_t count) : poses_(poses, count) {}
-  // From B homogeneous 4x4 matrices, row by row, translations in metres. Rotations are taken as
-  // they are where they are orthonormal to rounding (products of their rows are within 1e-14 of 0
-  // and 1), else as Pose takes them. What is no rigid transform is an ArgumentError that names the
-  // row: "targets[17]: ...".
+  // Uses B homogeneous 4x4 matrices, row by row, translations in metres. Rotations are used
+  // unchanged if they are orthonormal to rounding (products of their rows are within 1e-14 of 0 and
+  // 1), else normalised like in Pose. Throws ArgumentError with the row, "targets[17]: ...", for a
+  // matrix that is not a rigid transform.
   static IkTargets FromMatrices(std::span<const double> matrices,
                                 std::string_view name = "targets");
 

@@ -20,7 +20,7 @@ int CountZeros(const Weights& weights) {
 
 bool IsWhole(const Weights& weights) { return weights == Weights{1, 1, 1}; }
 
-// The whole pose, no weights: most questions, which so spend no time on the rest.
+// Returns true for a whole pose without weights: the usual query, which skips the rest.
 bool IsPlain(const IkOptions& options) {
   return !options.position_only && !options.axis && IsWhole(options.position_weights) &&
          IsWhole(options.rotation_weights);
@@ -30,7 +30,7 @@ Eigen::Matrix3d Diagonal(const Weights& weights) {
   return Eigen::Vector3d(weights[0], weights[1], weights[2]).asDiagonal();
 }
 
-// Two rows across the axis, and one that counts nothing.
+// Returns two rows across the axis, and one that counts nothing.
 Eigen::Matrix3d RowsAcross(const Eigen::Vector3d& axis) {
   const Eigen::Vector3d across = axis.unitOrthogonal();
   Eigen::Matrix3d rows = Eigen::Matrix3d::Zero();
@@ -39,7 +39,7 @@ Eigen::Matrix3d RowsAcross(const Eigen::Vector3d& axis) {
   return rows;
 }
 
-// What turns the first of two unit vectors to the second.
+// Returns the rotation vector from the first of two unit vectors to the second.
 Eigen::Vector3d SwingBetween(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
   const Eigen::Vector3d sine = from.cross(to);
   const double s = sine.norm(), angle = std::atan2(s, from.dot(to));
@@ -68,7 +68,7 @@ IkTask::IkTask(const IkOptions& options) : plain(IsPlain(options)), cone(options
     angular.setZero();
   } else if (options.axis) {
     swing = true;
-    axis = options.axis->stableNormalized();  // squares may be too large
+    axis = options.axis->stableNormalized();  // squares may overflow
     angular = RowsAcross(axis);
   } else if (CountZeros(options.rotation_weights) == 1) {
     swing = true;

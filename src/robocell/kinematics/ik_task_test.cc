@@ -1,5 +1,5 @@
-// Inverse kinematics of more and less than a pose: every answer judged by the engine's kinematics
-// for exactly what was asked.
+// Tests inverse kinematics of more and less than a pose: the engine's kinematics judges every
+// result for exactly the requested part.
 #include "robocell/kinematics/ik_task.h"
 
 #include <gtest/gtest.h>
@@ -59,7 +59,7 @@ TEST_P(IkMore, AConeIsReachedWithinItsAngle) {
   const double cone = 0.3;
   std::vector<Pose> targets;
   for (int b = 0; b < 300; ++b) {
-    // Half of them as far off as the cone allows, and turned about the axis.
+    // Half of them are as far off as the cone allows, and turned about the axis.
     const double tilt = b % 2 ? cone : rng_.Uniform(0, cone);
     const Pose off(
         Vector3d::Zero(),
@@ -145,7 +145,7 @@ TEST_P(IkMore, WeightsSayWhatAnErrorCounts) {
   std::vector<Pose> targets;
   for (int b = 0; b < 200; ++b)
     targets.push_back(Reached() * Pose(Vector3d(0, 0, rng_.Uniform(-50, 50))));
-  // Anywhere along the target's z axis.
+  // Accepts a position anywhere along the target's z axis.
   const IkOptions along{.position_weights = {1, 1, 0}};
   EXPECT_GE(Solved(targets, along,
                    [](const Transform& tip) {
@@ -154,7 +154,7 @@ TEST_P(IkMore, WeightsSayWhatAnErrorCounts) {
                             AngleBetween(tip.rotation.col(1), Vector3d::UnitY()) <= kNear;
                    }),
             0.99);
-  // The tolerance is one of weighted errors: ten times as wide along x.
+  // The tolerance applies to weighted errors: it is ten times as wide along x.
   targets.clear();
   for (int b = 0; b < 200; ++b) targets.push_back(Reached());
   const IkOptions coarse{.position_weights = {0.1, 1, 1}, .rotation_weights = {2, 1, 0.5}};
@@ -258,7 +258,7 @@ TEST(IkMoreOptions, MakeSense) {
   ExpectThrow<ArgumentError>(
       [&] { IkSolutions(chain, target, {.max_restarts = std::numeric_limits<int>::max()}); },
       "2147483648 starts for all solutions; there may be up to 1000000");
-  // The same without any targets.
+  // The same error without any targets.
   ExpectThrow<ArgumentError>([&] { IkBatch(chain, {}, {}, {.ik = {.tolerance = -1}}); },
                              "tolerance is -1; it must be more than 0");
   ExpectThrow<ArgumentError>([&] { IkBatch(chain, {}, {}, {.ik = {.axis = Vector3d::Zero()}}); },

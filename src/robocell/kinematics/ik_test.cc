@@ -1,5 +1,5 @@
-// Inverse kinematics: solutions judged by the engine's kinematics, limits, and what happens without
-// a solution.
+// Tests inverse kinematics: solutions judged by the engine's kinematics, limits, and results
+// without a solution.
 #include "robocell/kinematics/ik.h"
 
 #include <gtest/gtest.h>
@@ -23,8 +23,8 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// How many of `count` reachable targets are solved; every claimed solution must convince the
-// engine.
+// Returns how many of `count` reachable targets are solved; every claimed solution must convince
+// the engine.
 int CountSolved(const TestModel& t, const Chain& chain, int count, Rng* rng,
                 const IkOptions& options = {}) {
   int solved = 0;
@@ -41,7 +41,7 @@ int CountSolved(const TestModel& t, const Chain& chain, int count, Rng* rng,
   return solved;
 }
 
-// A chain without files: six or seven hinges and a slide or two, seeded.
+// A chain without files: six or seven hinges and one or two slides, seeded.
 struct AnyArm {
   explicit AnyArm(int seed, RandomChainOptions options = {}) {
     Rng rng = Rng::Stream(seed, "any arm");
@@ -182,7 +182,7 @@ TEST(Ik, FindsTheStretchedPoseWhereTheJacobianIsSingular) {
   }
 }
 
-// One hinge after the other along x, and slides where the axis says so.
+// Hinges one after the other along x, and slides where the axis requests them.
 std::string Row(const std::vector<std::string>& joints, double link, double tip) {
   std::string open, close;
   for (const std::string& joint : joints) {
@@ -269,7 +269,7 @@ TEST(Ik, IsJudgedAfterItsLastStepWithoutAnotherOne) {
   }
 }
 
-// Far seeds and near ones.
+// Covers far and near seeds.
 TEST(Ik, AnswersFromTheSeedWhatCanBeAnsweredFromIt) {
   int alone = 0, together = 0;
   for (int k = 0; k < 300; ++k) {
@@ -377,7 +377,7 @@ TEST(Ik, PrefersTheSolutionNearTheSeedWhenAsked) {
     near += nearest;
   }
   EXPECT_LT(near, 0.85 * plain);
-  EXPECT_LE(farther, 4);  // the first hit of the plain search may be lucky
+  EXPECT_LE(farther, 4);  // the first solution of the plain search may be lucky
 }
 
 TEST(Ik, GivesTheSameBitsOnEveryThreadAndAgain) {

@@ -1,5 +1,4 @@
-// Hinges whose limits hold a whole turn or more: a limit is no end of the way, as a turn away it
-// goes on.
+// Tests hinges whose limits span a whole turn or more: motion beyond a limit continues a turn away.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +13,7 @@ namespace {
 
 constexpr double kHalfATurn = std::numbers::pi, kOneTurn = 2 * kHalfATurn;
 
-// The same arm each time, of hinges that all have these limits.
+// Returns the same arm each time, of hinges that all have these limits.
 TestModel ArmOfTurns(int joints, const std::string& limits) {
   Rng rng = Rng::Stream(joints, "whole turns");
   std::string xml = "<mujoco><compiler angle='radian'/><worldbody><body name='base'>";
@@ -64,14 +63,14 @@ TEST_P(IkOfWholeTurns, TakesTheStepsThatItTakesWithoutLimits) {
   }
 }
 
-// Wherever the turn begins, so that values at its ends are rounded this way and that.
+// Turns begin anywhere, so that values at their ends are rounded up and down.
 TEST_P(IkOfWholeTurns, LeavesNoLimitByRounding) {
   int solved = 0, count = 0;
   for (int k = 0; k < 20; ++k) {
     const double lower = rng_.Uniform(-9, 3);
     const TestModel arm = ArmOfTurns(GetParam(), Limits(lower, lower + kOneTurn));
     const Chain chain = ChainOf(arm);
-    // Joints stand at the ends, or within some digits of them.
+    // Joints are at the ends, or within some digits of them.
     std::vector<Pose> targets;
     for (int b = 0; b < 100; ++b) {
       JointVector q(GetParam());
@@ -94,7 +93,7 @@ TEST_P(IkOfWholeTurns, LeavesNoLimitByRounding) {
   EXPECT_GE(solved, count - 2);
 }
 
-// A seed at a limit is answered near it: what is found beyond would be a turn away.
+// A seed at a limit leads to a solution near it: solutions beyond would be a turn away.
 TEST_P(IkOfWholeTurns, StaysNearASeedAtALimit) {
   const TestModel arm = ArmOfTurns(GetParam(), Limits(-kOneTurn, kOneTurn));
   const Chain chain = ChainOf(arm);

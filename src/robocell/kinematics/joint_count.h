@@ -1,10 +1,10 @@
-// How many joints a chain may have. On its own, as kernels for other instruction sets include no
-// more than they must.
+// The largest number of joints of a chain. It has a header of its own, because kernels for other
+// instruction sets include no more than they must.
 #pragma once
 
 namespace robocell {
 
-// Longest chain that robocell handles; a longer one is an ArgumentError when the chain is made.
+// Longest supported chain; making a longer one throws ArgumentError.
 inline constexpr int kMaxChainJoints = 16;
 
 }  // namespace robocell

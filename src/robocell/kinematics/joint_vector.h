@@ -1,8 +1,8 @@
 // JointVector: up to kMaxChainJoints joint values on the stack, so that kinematics never touches
 // the heap.
 //
-// Values are in chain order: radians for hinges, metres for slides. Converts to std::span by
-// itself.
+// Values are in chain order: radians for hinges, metres for slides. Converts to std::span
+// implicitly.
 //
 //   JointVector q{0, 0.3, 0, -1.2, 0, 1.5, 0};
 //   Pose tip = chain.Fk(q);

@@ -22,10 +22,10 @@
 namespace robocell {
 
 KDL::Chain ToKdl(const Chain& chain);
-// A chain with KDL's numbers, for robocell's kinematics and dynamics. Joint damping and stiffness
-// are left out. KDL keeps limits beside a chain: {lower, upper} of each moving joint, or none;
-// {-inf, inf} for a joint without.
-// ArgumentError for joints with a scale, and as ChainFromSegments (kdl_segments.h) has them.
+// Returns a chain with KDL's numbers, for robocell's kinematics and dynamics. Joint damping and
+// stiffness are left out. KDL keeps limits beside a chain: `limits` has {lower, upper} of each
+// moving joint, or nothing; {-inf, inf} for a joint without limits. Throws ArgumentError for joints
+// with a scale, and the errors of ChainFromSegments (kdl_segments.h).
 Chain FromKdl(const KDL::Chain& chain, std::span<const std::array<double, 2>> limits = {});
 
 KDL::Frame ToKdl(const Pose& pose);

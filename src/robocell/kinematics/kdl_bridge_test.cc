@@ -1,4 +1,4 @@
-// Our chains as KDL's: the two must agree on kinematics and dynamics.
+// Tests that our chains and KDL's agree on kinematics and dynamics.
 #include "robocell/kinematics/kdl_bridge.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ void ExpectSameKinematics(const Chain& chain, const KDL::Chain& kdl, const Joint
   EXPECT_LT((theirs.data - ours).cwiseAbs().maxCoeff(), 1e-9);
 }
 
-// Torques of a motion, and their part that comes from the velocities.
+// Compares the torques of a motion, and their part from the velocities.
 void ExpectSameMotionTorques(const Chain& chain, const KDL::Chain& kdl, const JointVector& q,
                              const Eigen::Vector3d& gravity) {
   const int n = chain.n_joints();
@@ -42,7 +42,7 @@ void ExpectSameMotionTorques(const Chain& chain, const KDL::Chain& kdl, const Jo
   for (int i = 0; i < n; ++i) EXPECT_NEAR(torques[i], theirs(i), 1e-8);
 }
 
-// Without gravity compensation, which KDL does not know.
+// Without gravity compensation, which KDL does not support.
 void ExpectSameDynamics(const Chain& chain, const KDL::Chain& kdl, const JointVector& q) {
   const Eigen::Vector3d gravity(1, -3, -9);
   KDL::ChainDynParam dynamics(kdl, KDL::Vector(gravity[0], gravity[1], gravity[2]));
@@ -155,8 +155,8 @@ KDL::RigidBodyInertia SomeInertia(double mass) {
                                KDL::RotationalInertia(0.02, 0.03, 0.04, 0.001, 0.002, 0.003));
 }
 
-// Every kind of joint that KDL has, off its origin, with offsets, an armature and fixed segments at
-// the ends and in between.
+// Every kind of joint in KDL, off its origin, with offsets, an armature and fixed segments at the
+// ends and in between.
 KDL::Chain HandMadeChain() {
   const KDL::Frame step(KDL::Rotation::RPY(0.1, -0.4, 0.7), KDL::Vector(0.1, 0.2, 0.3));
   KDL::Chain chain;

@@ -26,7 +26,7 @@ void SetInertia(KdlSegment& segment, const LinkInertia& link, const Transform& j
   segment.inertia = body_to_joint.rotation * about_com * body_to_joint.rotation.transpose();
 }
 
-// The joint's motion by `distance`, in the frame in which it is described.
+// Returns the joint's motion by `distance`, in the frame of its description.
 Transform Motion(const KdlSegment& segment, double distance) {
   if (segment.motion == KdlSegment::Motion::kSlide) {
     return {Eigen::Matrix3d::Identity(), segment.axis * distance};
@@ -35,7 +35,7 @@ Transform Motion(const KdlSegment& segment, double distance) {
   return {turn, segment.origin - turn * segment.origin};
 }
 
-// `to_last` is the frame of the segment before, in the moved frame of its joint.
+// `to_last` is the frame of the previous segment, in the moved frame of its joint.
 KdlSegment SegmentOf(const std::string& name, const ChainJoint& joint, const JointModel& model,
                      const Transform& to_last) {
   const Transform at_reference = to_last.inverse() * model.fixed;
@@ -52,7 +52,7 @@ KdlSegment SegmentOf(const std::string& name, const ChainJoint& joint, const Joi
   return segment;
 }
 
-// A right-handed frame on a joint's axis, with the axis as z.
+// Returns a right-handed frame on a joint's axis, with the axis as z.
 Transform OnAxis(const KdlSegment& segment) {
   const Eigen::Vector3d z = segment.axis.normalized(), x = z.unitOrthogonal();
   Transform frame;
@@ -61,7 +61,7 @@ Transform OnAxis(const KdlSegment& segment) {
   return frame;
 }
 
-// Adds what a segment weighs to the link that carries it.
+// Adds a segment's inertia to the link that carries it.
 void AddInertia(const KdlSegment& segment, const Transform& segment_in_joint, LinkInertia* link) {
   const Eigen::Vector3d com = segment_in_joint * segment.centre;
   const Eigen::Matrix3d& r = segment_in_joint.rotation;
@@ -79,7 +79,7 @@ std::string JointName(const KdlSegment& segment, int number) {
   return fmt::format("joint{}", number + 1);
 }
 
-// Puts segments together one by one.
+// Adds segments one by one.
 class SegmentReader {
  public:
   explicit SegmentReader(std::span<const std::array<double, 2>> limits) : limits_(limits) {}
@@ -127,7 +127,7 @@ class SegmentReader {
     joints.push_back(described);
   }
 
-  // Or joints could not be found by name.
+  // Equal names would make joints ambiguous.
   void RefuseTheSameName(const std::string& name) const {
     for (const ChainJoint& joint : joints) {
       if (joint.name != name) continue;

@@ -1,11 +1,11 @@
-// The segments of a chain in KDL's terms, without KDL's types: what KDL::Chain and PyKDL.Chain are
-// made from, and chains from them.
+// The segments of a chain in KDL's terms, without KDL's types: the intermediate form between a
+// chain and KDL::Chain or PyKDL.Chain.
 //
-// One segment per joint, named as the body that the joint moves (as the joint, where a body has
-// several), whose frame is the body's; then, unless the last body's frame is the tip already, a
-// fixed segment named as the tip. Joint values are those of the model (mjData.qpos), also where its
-// reference positions are not 0. Inertias are those of Chain: everything that hangs on a link, in
-// true masses; gravity compensation is unknown to KDL.
+// There is one segment per joint, with the name of the body that the joint moves (of the joint, if
+// a body has several) and the body's frame; then, unless the last body's frame already is the tip,
+// a fixed segment named like the tip. Joint values are those of the model (mjData.qpos), also where
+// its reference positions are not 0. Inertias are those of Chain: everything that hangs on a link,
+// in true masses, because KDL has no gravity compensation.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@
 
 namespace robocell {
 
-// Everything in the frame of the segment before; for the first one in the base frame.
+// All values are in the frame of the previous segment; for the first one in the base frame.
 struct KdlSegment {
   enum class Motion { kFixed, kRotate, kSlide };
 
@@ -38,18 +38,19 @@ struct KdlSegment {
 
 std::vector<KdlSegment> KdlSegments(const Chain& chain);
 
-// The way back. The base is called "base", the tip is the last segment. Fixed segments join the
-// link before them; what hangs before the first joint does not move and is left out. KDL keeps no
-// limits: `limits` has {lower, upper} of each moving joint in order, or nothing. ArgumentError when
-// no joint moves, there are more than kMaxChainJoints, or the limits do not fit.
+// Makes a chain from segments. The base is called "base", the tip is the last segment. Fixed
+// segments join the previous link; those before the first joint do not move and are left out. KDL
+// keeps no limits: `limits` has {lower, upper} of each moving joint in order, or nothing. Throws
+// ArgumentError if no joint moves, there are more than kMaxChainJoints, or the limits do not fit.
 Chain ChainFromSegments(const std::vector<KdlSegment>& segments,
                         std::span<const std::array<double, 2>> limits = {});
 
-// What KDL says of a joint in its own way: the joint's pose for joint value 0, and how fast it
-// moves along its axis for a joint speed of 1. Sets `offset`. ArgumentError for another speed than
-// 1, which a chain does not have.
+// Sets `offset` from KDL's description of a joint: the joint's pose for joint value 0, and its
+// speed along its axis for a joint speed of 1. Throws ArgumentError for another speed than 1, which
+// a chain does not support.
 void SetOffset(const Transform& pose_at_zero, double speed, KdlSegment* segment);
-// The inertia about the segment's origin, where KDL has it, instead of that about the centre.
+// Sets the inertia from the one about the segment's origin, as KDL has it, instead of that about
+// the centre.
 void SetInertiaAboutOrigin(const Eigen::Matrix3d& inertia, KdlSegment* segment);
 
 }  // namespace robocell

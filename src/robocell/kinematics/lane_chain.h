@@ -35,7 +35,7 @@ class LaneChain {
   JointVector middle_;
   mutable std::once_flag made_;
   mutable std::optional<StartTable> starts_;
-  mutable std::atomic<const StartTable*> ready_ = nullptr;  // sooner looked at than the flag
+  mutable std::atomic<const StartTable*> ready_ = nullptr;  // faster to read than the flag
 };
 
 }  // namespace robocell::internal

@@ -24,16 +24,16 @@ constexpr int kGroups = 2;
 // Lanes for one query. More lanes hardly find a solution sooner.
 constexpr int kMostOfOneQuestion = 4;
 
-// Damping = kDamping * |error|^2 + kLeastDamping: bold far away would overshoot, cautious near the
-// target would crawl (T. Sugihara, "Solvability-Unconcerned Inverse Kinematics by the
-// Levenberg-Marquardt Method", 2011).
+// Damping = kDamping * |error|^2 + kLeastDamping: little damping far away would overshoot, much
+// damping near the target would crawl (T. Sugihara, "Solvability-Unconcerned Inverse Kinematics by
+// the Levenberg-Marquardt Method", 2011).
 constexpr double kDamping = 0.01, kLeastDamping = 1e-9;
-// Beyond this cost the damping grows no more.
+// Beyond this cost the damping no longer grows.
 constexpr double kMostCost = 4;
-// No hinge turns farther in one step (rad): the linear model holds no longer.
+// Largest turn of a hinge in one step (rad), beyond which the linear model fails.
 constexpr double kLargestTurn = 1.2;
-// Of 2 (1 + cos(angle)): below this the rotation left is nearly half a turn, whose axis is lost in
-// the difference between turning this way and that.
+// Bound of 2 (1 + cos(angle)): below it the remaining rotation is nearly half a turn, whose axis
+// cannot be computed from the difference between both directions.
 constexpr double kNearHalfTurn = 1e-2;
 
 template <class V>
@@ -42,7 +42,7 @@ HWY_INLINE Vec3<V> Times(const Frame3<V>& f, const double* v) {
   return MulAdd(hn::Set(d, v[0]), f.x, MulAdd(hn::Set(d, v[1]), f.y, Times(hn::Set(d, v[2]), f.z)));
 }
 
-// Room for the joints of a chain of N; 0: of any.
+// Storage for the joints of a chain of N; 0: of any number.
 template <int N>
 inline constexpr int kMostJoints = N ? N : kMaxChainJoints;
 
@@ -51,8 +51,8 @@ template <class D>
 struct LaneStep {
   using V = hn::Vec<D>;
   static constexpr D d = {};
-  // A single query waits for each number that the next one depends on. A predicted branch costs no
-  // waiting there; with several lanes one of them often takes the other side.
+  // A single query waits for each number that the next one depends on. A predicted branch avoids
+  // the wait there; with several lanes one of them often takes the other branch.
   static constexpr bool kAlone = hn::MaxLanes(D()) == 1;
 
   static HWY_INLINE V Load(const double* p) { return hn::Load(d, p); }
@@ -73,7 +73,7 @@ struct LaneStep {
     return {Load(rows[0] + lane), Load(rows[1] + lane), Load(rows[2] + lane)};
   }
 
-  // Seldom, but no call: a frame that a call points to lies in memory all the time.
+  // Rare, but inlined: the call would force the frame into memory all the time.
   static HWY_INLINE void WholeLink(const PlainTransform& link, Frame* f) {
     const double* r = link.rotation;
     const double x[3] = {r[0], r[3], r[6]}, y[3] = {r[1], r[4], r[7]}, z[3] = {r[2], r[5], r[8]};
@@ -95,8 +95,8 @@ struct LaneStep {
     V3 direction, point;
   };
 
-  // Numbers of one lane, together in a register. (Those that were stored one by one and are loaded
-  // together are waited for.) Combine is found by its arguments: where there is no need it is none.
+  // Combines numbers of one lane into one register. (Loading numbers together that were stored one
+  // by one causes a wait.) Argument types select Combine: it does nothing where it is not needed.
   template <class Several>
   static HWY_INLINE hn::Vec<Several> Together(Several several, const V* each) {
     constexpr int kHalf = hn::MaxLanes(several) / 2;
@@ -108,7 +108,7 @@ struct LaneStep {
     }
   }
 
-  // The turns of all screws where there is one lane: those of several joints at once.
+  // Computes the turns of all screws with one lane: those of several joints at once.
   template <int N>
   static HWY_INLINE void TurnsOfOne(const FoldedChain& chain, const V* q, V* sine, V* cosine) {
     constexpr hn::CappedTag<double, 4> several;
@@ -149,14 +149,14 @@ struct LaneStep {
     }
   }
 
-  // Shift of a screw along its axis.
+  // Returns the shift of a screw along its axis.
   static HWY_INLINE V ShiftOf(const FoldedChain& chain, int i, const V* q) {
     const FoldedJoint& joint = chain.joints[i];
     const V shift = Number(joint.shift);
     return HWY_UNLIKELY(joint.slide) ? hn::MulAdd(q[i], Number(chain.per_metre), shift) : shift;
   }
 
-  // Frames of all screws at q; the frame of the last one.
+  // Computes the frames of all screws at q and returns that of the last one.
   template <int N>
   static HWY_INLINE Frame Walk(const FoldedChain& chain, const V* q, Axis* axes) {
     const int n = N ? N : chain.n;
@@ -177,8 +177,8 @@ struct LaneStep {
     return f;
   }
 
-  // For lanes with nearly half a turn left: some axis of it, from how a vector and its image lie (R
-  // + 1 is 2 axis axis^T at half a turn), and 2 tan(angle / 2) from the cosine. No call, as above.
+  // For lanes with nearly half a turn left: computes an axis from a vector and its image (R + 1 is
+  // 2 axis axis^T at half a turn), and 2 tan(angle / 2) from the cosine. Inlined, as above.
   static HWY_INLINE void TurnAround(const Frame& f, const V3& x, const V3& y, const V3& z,
                                     const V3& sine2, V cosine2, hn::Mask<D> lanes, V3* angular,
                                     V* turn2) {
@@ -186,7 +186,7 @@ struct LaneStep {
     V3 axis = MulAdd(Dot(f.x, some), x, MulAdd(Dot(f.y, some), y, Times(Dot(f.z, some), z)));
     axis = Add(axis, some);
     const V length2 = hn::Max(Dot(axis, axis), Number(1e-12));
-    // The way on which the turn is a little shorter.
+    // Takes the direction in which the turn is slightly shorter.
     const V shorter = hn::CopySign(Number(3), Dot(axis, sine2));
     axis = Times(hn::Div(shorter, hn::Sqrt(length2)), axis);
     angular->x = hn::IfThenElse(lanes, axis.x, angular->x);
@@ -197,8 +197,8 @@ struct LaneStep {
     *turn2 = hn::IfThenElse(lanes, tangent2, *turn2);
   }
 
-  // The remaining rotation as 2 tan(angle / 2) axis, and its squared length, which grows beyond all
-  // bounds at half a turn.
+  // Computes the remaining rotation as 2 tan(angle / 2) axis, and its squared length, which grows
+  // beyond all bounds at half a turn.
   static HWY_INLINE void TurnLeft(const Frame& f, const V3& x, const V3& y, const V3& z,
                                   V3* angular, V* turn2) {
     const V3 sine2 = Add(Cross(f.x, x), Add(Cross(f.y, y), Cross(f.z, z)));   // 2 sin(angle) axis
@@ -212,8 +212,8 @@ struct LaneStep {
       TurnAround(f, x, y, z, sine2, cosine2, half_turn, angular, turn2);
   }
 
-  // For lanes in which an axis points nearly the other way: it may be turned about anything across.
-  // The tangent of half the angle, from the cosine.
+  // For lanes in which an axis points nearly the opposite way: any axis across may be used.
+  // Computes the tangent of half the angle from the cosine.
   static HWY_NOINLINE void SwingAround(const V3& now, V cosine1, hn::Mask<D> lanes, V3* about,
                                        V* tangent) {
     const V3 across = Cross(now, {Number(0.48), Number(0.60), Number(0.64)});
@@ -225,8 +225,8 @@ struct LaneStep {
     *tangent = hn::IfThenElse(lanes, hn::Sqrt(tangent2), *tangent);
   }
 
-  // The same when only one axis has to point somewhere: 2 tan(angle / 2) about `about`, which is
-  // zero where nothing is left.
+  // The same if only one axis has to point in a direction: 2 tan(angle / 2) about `about`, which is
+  // zero if nothing remains.
   static HWY_INLINE void SwingLeft(const LaneTask& task, int lane, const Frame& f, const V3& x,
                                    const V3& y, const V3& z, V3* angular, V* turn2, V3* about) {
     const V3 now = Times(f, task.axis);
@@ -259,7 +259,7 @@ struct LaneStep {
     }
   }
 
-  // Three rows times a vector.
+  // Multiplies three rows by a vector.
   static HWY_INLINE V3 TimesRows(const double (*rows)[kMaxLanes], int lane, const V3& v) {
     return {Dot(Load3(rows, lane), v), Dot(Load3(rows + 3, lane), v),
             Dot(Load3(rows + 6, lane), v)};
@@ -268,7 +268,7 @@ struct LaneStep {
   // The pose error of the tip, and its cost.
   struct Way {
     V3 linear, angular;
-    V3 about;  // of a swing
+    V3 about;  // for a swing
     V distance2, turn2, cost;
     V pull;  // on redundant joints
   };
@@ -292,7 +292,7 @@ struct LaneStep {
       way.linear = TimesRows(task->linear, lane, way.linear);
       const V whole2 = hn::Max(Dot(way.angular, way.angular), Number(1e-60));
       way.angular = TimesRows(task->angular, lane, way.angular);
-      // Far off the way that is gone is shorter than the one that is left.
+      // Far away the displacement of a step is shorter than the remaining one.
       const V share = hn::Div(way.turn2, whole2);
       way.turn2 = hn::Mul(share, Dot(way.angular, way.angular));
       way.pull = Load(task->pull + lane);
@@ -329,13 +329,13 @@ struct LaneStep {
     return {hn::Sub(own.lower, roam), hn::Add(own.upper, roam)};
   }
 
-  // The equations of a step: the lower triangle of a symmetric matrix, and what it is solved for.
+  // The equations of a step: the lower triangle of a symmetric matrix, and the right-hand side.
   struct Equations {
     V a[kEntries], b[6];
   };
 
   // The joints: columns of the Jacobian, a secondary objective, and how easily they move. Slides
-  // move by lengths of the chain, because damping has no metres.
+  // move by lengths of the chain, so that damping is independent of metres.
   template <int N, bool kTask>
   struct Moves {
     static constexpr int kMost = kMostJoints<N>;
@@ -358,7 +358,7 @@ struct LaneStep {
     }
     if constexpr (kTask) {
       moves = TimesRows(task->linear, lane, moves);
-      // Along the border of a cone nothing is asked for.
+      // Along the border of a cone nothing is required.
       if (task->cone > 0) {
         const auto to_axis = hn::Gt(Load(task->to_axis + lane), hn::Zero(d));
         const V3 across = Times(Dot(way.about, turns), way.about);
@@ -408,7 +408,7 @@ struct LaneStep {
     }
   }
 
-  // The step that takes the tip along its way, damped.
+  // Computes the damped step that moves the tip towards its target.
   template <bool kRoams, int N, bool kTask>
   static HWY_INLINE void Assemble(const FoldedChain& chain, const LaneOptions& options, const V* q,
                                   V roam, const Axis* axes, const V3& tip, int lane,
@@ -426,7 +426,7 @@ struct LaneStep {
     for (int i = 0; i < 6; ++i) e->a[Entry(i, i)] = hn::Add(e->a[Entry(i, i)], damping);
   }
 
-  // Moves the lanes that do not stay, by what the solved equations say.
+  // Moves the lanes that do not stay, by the solution of the equations.
   template <bool kRoams, int N, bool kTask>
   static HWY_INLINE void Advance(const FoldedChain& chain, const LaneOptions& options, const V* q,
                                  V roam, const Moves<N, kTask>& joints, const Equations& e,
@@ -436,14 +436,14 @@ struct LaneStep {
     V most = hn::Zero(d);
     for (int i = 0; i < n; ++i) {
       const V* c = joints.column[i];
-      V sum = hn::Mul(c[5], e.b[5]);  // in the order in which they become known
+      V sum = hn::Mul(c[5], e.b[5]);  // in the order of computation
       for (int k = 4; k >= 0; --k) sum = hn::MulAdd(c[k], e.b[k], sum);
       if constexpr (kTask) sum = hn::MulAdd(sum, joints.ease[i], joints.spare[i]);
       step[i] = sum;
       if (!chain.joints[i].slide) most = hn::Max(most, hn::Abs(sum));
     }
     V shorten = hn::IfThenZeroElse(stay, Number(1));
-    // Slides are linear however far they go.
+    // Slides are linear at any distance.
     const V slide = hn::IfThenZeroElse(stay, Number(chain.length));
     if (!kAlone || HWY_UNLIKELY(!hn::AllFalse(d, hn::Gt(most, Number(kLargestTurn)))))
       shorten = hn::IfThenZeroElse(
@@ -491,7 +491,7 @@ struct LaneStep {
 
 using Wide = LaneStep<hn::CappedTag<double, kMaxLanes / kGroups>>;
 // For fewer lanes: shorter registers wait less for their divisions, and on many processors the
-// longest ones do half as much at a time as they hold.
+// longest ones process half of their width at a time.
 using Few = LaneStep<hn::CappedTag<double, kMostOfOneQuestion>>;
 using One = LaneStep<hn::CappedTag<double, 1>>;
 
@@ -515,8 +515,8 @@ uint32_t Step(const FoldedChain& chain, const LaneOptions& options, uint32_t bus
   return arrived;
 }
 
-// The common numbers of joints have code of their own, whose arrays the compiler can lay out; poses
-// of chains in which no hinge has a whole turn, that does not ask for it.
+// Common numbers of joints have code of their own, whose arrays the compiler can lay out, for pose
+// queries of chains in which no hinge spans a whole turn.
 template <bool kTask, bool kRoams>
 uint32_t StepFor(const FoldedChain& chain, const LaneOptions& options, uint32_t busy,
                  LaneState* state, const LaneTask* task) {

@@ -1,8 +1,8 @@
 // One damped least-squares step for many inverse kinematics queries at once: every lane of a vector
 // register works on its own query, with the widest registers of this processor.
 //
-// Lanes never mix: what happens in one depends on its own numbers alone, so that an answer does not
-// depend on its neighbours. Other instruction sets round differently.
+// Lanes never mix: each lane depends on its own numbers alone, so that a result does not depend on
+// its neighbours. Other instruction sets round differently.
 //
 // Plain numbers only; this header is included by code for every instruction set. Lengths are in
 // units of the chain's `length` (FoldedChain).
@@ -21,8 +21,8 @@ inline constexpr int kMaxLanes = 16;
 // a tenth of the time of an easy query. Lanes that are stepped beside others must have values.
 struct LaneState {
   alignas(64) double q[kMaxChainJoints][kMaxLanes];
-  // By so much hinges whose limits hold a whole turn may pass them: 0 or infinity. What is found
-  // beyond is as many turns off.
+  // How far hinges whose limits span a whole turn may pass them: 0 or infinity. Solutions beyond
+  // are off by whole turns.
   alignas(64) double roam[kMaxLanes];
   // Target of the last screw's frame, in the frame of the first: x, y and z axis; and target of the
   // tip.
@@ -32,26 +32,26 @@ struct LaneState {
   // the remaining rotation, which is never less than the angle.
   alignas(64) double distance2[kMaxLanes];
   alignas(64) double turn2[kMaxLanes];
-  // The q with the least sum of both since it was last set to infinity.
+  // The q with the least sum of both since the cost was last set to infinity.
   alignas(64) double best_cost[kMaxLanes];
   alignas(64) double best_q[kMaxChainJoints][kMaxLanes];
 };
 
 struct LaneOptions {
-  double distance2 = 0, turn2 = 0;  // a lane that is not above either has arrived
+  double distance2 = 0, turn2 = 0;  // a lane with neither above has arrived
   bool locked[kMaxChainJoints] = {};
 };
 
-// For queries with more or less than a pose. The pose error is then measured by the rows: distance2
-// and turn2 are those of the rows.
+// For queries with more or less than a pose. The rows then define the pose error: distance2 and
+// turn2 are those of the rows.
 struct LaneTask {
-  // Of the rotation only this axis, in the frame of the last screw, must point where the target's
-  // axis points, or be off by an angle at most; this is tan(angle / 2).
+  // If true, only this axis of the rotation, in the frame of the last screw, must agree with the
+  // target's axis, up to an angle; this is tan(angle / 2).
   bool swing = false;
   double axis[3] = {};
   double cone = 0;
   // 1 if the step goes to the axis itself, so that a narrow cone is reached like an axis; 0 if it
-  // goes to the border of the cone and no farther. Either way the lane arrives in the cone.
+  // goes only to the border of the cone. In both cases the lane arrives in the cone.
   alignas(64) double to_axis[kMaxLanes] = {};
   // Joints take part in a step in proportion to this.
   double share[kMaxChainJoints] = {};
@@ -63,7 +63,7 @@ struct LaneTask {
   alignas(64) double linear[9][kMaxLanes] = {};
   alignas(64) double angular[9][kMaxLanes] = {};
   alignas(64) double goal[kMaxChainJoints][kMaxLanes] = {};
-  // 1 where redundant joints go to the goal, also after arrival; else 0.
+  // 1 if redundant joints go to the goal, also after arrival; else 0.
   alignas(64) double pull[kMaxLanes] = {};
 };
 
@@ -74,7 +74,7 @@ int LaneCount();
 int LanesOfOneQuestion();
 
 // Measures the busy lanes (bits), and moves those that have not arrived one step. Returns the lanes
-// that have arrived; bits of others have no meaning. Without a task a pose is asked for.
+// that have arrived; bits of others have no meaning. Without a task the query is a pose.
 uint32_t StepLanes(const FoldedChain& chain, const LaneOptions& options, uint32_t busy,
                    LaneState* state, const LaneTask* task = nullptr);
 

@@ -1,5 +1,5 @@
-// A step of all lanes measures the same as scalar kinematics; lanes do not mix; limits and locks
-// hold.
+// Tests that a step of all lanes measures the same as scalar kinematics, that lanes do not mix, and
+// that limits and locks hold.
 #include "robocell/kinematics/lane_kernel.h"
 
 #include <gtest/gtest.h>
@@ -78,7 +78,7 @@ TEST(LaneKernel, MeasuresWhatScalarKinematicsDoes) {
   }
 }
 
-// At half a turn the rotation's axis is lost and its sine is 0.
+// At half a turn the rotation's axis is undefined and its sine is 0.
 TEST(LaneKernel, HasNotArrivedHalfATurnAway) {
   Scene scene(7, 0);
   scene.options.distance2 = scene.options.turn2 = 1;
@@ -109,7 +109,7 @@ TEST(LaneKernel, GoesToNearTargetsInAFewStepsAndStaysThere) {
     EXPECT_TRUE(std::ranges::equal(std::span(there.q[i]), std::span(scene.state.q[i])));
 }
 
-// Bit for bit, wherever it sits and whatever its neighbours are.
+// Bit for bit, in any lane and with any neighbours.
 TEST(LaneKernel, LanesDoNotMix) {
   for (const int joints : {6, 7, 9}) {
     Scene scene(joints);

@@ -7,8 +7,8 @@ HWY_BEFORE_NAMESPACE();
 namespace robocell::internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Both within about one unit in the last place for |x| < 1e5. Reduction by quarter turns in three
-// parts and minimax polynomials as in fdlibm (Sun Microsystems, 1993).
+// Computes both within about one unit in the last place for |x| < 1e5. Reduction by quarter turns
+// in three parts and minimax polynomials as in fdlibm (Sun Microsystems, 1993).
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE void SinCos(D d, V x, V* sine, V* cosine) {
   const hn::RebindToUnsigned<D> du;
@@ -38,7 +38,7 @@ HWY_INLINE void SinCos(D d, V x, V* sine, V* cosine) {
   c = hn::MulAdd(hn::Mul(r2, r2), c, hn::NegMulAdd(r2, hn::Set(d, 0.5), hn::Set(d, 1.0)));
 
   // Odd quarters swap; the second and third of the four negate the sine, the first and second the
-  // cosine's.
+  // cosine.
   const auto one = hn::Set(du, 1);
   const auto swap = hn::RebindMask(d, hn::TestBit(quarter, one));
   const auto top = hn::Set(du, uint64_t{1} << 63);
@@ -48,7 +48,7 @@ HWY_INLINE void SinCos(D d, V x, V* sine, V* cosine) {
   *cosine = hn::Xor(hn::IfThenElse(swap, s, c), hn::BitCast(d, cosine_sign));
 }
 
-// Angles beyond what SinCos is for, in the middle turn.
+// Maps angles beyond the range of SinCos into the middle turn.
 template <class D, class V = hn::Vec<D>>
 HWY_NOINLINE V MiddleTurn(D d, V x) {
   HWY_ALIGN double lanes[HWY_MAX(hn::MaxLanes(d), 1)];

@@ -1,5 +1,5 @@
-// The lanes' sine and cosine against those of the C library with more digits, in units of the last
-// place of a number.
+// Tests the lanes' sine and cosine against those of the C library with more digits, in units of the
+// last place of a number.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ SinesAndCosines OfLanes(const std::vector<double>& angles, bool any) {
   return out;
 }
 
-// Values below `least` count as large as that.
+// Values below `least` count as equal to it.
 double Ulps(double got, long double exact, double least) {
   const double size = std::max(std::abs(static_cast<double>(exact)), least);
   const double ulp = std::nextafter(size, 2.0) - size;
@@ -41,7 +41,8 @@ double WorstUlps(const std::vector<double>& angles, bool any, double least) {
   return worst;
 }
 
-// Evenly, and around all multiples of an eighth turn, where sine and cosine change places.
+// Covers the range evenly, and all multiples of an eighth turn, where sine and cosine change
+// places.
 std::vector<double> Angles(Rng* rng, double largest) {
   std::vector<double> angles;
   for (int i = 0; i < 8000; ++i) angles.push_back(rng->Uniform(-largest, largest));

@@ -1,4 +1,4 @@
-// A vector of three, and a fourth number, in as many registers as it takes. Included once for each
+// A vector of three, and a fourth number, in as many registers as needed. Included once for each
 // instruction set.
 #include <hwy/highway.h>
 
@@ -58,13 +58,13 @@ HWY_INLINE Quad Sub(const Quad& a, const Quad& b) {
   for (int k = 0; k < kPartsOfFour; ++k) out.part[k] = hn::Sub(a.part[k], b.part[k]);
   return out;
 }
-// The products of numbers in the same place.
+// Multiplies element by element.
 HWY_INLINE Quad Mul(const Quad& a, const Quad& b) {
   Quad out;
   for (int k = 0; k < kPartsOfFour; ++k) out.part[k] = hn::Mul(a.part[k], b.part[k]);
   return out;
 }
-// Those, plus c.
+// The same plus c.
 HWY_INLINE Quad MulAdd(const Quad& a, const Quad& b, const Quad& c) {
   Quad out;
   for (int k = 0; k < kPartsOfFour; ++k) out.part[k] = hn::MulAdd(a.part[k], b.part[k], c.part[k]);
@@ -80,7 +80,7 @@ HWY_INLINE Quad Add(const Quad& a, const Quad& b) {
   for (int k = 0; k < kPartsOfFour; ++k) out.part[k] = hn::Add(a.part[k], b.part[k]);
   return out;
 }
-// The second, third and first number; the fourth stays.
+// Returns the second, third and first number; the fourth stays.
 HWY_INLINE Quad Yzx(const Quad& q) {
   if constexpr (kPartsOfFour == 1) {
     alignas(32) constexpr int64_t kOrder[4] = {1, 2, 0, 3};
@@ -95,7 +95,7 @@ HWY_INLINE Quad Yzx(const Quad& q) {
     return QuadAt(p);
   }
 }
-// The cross product before its last turn, which a sum of them takes once.
+// Computes the cross product before its last rotation of elements, which a sum of them does once.
 HWY_INLINE Quad UnturnedCross(const Quad& a, const Quad& b) {
   const Quad y = Yzx(b), ab = Yzx(a);
   Quad z;

@@ -1,4 +1,4 @@
-// Six equations in six unknowns, in all lanes. Included once for each instruction set.
+// Solves six equations in six unknowns in all lanes. Included once for each instruction set.
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();

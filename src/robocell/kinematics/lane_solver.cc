@@ -13,23 +13,23 @@
 namespace robocell::internal {
 namespace {
 
-// Steps in which redundant joints go to their goal at most, and then at most to be at the target
-// again. Where the goal lies across the way that is open, the last part takes longest: after 20
-// steps one in ten is still on its way.
+// The largest number of steps in which redundant joints go to their goal, and then return to the
+// target. If the goal lies across the free direction, the last part takes longest: after 20 steps
+// one in ten still moves.
 constexpr int kStepsToGoal = 40, kStepsBack = 12;
 // Number of steps between two computations of the goal, each of which costs more than a step.
 constexpr int kStepsAGoal = 8;
-// Joints that move less in the first step to it rest, rad or lengths of the chain.
+// Joints that move less in the first step to the goal rest, rad or lengths of the chain.
 constexpr double kRest = 2e-4;
 
 struct Lane {
   LaneQuestion question;
   LaneStarts starts;
   int restarts_left = 0;
-  bool goes_on = false;    // with more restarts than are allowed at first
+  bool goes_on = false;    // with more restarts than first allowed
   int age = 0, steps = 0;  // of this start, of all
-  bool settles = false;    // has arrived; its redundant joints are on their way
-  JointVector before;      // the last step of that
+  bool settles = false;    // has arrived; its redundant joints still move
+  JointVector before;      // the last step before
 };
 
 double FarthestMove(const ChainModel& chain, const JointVector& from, const JointVector& to) {
@@ -64,7 +64,7 @@ class LaneSolver {
   }
 
  private:
-  // Gives a lane its next query. Returns false when there are no more.
+  // Gives a lane its next query. Returns false if there is none.
   bool Ask(int k) {
     Lane& lane = lanes_[k];
     lane = {};
@@ -169,7 +169,7 @@ class LaneSolver {
   std::array<IkResult, kMaxLanes> unmoved_;  // of the lanes that settle
 };
 
-// If the seed is farther from the target than this (squared error), or has not arrived after so
+// If the seed is farther from the target than this (squared error), or has not arrived after this
 // many steps, other starts join it.
 constexpr double kNearSeed = 0.25;
 constexpr int kStepsAlone = 8;
@@ -206,14 +206,14 @@ class LaneSearch {
     }
   }
 
-  // All starts have failed.
+  // Called when all starts have failed.
   void GoOnWhereNear() {
     starts_left_ = work_.MoreRestartsFor(target_, work_.best_cost(BestLane()));
     for (int lane = 0; lane < LanesOfOneQuestion(); ++lane) Begin(lane);
     Search();
   }
 
-  // Starts in all lanes that have none. All cost as much as two.
+  // Begins starts in all idle lanes. All lanes cost as much as two.
   void Join() {
     joined_ = true;
     starts_left_ += work_.RestartsFor(target_);
@@ -254,7 +254,7 @@ class LaneSearch {
       if (failed || work_.IsHopeless(lane, number_[lane], ++age_[lane])) GiveUp(lane);
     }
     if (!answer_.success) return false;
-    busy_ &= 1U;  // where the seed's search goes on, which has the last word
+    busy_ &= 1U;  // the seed's search continues and takes precedence
     return !seed_searches_;
   }
 
@@ -299,13 +299,13 @@ class LaneSearch {
   LaneStarts starts_;
   int64_t starts_left_ = 1;  // until others join
   int steps_ = 0;
-  bool seed_searches_;  // has not been given up
+  bool seed_searches_;  // not given up
   bool joined_ = false;
   uint32_t busy_ = 0, aimed_ = 0, tried_ = 0;  // bits of lanes
   std::array<int, kMaxLanes> age_, number_;    // of busy lanes
   IkResult answer_;
   int winner_ = 0;
-  bool only_measured_ = true;  // the last step that the answer took
+  bool only_measured_ = true;  // the last step of the result
 };
 
 }  // namespace

@@ -1,8 +1,8 @@
 // Solves a queue of inverse kinematics queries, as many at a time as a processor core has lanes.
 //
 // A lane whose query is solved takes the next one at once, so that hard queries do not delay
-// others. A lane that makes no progress starts again elsewhere. The result depends on the query
-// alone. A query that comes alone has all lanes for itself (SearchInLanes).
+// others. A lane without progress starts again elsewhere. The result depends on the query alone. A
+// single query uses all lanes (SearchInLanes).
 #pragma once
 
 #include <span>
@@ -13,14 +13,14 @@
 namespace robocell::internal {
 
 struct LaneQuestion {
-  int number = 0;  // the asker's
+  int number = 0;  // the caller's
   Transform target;
   std::span<const double> seed;  // tried first; empty: none
-  // The starts that are tried: every `stride`-th from `first` on, at most `most` (-1: as many as
-  // the options say).
+  // The starts to try: every `stride`-th from `first` on, at most `most` (-1: the number in the
+  // options).
   int first = 0, stride = 1, most = -1;
   // Each start gets the time of its place among all starts of the query, instead of among those of
-  // this search: more for most, for solutions that are hard to find.
+  // this search: that is more time for most, for solutions that are hard to find.
   bool patient = false;
 };
 
@@ -28,18 +28,18 @@ struct LaneQuestion {
 class LaneQueue {
  public:
   virtual ~LaneQueue() = default;
-  // False when there are no more.
+  // Returns false if there are no more.
   virtual bool Next(LaneQuestion* question) = 0;
   virtual void Take(int number, const IkResult& answer) = 0;
-  // Asked before a search starts again; false when no more answers are wanted.
+  // Called before a search restarts; returns false if no more results are needed.
   virtual bool GoesOn() { return true; }
-  // Before Take, where redundant joints were moved: the solution before that.
+  // Called before Take if redundant joints were moved, with the solution before that.
   virtual void TakeUnmoved(int /*number*/, const IkResult& /*answer*/) {}
 };
 
-// Until the queue is empty and everything is answered. options.seed and options.filter have no
-// meaning here. With a preference, redundant joints go to its goal after arrival. Starts are those
-// of lane_starts.h.
+// Runs until the queue is empty and every query has a result. options.seed and options.filter have
+// no meaning here. With a preference, redundant joints go to its goal after arrival. The starts are
+// those of lane_starts.h.
 void SolveLanes(const Chain& chain, const IkOptions& options, LaneQueue* queue);
 
 // Solves one query in all lanes: each searches from its own start.

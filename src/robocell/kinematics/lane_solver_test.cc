@@ -1,5 +1,5 @@
-// Inverse kinematics in lanes on every instruction set that this processor has: what is reported
-// solved is solved, inside of the limits, and as many are.
+// Tests inverse kinematics in lanes on every instruction set of this processor: claimed solutions
+// are correct and within the limits, and the success rate is high enough.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,7 +30,7 @@ struct Questions {
     }
   }
 
-  // The target is reached as the unfolded chain has it, and no limit is crossed.
+  // Checks that the unfolded chain reaches the target within all limits.
   void ExpectIsAnswer(const Pose& target, std::span<const double> q) const {
     const Pose off = target.inverse() * chain.Fk(q);
     EXPECT_LE(off.translation().norm(), 1.001e-5);
@@ -64,13 +64,13 @@ TEST(LaneTargets, SolveTheSameQuestions) {
   }
 }
 
-// Rounding leads a search to another solution now and then; mostly it is the same one.
+// Rounding occasionally leads a search to another solution; usually it is the same one.
 TEST(LaneTargets, FindTheSameSolutionsButForRounding) {
   constexpr int kCount = 200;
   for (const int joints : {6, 7, 9}) {
     Rng rng = Rng::Stream(joints, "lane targets agree");
     const Questions questions(&rng, joints, kCount);
-    std::vector<double> near;  // from where no joint goes far
+    std::vector<double> near;  // from which no joint moves far
     for (const Pose& target : questions.targets) {
       const IkResult found = Ik(questions.chain, target, {});
       for (const double q : found.q) near.push_back(q + rng.Uniform(-0.02, 0.02));

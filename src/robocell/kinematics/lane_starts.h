@@ -1,7 +1,6 @@
-// The starts of the searches for one target, one after the other: the seed if there is one, entries
-// of the chain's table near the target, then points that fill the joint space. With a preferred
-// configuration: that one, the seed, and then also points that fill a growing part of the space
-// around it.
+// The sequence of starts for one target: the seed if there is one, entries of the chain's table
+// near the target, then points that fill the joint space. With a preferred configuration: that one,
+// the seed, and then also points that fill a growing part of the space around it.
 //
 // Several searches can share the starts of a query: each takes every stride-th.
 #pragma once
@@ -32,14 +31,15 @@ class LaneStarts {
     around_ = true;
   }
 
-  // Values of locked joints; with a preference, what solutions should be near to.
+  // Returns the values of locked joints; with a preference, the configuration that solutions should
+  // be near.
   const JointVector& seed() const { return seed_; }
-  // How many were begun.
+  // Returns the number of starts begun.
   int begun() const { return begun_; }
-  // Number of the present start among all of the query.
+  // Returns the number of the present start among all of the query.
   int number() const { return next_ - stride_; }
 
-  // The next starts up to this number will be wanted: looks for those near the target all at once.
+  // Finds the starts near the target up to this number all at once, because they will be needed.
   void Foresee(int count, const LaneWork& work) {
     const StartTable* table = around_ || known_ > 0 ? nullptr : work.table();
     if (!table) return;
@@ -61,17 +61,17 @@ class LaneStarts {
   }
 
  private:
-  // So many come from the table; a target that these do not reach lies in a corner.
+  // Number of starts from the table; a target that these do not reach lies in a corner.
   static constexpr int kNearby = 16;
-  // By so much the part that is filled grows.
+  // Growth of the part that is filled.
   static constexpr double kGrowth = 0.1;
 
-  // The table is asked for a start near the pose for the first time.
+  // Searches the table for a start near the pose for the first time.
   void AimOnce(const LaneWork& work) {
     if (!near_) near_.emplace(Near{.aim = work.AimOfStarts(*tip_)});
   }
 
-  // The table's entry with this place in the order of nearness; false when there is none.
+  // Puts the table's entry with this rank of nearness into a lane; returns false if there is none.
   bool PutNearby(int lane, int entry, int number, LaneWork* work) {
     const StartTable* table = number < kNearby ? work->table() : nullptr;
     if (!table) return false;
@@ -86,7 +86,7 @@ class LaneStarts {
     return true;
   }
 
-  // The goal, the seed, then one around the goal and one near the target by turns.
+  // Begins at the goal, at the seed, and then alternately around the goal and near the target.
   void BeginAround(int lane, int number, LaneWork* work) {
     if (number == 0) return work->Put(lane, seed_.data());
     if (number == 1 && seeded_) return work->Put(lane, work->SeedOf(own_seed_).data());
@@ -104,7 +104,7 @@ class LaneStarts {
     StartTable::Aim aim;
     std::array<StartTable::Place, kNearby> places{};
   };
-  std::optional<Near> near_;  // seeds that lead somewhere need none
+  std::optional<Near> near_;  // successful seeds need none
   JointVector seed_;
   std::span<const double> own_seed_;  // of a query with a preference
   bool seeded_ = false, around_ = false;

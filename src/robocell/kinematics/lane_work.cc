@@ -7,26 +7,26 @@
 namespace robocell::internal {
 namespace {
 
-// The kernel's sums are rounded otherwise than the judge's.
+// The kernel's sums round differently from the judge's.
 constexpr double kPartOfTolerance = 0.999;
 // Remaining part of the squared error after a step, in chain lengths and radians.
 constexpr double kLeftOfSquare = 0.5;
-// Steps that a start is given: few at first, as most get there in six; more where many failed.
+// Number of steps of a start: few at first, because most arrive in six; more after many failures.
 constexpr int StepsOf(int start) { return start < 4 ? 12 : start < 12 ? 20 : 40; }
-// After so many steps a start with a larger cost (squared error) is hopeless; not for the starts
+// After this many steps a start with a larger cost (squared error) is hopeless; not for the starts
 // after the first few, whose targets lie in corners.
 constexpr int kFirstLook = 5, kSecondLook = 8, kStartsLookedAt = 8;
 constexpr double kFirstCost = 0.1, kSecondCost = 1e-4;
-// A cone with at most this angle, rad, is looked for at its axis first: to its border, which bends
-// as sharply as it is narrow, steps are many.
+// A cone with at most this angle, rad, is first approached at its axis: its border bends as sharply
+// as it is narrow, and takes many steps.
 constexpr double kNarrowCone = 0.05;
-// Joints with less room than this (rad, lengths of the chain) take part in a step by the square of
-// what they have of it. They are at a limit at once, and what the step expected of them is missing.
+// Joints with a smaller range than this (rad, lengths of the chain) take part in a step by the
+// square of their range. They reach a limit at once, and the step lacks their expected motion.
 constexpr double kNarrow = 0.1;
-// Targets are pulled in to this many reaches from the root: the way to the nearest point is the
-// same.
+// Targets are pulled in to this many reaches from the root: the direction to the nearest point is
+// the same.
 constexpr double kMostReaches = 1.5;
-// And to these lengths of the chain, and metres: no number overflows.
+// They are also pulled in to these lengths of the chain, and metres, so that no number overflows.
 constexpr double kMostLengths = 1e9, kMostMetres = 1e100;
 
 }  // namespace
@@ -51,7 +51,7 @@ LaneWork::LaneWork(const Chain& chain, const IkOptions& options)
   for (int i = 0; i < chain_.n; ++i) any_narrow |= ShareOf(i) < 1;
   settles_ = preference_.any() && task_.leaves_joints(chain_.n, options.locked);
   if (task_.plain && !settles() && !any_narrow) return;
-  Clear(0, LanesOfOneQuestion());  // lanes with a task are stepped with others always
+  Clear(0, LanesOfOneQuestion());  // lanes with a task are always stepped with others
   lane_task_.emplace();
   lane_task_->swing = task_.swing;
   const Eigen::Vector3d axis = chain_.last_to_tip.rotation * task_.axis;
@@ -86,7 +86,7 @@ void LaneWork::Clear(int first, int end) {
   clear(state_.best_cost);
 }
 
-// Flat: a call of a product of matrices costs more than the product.
+// Flattened: a call of a matrix product costs more than the product.
 [[gnu::flatten]] void LaneWork::Aim(int lane, const Transform& tip_in_base) {
   state_.best_cost[lane] = std::numeric_limits<double>::infinity();
   Transform tip = tip_in_base;
@@ -97,7 +97,7 @@ void LaneWork::Clear(int first, int end) {
   Eigen::Vector3d position = target.translation * folded_.per_metre;
   // Locked joints may be beyond the limits, and so beyond the reach.
   const double reach = any_locked_ ? kMostLengths : chain_.reach_bound * folded_.per_metre;
-  // Not along an axis that may have any value.
+  // Does not apply along an axis that may have any value.
   const double most = task_.whole_position ? kMostReaches * reach : kMostLengths;
   const double far = std::min(most, kMostLengths);
   // The squares of the numbers may overflow.
@@ -124,7 +124,7 @@ void LaneWork::AimTask(int lane, const Eigen::Matrix3d& target_axes) {
 void LaneWork::AskFor(int lane, int start) {
   if (task_.cone == 0) return;
   // Alternates, so that a cone is reached wherever its axis is reachable, and at its border too; a
-  // narrow cone is hardly ever reached only there.
+  // narrow cone is hardly ever reachable only at its border.
   const bool to_axis = task_.cone <= kNarrowCone ? start % 4 != 3 : start % 2 == 1;
   lane_task_->to_axis[lane] = to_axis ? 1 : 0;
 }
@@ -140,7 +140,7 @@ void LaneWork::Put(int lane, const Number* q) {
   const bool is_best = std::isinf(state_.best_cost[lane]);
   state_.roam[lane] = 0;
   for (int i = 0; i < chain_.n; ++i) {
-    const FoldedJoint& joint = folded_.joints[i];  // which the kernel reads too
+    const FoldedJoint& joint = folded_.joints[i];  // the kernel reads it too
     double value = q[i];
     if (!options_.locked[i]) value = std::clamp(value, joint.lower, joint.upper);
     state_.q[i][lane] = value;

@@ -6,7 +6,7 @@
 
 namespace robocell::internal {
 
-// The tip in the base frame, of an answer that has it.
+// Returns the tip in the base frame from a result that includes it.
 inline Transform TipOf(const LinkAnswer& answer) {
   Transform tip;
   for (int c = 0; c < 3; ++c)

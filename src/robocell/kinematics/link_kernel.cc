@@ -3,7 +3,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "robocell/kinematics/link_kernel.cc"
 // The targets of lane_kernel.cc without AVX-512, which is hardly faster for so few links, and slows
-// the engine's step beside it by more than that.
+// the engine's step beside it by more than its gain.
 #define HWY_DISABLED_TARGETS \
   (HWY_SSSE3 | HWY_SSE4 | (HWY_AVX2 - 1) | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #include <hwy/foreach_target.h>
@@ -58,7 +58,7 @@ constexpr int kMost = kMaxChainJoints;
 
 #if HWY_MAX_BYTES >= 32
 static_assert(HWY_MAX_BYTES == 32, "sums are over the four lanes of a register");
-// 1 for the lanes that get something added.
+// 1 for the lanes that get an addition.
 struct Lanes {
   alignas(32) double odd[4] = {0, 1, 0, 1};
   alignas(32) double even[4] = {1, 0, 1, 0};
@@ -69,8 +69,8 @@ constexpr Lanes kLanes;
 HWY_INLINE L WithLower(L v) { return hn::ConcatLowerLower(kLinks, v, v); }
 HWY_INLINE L WithUpper(L v) { return hn::ConcatUpperUpper(kLinks, v, v); }
 
-// Sums from the base on: neighbours, then pairs, then all links before. Row after row, for code
-// that is run once in a while is waited for longer than it takes.
+// Sums from the base outwards: neighbours, then pairs, then all previous links. It works row after
+// row, because code that runs rarely takes longer to load than to run.
 template <int kRows>
 HWY_INLINE void SumUp(int n, Row* rows) {
   const L odd = hn::Load(kLinks, kLanes.odd), upper = hn::Load(kLinks, kLanes.upper);
@@ -89,7 +89,7 @@ HWY_INLINE void SumUp(int n, Row* rows) {
   }
 }
 
-// Sums from the tip on. Lanes that have no link hold 0.
+// Sums from the tip inwards. Lanes without a link hold 0.
 template <int kRows>
 HWY_INLINE void SumDown(int n, Row* rows) {
   const L even = hn::Load(kLinks, kLanes.even), lower = hn::Load(kLinks, kLanes.lower);
@@ -122,7 +122,7 @@ HWY_INLINE void SumDown(int n, Row* rows) {
 }
 #endif
 
-// x, y, z axis and origin of each link's frame, one row a number.
+// x, y, z axis and origin of each link's frame, one row per number.
 struct Frames {
   alignas(64) Row rows[12];
 };
@@ -157,8 +157,8 @@ HWY_INLINE Quad Mix(const Corner& f, double x, double y, double z) {
   return MulAdd(z, f.z, MulAdd(y, f.y, Times(x, f.x)));
 }
 
-// The first three numbers of each link's four. A register that is wider than what was just stored
-// would wait for that, so it is put together from such halves.
+// The first three of each link's four numbers. Loading a register that is wider than the last
+// stores would wait for them, so it is assembled from such halves.
 HWY_INLINE Vec3<L> Interleaved(const double (*fours)[4]) {
   Vec3<L> v;
 #if HWY_MAX_BYTES >= 64
@@ -204,7 +204,7 @@ HWY_INLINE Corner Walk(const LinkTable& t, const Steps& s, Frames* frames) {
     Put(f.z, column[2][i]);
     Put(f.p, column[3][i]);
   }
-  // The lanes that have no link are to hold numbers.
+  // The lanes without a link must hold numbers.
   const int width = hn::Lanes(kLinks);
   for (int i = t.n; i % width != 0; ++i) {
     for (auto& of_frames : column) Put(ZeroQuad(), of_frames[i]);
@@ -215,7 +215,7 @@ HWY_INLINE Corner Walk(const LinkTable& t, const Steps& s, Frames* frames) {
   return f;
 }
 
-// Relative to the table's origin.
+// The result is relative to the table's origin.
 HWY_INLINE Vec3<L> TipOf(const LinkTable& t, const Corner& last, LinkAnswer* out) {
   const double *r = t.tip_rotation, *m = t.tip_translation;
   Put(Mix(last, r[0], r[1], r[2]), out->tip[0]);
@@ -228,7 +228,7 @@ HWY_INLINE Vec3<L> TipOf(const LinkTable& t, const Corner& last, LinkAnswer* out
   return tip;
 }
 
-// The torques of what follows are those that a force at each link's origin would need.
+// Computes the torques of the links behind from a force at each link's origin.
 HWY_INLINE void GravityOf(const LinkTable& t, const Frames& frames, const double* gravity,
                           Row& torques) {
   alignas(64) Row moment[3];
@@ -251,7 +251,7 @@ HWY_INLINE void GravityOf(const LinkTable& t, const Frames& frames, const double
 
 // Properties and motion of every link, one row per number.
 struct LinkRows {
-  alignas(64) Row unit[6];    // the joint's motion
+  alignas(64) Row unit[6];    // of the link, about the origin; later also of the links behind it
   alignas(64) Row moment[3];  // of the link, about the origin; later of those behind it too
   alignas(64) Row inertia[6];
   alignas(64) Row motion[6];
@@ -316,7 +316,7 @@ HWY_INLINE void MotionOf(const LinkTable& t, const Frames& frames, const Values&
   }
 }
 
-// The lower triangle.
+// Computes the lower triangle.
 HWY_INLINE void MassOf(const LinkTable& t, LinkRows* rows, Row* mass) {
   const int width = hn::Lanes(kLinks);
   SumDown<3>(t.n, rows->moment);

@@ -1,10 +1,10 @@
 // Jacobian, mass matrix and torques of one configuration: every lane of a vector register works on
-// its own link, with the widest registers this processor has, of AVX2 at most.
+// its own link, with the widest registers of this processor, of AVX2 at most.
 //
-// Only the frames depend on each other. Everything else is sums along the chain of what each link
-// contributes: all in the axes of the base and about one origin, so that nothing has to be carried
-// from link to link (Newton-Euler and composite bodies as in R. Featherstone, "Rigid Body Dynamics
-// Algorithms", 2008, chapters 5 and 6). Instruction sets round differently.
+// Only the frames depend on each other. Everything else is sums of the links' contributions along
+// the chain: all in the axes of the base and about one origin, so that nothing has to be
+// transformed from link to link (Newton-Euler and composite bodies as in R. Featherstone, "Rigid
+// Body Dynamics Algorithms", 2008, chapters 5 and 6). Instruction sets round differently.
 //
 // Plain numbers only; this header is included by code for every instruction set.
 #pragma once
@@ -13,7 +13,7 @@
 
 namespace robocell::internal {
 
-// Joint values, n each; gravity in the base frame. Only those that the part needs.
+// Joint values, n each; gravity in the base frame. Only those that the requested part needs.
 struct LinkQuery {
   const double* q = nullptr;
   const double* qd = nullptr;

@@ -44,7 +44,7 @@ struct Frame3 {
   Vec3<V> x, y, z, p;
 };
 
-// From the frame's axes to those of its parent.
+// Rotates from the frame's axes to those of its parent.
 template <class V>
 HWY_INLINE Vec3<V> Turned(const Frame3<V>& f, const Vec3<V>& v) {
   return MulAdd(v.x, f.x, MulAdd(v.y, f.y, Times(v.z, f.z)));
@@ -71,21 +71,21 @@ template <class V>
 HWY_INLINE V Dot(const Six<V>& a, const Six<V>& b) {
   return hn::Add(Dot(a.linear, b.linear), Dot(a.angular, b.angular));
 }
-// How a motion changes that is carried along by another one.
+// Returns the change of a motion that is carried along by another one.
 template <class V>
 HWY_INLINE Six<V> CarriedMotion(const Six<V>& by, const Six<V>& motion) {
   return {Add(Cross(by.angular, motion.linear), Cross(by.linear, motion.angular)),
           Cross(by.angular, motion.angular)};
 }
-// How a momentum changes that is carried along by a motion.
+// Returns the change of a momentum that is carried along by a motion.
 template <class V>
 HWY_INLINE Six<V> CarriedForce(const Six<V>& by, const Six<V>& force) {
   return {Cross(by.angular, force.linear),
           Add(Cross(by.angular, force.angular), Cross(by.linear, force.linear))};
 }
 
-// A joint's unit motion: of a hinge about the axis, of a slide along it. One of `turns` and
-// `slides` is 1, the other 0.
+// Returns a joint's unit motion: about the axis for a hinge, along it for a slide. One of `turns`
+// and `slides` is 1, the other 0.
 template <class V>
 HWY_INLINE Six<V> UnitMotion(V turns, V slides, const Frame3<V>& f) {
   const Vec3<V> axis = Times(turns, f.z);
@@ -125,7 +125,7 @@ HWY_INLINE Symmetric3<V> Turned(const Frame3<V>& f, const Symmetric3<V>& s) {
           at(a.x, b.x, c.x, f.x.z, f.y.z, f.z.z), at(a.y, b.y, c.y, f.x.z, f.y.z, f.z.z)};
 }
 
-// A body that is known in a frame, in the axes and about the origin of the frame's parent.
+// Returns a body, given in a frame, in the axes and about the origin of the frame's parent.
 template <class V>
 HWY_INLINE RigidBody<V> InParent(const Frame3<V>& f, const RigidBody<V>& body) {
   const Vec3<V> h = Turned(f, body.moment);
@@ -143,7 +143,7 @@ HWY_INLINE RigidBody<V> InParent(const Frame3<V>& f, const RigidBody<V>& body) {
   return {body.mass, moment, i};
 }
 
-// The momentum of a body in motion; the force that accelerates it.
+// Returns the momentum of a body in motion, and the force that accelerates it.
 template <class V>
 HWY_INLINE Six<V> Momentum(const RigidBody<V>& body, const Six<V>& motion) {
   return {MulAdd(body.mass, motion.linear, Cross(motion.angular, body.moment)),

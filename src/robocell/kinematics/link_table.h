@@ -12,8 +12,8 @@ struct LinkTable {
   using Row = double[kMaxChainJoints];
 
   int n = 0;
-  // From the joint before; column by column. The first joint's translation is `origin` instead:
-  // kernels count from there, so that a far base costs no digits.
+  // Transform from the previous joint, column by column. The first joint's translation is `origin`
+  // instead: kernels count from there, so that a far base costs no digits.
   alignas(64) Row rotation[9] = {};
   alignas(64) Row translation[3] = {};
   alignas(64) Row reference = {};

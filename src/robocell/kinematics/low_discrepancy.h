@@ -1,4 +1,4 @@
-// Points that fill the unit cube evenly, in a fixed order: where solvers start from, and what
+// Points that fill the unit cube evenly, in a fixed order: starts of solvers, and choices that
 // samplers spread over a run.
 //
 // Richtmyer's sequence (R. D. Richtmyer, "The Evaluation of Definite Integrals, and a Quasi-Monte-
@@ -15,7 +15,7 @@
 
 namespace robocell::internal {
 
-// Coordinate `dimension` (less than kMaxChainJoints) of point k, in [0, 1).
+// Returns coordinate `dimension` (less than kMaxChainJoints) of point k, in [0, 1).
 inline double LowDiscrepancy(int k, int dimension) {
   constexpr std::array<int, kMaxChainJoints> kPrimes = {2,  3,  5,  7,  11, 13, 17, 19,
                                                         23, 29, 31, 37, 41, 43, 47, 53};
@@ -23,8 +23,8 @@ inline double LowDiscrepancy(int k, int dimension) {
   return x - std::floor(x);
 }
 
-// Van der Corput's sequence in a base: the digits of `index` mirrored behind the point, in [0, 1).
-// With bases that share no factor, Halton's points.
+// Returns an element of Van der Corput's sequence in a base: the digits of `index` mirrored at the
+// radix point, in [0, 1). With coprime bases these are Halton's points.
 inline double RadicalInverse(uint64_t index, uint64_t base) {
   double value = 0, digit = 1.0 / static_cast<double>(base);
   for (; index > 0; index /= base, digit /= static_cast<double>(base))

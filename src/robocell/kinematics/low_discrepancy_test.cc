@@ -8,7 +8,7 @@
 namespace robocell::internal {
 namespace {
 
-// The largest difference between the share of points below a number and that number.
+// Returns the largest difference between the share of points below a number and that number.
 double StarDiscrepancy(std::vector<double> points) {
   std::sort(points.begin(), points.end());
   const double n = static_cast<double>(points.size());
@@ -32,7 +32,7 @@ TEST(LowDiscrepancy, EveryPowerOfTheBaseHitsEachOfItsShares) {
     const uint64_t count = base * base * base;
     std::vector<int> hits(count);
     for (uint64_t i = 0; i < count; ++i) {
-      // In the middle of its share, so that rounding does not matter.
+      // Takes the middle of its share, so that rounding does not matter.
       const double in_share = RadicalInverse(i, base) * static_cast<double>(count) + 0.5;
       ++hits.at(static_cast<size_t>(in_share));
     }
@@ -41,7 +41,7 @@ TEST(LowDiscrepancy, EveryPowerOfTheBaseHitsEachOfItsShares) {
 }
 
 TEST(LowDiscrepancy, BothSequencesSpreadBetterThanRandomPoints) {
-  constexpr int kCount = 1000;  // of random points the discrepancy would be about 0.03
+  constexpr int kCount = 1000;  // random points would have a discrepancy of about 0.03
   for (int dimension = 0; dimension < kMaxChainJoints; ++dimension) {
     std::vector<double> points;
     for (int k = 0; k < kCount; ++k) points.push_back(LowDiscrepancy(k, dimension));

@@ -11,10 +11,11 @@ using Jacobian6 = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, k
 using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-// Of the largest entry: keeps what is divided by away from 0.
+// Smallest divisor, as a share of the largest entry: keeps it away from 0.
 constexpr double kLeastPart = 1e-12;
 
-// At the tip, linear rows first. A slide's axis is in `frames`, its lower rows are 0.
+// Computes the Jacobian at the tip, linear rows first. A slide's axis is in `frames`, its lower
+// rows are 0.
 Jacobian6 JacobianAt(const ChainModel& chain, const ChainFrames& frames) {
   Jacobian6 j(6, chain.n);
   for (int i = 0; i < chain.n; ++i) {
@@ -28,7 +29,7 @@ Jacobian6 JacobianAt(const ChainModel& chain, const ChainFrames& frames) {
   return j;
 }
 
-// The transposed pseudoinverse: column i goes with column i of the Jacobian.
+// Returns the transposed pseudoinverse: column i belongs to column i of the Jacobian.
 Jacobian6 TransposedInverse(const Jacobian6& j) {
   if (j.cols() >= 6) {
     Matrix6 squared = j * j.transpose();
@@ -40,7 +41,7 @@ Jacobian6 TransposedInverse(const Jacobian6& j) {
   return squared.llt().solve(j.transpose()).transpose();
 }
 
-// Of a symmetric matrix without negative eigenvalues.
+// Requires a symmetric matrix without negative eigenvalues.
 template <class Matrix>
 double RootOfDeterminant(const Matrix& m) {
   const Eigen::LDLT<Matrix> factors(m);
@@ -59,8 +60,8 @@ double ManipulabilityOf(const ChainModel& chain, const double* q) {
   return RootOfDeterminant(Small(j.transpose() * j));
 }
 
-// d log w = trace(J^+ dJ), and dJ is cross products: what a hinge carries is turned by it, columns
-// of the joints before it only follow the tip.
+// d log w = trace(J^+ dJ), and dJ consists of cross products: a hinge turns the columns of the
+// joints behind it, columns of the joints before it only follow the tip.
 void LogManipulabilityGradient(const ChainModel& chain, const double* q, double* gradient) {
   ChainFrames frames;
   ComputeFrames(chain, q, &frames);

@@ -9,15 +9,16 @@
 
 namespace robocell {
 
-// The volume of the tip twists that joint speeds of unit norm make: the square root of det(J J^T)
+// Returns the volume of the tip twists for joint speeds of unit norm: the square root of det(J J^T)
 // (T. Yoshikawa, "Manipulability of Robotic Mechanisms", 1985), metres and radians; with fewer than
-// six joints of det(J^T J). 0 where a direction is lost. ArgumentError as Chain::Jacobian has it.
+// six joints that of det(J^T J). 0 where a direction is lost. Throws ArgumentError as in
+// Chain::Jacobian.
 double Manipulability(const Chain& chain, std::span<const double> q);
 
 // The same unchecked, for the solvers of this folder.
 double ManipulabilityOf(const ChainModel& chain, const double* q);
-// The gradient of its logarithm by q, into n numbers; finite everywhere. Where a direction is
-// nearly lost it points steeply to where it is found again.
+// Computes the gradient of its logarithm by q, n numbers; finite everywhere. Near a lost direction
+// it points steeply away from the singularity.
 void LogManipulabilityGradient(const ChainModel& chain, const double* q, double* gradient);
 
 }  // namespace robocell

@@ -1,4 +1,5 @@
-// The gradient of manipulability against differences, batches against single configurations.
+// Tests the gradient of manipulability against differences, and batches against single
+// configurations.
 #include "robocell/kinematics/manipulability.h"
 
 #include <gtest/gtest.h>
@@ -37,7 +38,7 @@ TEST(LogManipulabilityGradient, IsThatOfDifferences) {
   }
 }
 
-// Two parallel slides and a hinge: nothing to divide by.
+// Two parallel slides and a hinge: there is nothing to divide by.
 TEST(LogManipulabilityGradient, IsFiniteWhereADirectionIsLost) {
   const TestModel t = TestModel::FromXml(
       "<mujoco><worldbody><body name='base'><geom size='.1'/><body><joint type='slide'/>"

@@ -7,23 +7,23 @@
 namespace robocell::internal {
 namespace {
 
-// A cosine that is nothing but rounding.
+// A cosine below this is only rounding.
 constexpr double kPerpendicular = 1e-14;
 // The same for a length, as a share of the chain's.
 constexpr double kNoLength = 1e-15;
 
-// About and along z.
+// Returns a screw motion about and along z.
 Transform Screw(double angle, double shift) {
   return {Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix(),
           Eigen::Vector3d(0, 0, shift)};
 }
 
-// Without a length that is nothing but rounding.
+// Returns the length, or 0 if it is only rounding.
 double Length(double length, const ChainModel& chain) {
   return std::abs(length) <= kNoLength * chain.length ? 0 : length;
 }
 
-// About and along x.
+// Returns a screw motion about and along x.
 Transform TwistOnNormal(const CommonNormal& normal, const ChainModel& chain) {
   const bool square = std::abs(normal.cos_twist) <= kPerpendicular;
   const double c = square ? 0 : normal.cos_twist, s = square ? 1 : normal.sin_twist;
@@ -73,7 +73,7 @@ ChainModel InNormalFrames(const ChainModel& chain) {
 
 namespace {
 
-// Sines of the angle between two axes. Below the first they are parallel: what is left is rounding.
+// Sines of the angle between two axes. Below the first they are parallel: the rest is rounding.
 // Below the second their common normal is too far away.
 constexpr double kParallel = 1e-14, kNearlyParallel = 0.02;
 

@@ -1,4 +1,5 @@
-// Normal frames put axes and tip where the chain does, and steps are what the header says.
+// Tests that normal frames have the chain's axes and tip, and that steps have the form in the
+// header.
 #include "robocell/kinematics/normal_frames.h"
 
 #include <gtest/gtest.h>
@@ -8,7 +9,7 @@
 namespace robocell::internal {
 namespace {
 
-// The point on the axis that is nearest to the base's origin.
+// Returns the point on the axis that is nearest to the base's origin.
 Eigen::Vector3d FootOf(const ChainFrames& frames, int i) {
   return frames.origin[i] - frames.axis[i] * frames.axis[i].dot(frames.origin[i]);
 }
@@ -74,7 +75,7 @@ TEST(NormalFrames, StepAlongTheNormalAndTwistAboutIt) {
   }
 }
 
-// Axes that meet, but for rounding, three times over.
+// Three pairs of axes that intersect up to rounding.
 TEST(NormalFrames, HaveNoLengthsThatAreNothingButRounding) {
   ChainModel chain;
   chain.n = 4;

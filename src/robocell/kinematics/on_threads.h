@@ -1,4 +1,4 @@
-// The same work on several threads at once. For the solvers of this folder.
+// Runs the same work on several threads at once. For the solvers of this folder.
 #pragma once
 
 #include <algorithm>
@@ -8,8 +8,8 @@
 
 namespace robocell::internal {
 
-// Calls work(0 .. threads - 1), number 0 on the caller's thread; returns when all have ended. Of
-// what they throw the first is thrown here: `work` sees to it that the others end early.
+// Calls work(0 .. threads - 1), number 0 on the caller's thread; returns when all have ended.
+// Rethrows the first of their exceptions: `work` makes the others end early.
 template <class Work>
 void OnThreads(int threads, const Work& work) {
   if (threads <= 1) return work(0);

@@ -1,5 +1,6 @@
-// A chain as the kernel walks along it: what its joints do, of what kind its steps are, and loops
-// over them. Included once for each instruction set, after lane_math-inl.h and pose_numbers-inl.h.
+// A chain as the kernel walks along it: the motions of its joints, the kinds of its steps, and
+// loops over them. Included once for each instruction set, after lane_math-inl.h and
+// pose_numbers-inl.h.
 #include <hwy/highway.h>
 
 #include "robocell/kinematics/pose_table.h"
@@ -10,16 +11,16 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 // The effect of a joint value on the joint's frame.
 struct Move {
-  P sine, cosine;  // of a slide 0 and 1
-  P shift;         // of a slide
+  P sine, cosine;  // 0 and 1 for a slide
+  P shift;         // for a slide
 };
 
 class JointMoves {
  public:
   static HWY_INLINE int PairsOf(int joints) { return (joints + 1) / 2; }
 
-  // Joints go two at a time, as neither waits for the other and both need the same constants. Calls
-  // meanwhile() with each pair.
+  // Processes joints in pairs, because neither waits for the other and both need the same
+  // constants. Calls meanwhile() with each pair.
   template <class Meanwhile>
   HWY_INLINE JointMoves(const PoseTable& t, const Inputs& q, Meanwhile&& meanwhile) {
     int i = 0;
@@ -48,10 +49,10 @@ class JointMoves {
     values_.Put(i, 2, off);
   }
 
-  JointNumbers<3> values_;  // as a Move has them
+  JointNumbers<3> values_;  // in the form of a Move
 };
 
-// The parts of a step: as in the table, or as known at compile time.
+// The parts of a step: from the table, or known at compile time.
 struct AnyStep {
   const PoseJoint& joint;
   HWY_INLINE PoseJoint::Twist twist() const { return joint.twist; }
@@ -70,8 +71,8 @@ struct PlainStep {
   HWY_INLINE bool weighs() const { return false; }
 };
 
-// Loops over a chain's joints: of any chain, and of a plain one that has so many, whose loops are
-// unrolled: a third of a mass matrix's instructions less.
+// Loops over a chain's joints: of any chain, and of a plain one with a fixed number of joints,
+// whose loops are unrolled, which saves a third of a mass matrix's instructions.
 struct AnyChain {
   const PoseTable& t;
   HWY_INLINE int n() const { return t.n; }

@@ -1,5 +1,5 @@
-// Torques and mass matrices of as many configurations as there are lanes. Included once for each
-// instruction set, after pose_steps-inl.h.
+// Torques and mass matrices of one configuration per lane. Included once for each instruction set,
+// after pose_steps-inl.h.
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
@@ -8,7 +8,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 HWY_INLINE Vec3<P> Three(const Inputs& in) { return {in[0], in[1], in[2]}; }
 
-// In the frames of the joints: gravity from the base on, what is behind a joint from the tip on.
+// Works in the frames of the joints: gravity from the base outwards, the bodies behind a joint from
+// the tip inwards.
 template <class Chain>
 HWY_NOINLINE void GravitiesOf(const Chain& chain, const JointMoves& moves, const Inputs& gravity,
                               double* out) {
@@ -37,12 +38,12 @@ HWY_NOINLINE void GravitiesOf(const Chain& chain, const JointMoves& moves, const
   torques.Write(chain.n(), out);
 }
 
-// Base inertial parameters of a link.
+// Returns the base inertial parameters of a link.
 HWY_INLINE RigidBody<P> LinkOf(const PoseJoint& joint) {
   return {All(joint.mass), All(joint.moment), AllOf(joint.inertia)};
 }
 
-// Another link. All but the mass.
+// Adds another link, except for the mass.
 template <class Step>
 HWY_INLINE void Include(const Step& step, RigidBody<P>* sum) {
   Vec3<P>& h = sum->moment;
@@ -60,7 +61,7 @@ HWY_INLINE void Include(const Step& step, RigidBody<P>* sum) {
   m.yy = hn::Add(m.yy, All(inertia[1]));
 }
 
-// The momentum of a body that a joint moves with speed 1, in the joint's frame.
+// Returns the momentum of a body that a joint moves with speed 1, in the joint's frame.
 template <class Step>
 HWY_INLINE Six<P> MomentumAlong(const Step& step, const RigidBody<P>& body) {
   const P zero = hn::Zero(kPoses);
@@ -69,15 +70,15 @@ HWY_INLINE Six<P> MomentumAlong(const Step& step, const RigidBody<P>& body) {
   return {{h.y, hn::Neg(h.x), zero}, {body.inertia.xz, body.inertia.yz, body.inertia.zz}};
 }
 
-// The component of momentum (or force), given in the joint's frame, along the joint's axis.
+// Returns the component of momentum (or force), given in the joint's frame, along the joint's axis.
 template <class Step>
 HWY_INLINE P AlongJoint(const Step& step, const Six<P>& momentum) {
   return step.slide() ? momentum.linear.z : momentum.angular.z;
 }
 
-// Composite bodies in the frames of the joints, from the tip on; what each joint's motion needs of
-// those before it is then carried back to them (R. Featherstone, "Rigid Body Dynamics Algorithms",
-// 2008, section 6.2).
+// Sums composite bodies in the frames of the joints, from the tip inwards; the momentum of each
+// joint's motion is then transformed back to the previous joints (R. Featherstone, "Rigid Body
+// Dynamics Algorithms", 2008, section 6.2).
 template <class Chain>
 HWY_NOINLINE void MassesOf(const Chain& chain, const JointMoves& moves, double* out) {
   const int n = chain.n();

@@ -1,4 +1,4 @@
-// How far a tip is from where it should be. For the solvers of this folder.
+// The error of a tip's pose. For the solvers of this folder.
 #pragma once
 
 #include <cmath>
@@ -7,14 +7,14 @@
 
 namespace robocell::internal {
 
-// angle / (2 sin(angle)) for the square of a sine up to 1/16: the polynomial that comes closest, to
+// Returns angle / (2 sin(angle)) for the square of a sine up to 1/16: the best polynomial, to
 // 1e-18.
 inline double HalfAngleBySine(double sine2) {
   constexpr double kTerms[] = {
       7.3655469927763283789e-3, 6.7873010341084569891e-3, 8.6889940985615293479e-3,
       1.1185608951832380554e-2, 1.5190982486694193298e-2, 2.2321428446032969688e-2,
       3.7500000000765836325e-2, 8.3333333333331535368e-2, 0.5};
-  // Even and odd powers, which do not wait for one another.
+  // Even and odd powers are computed independently.
   const double sine4 = sine2 * sine2;
   double even = kTerms[0], odd = kTerms[1];
 #pragma GCC unroll 4
@@ -25,8 +25,8 @@ inline double HalfAngleBySine(double sine2) {
   return even * sine4 + kTerms[8] + odd * sine2;
 }
 
-// Rotation vector of a rotation matrix, angle in [0, pi]; exact to rounding for small angles and
-// near pi.
+// Returns the rotation vector of a rotation matrix, angle in [0, pi]; exact to rounding for small
+// angles and near pi.
 inline Eigen::Vector3d RotationVector(const Eigen::Matrix3d& r) {
   const Eigen::Vector3d sine(r(2, 1) - r(1, 2), r(0, 2) - r(2, 0),
                              r(1, 0) - r(0, 1));  // 2 sin(angle) axis
@@ -40,7 +40,7 @@ inline Eigen::Vector3d RotationVector(const Eigen::Matrix3d& r) {
   return axis.normalized() * std::atan2(s, c);
 }
 
-// The length of that vector: the angle of the rotation.
+// Returns the length of that vector: the angle of the rotation.
 inline double RotationAngle(const Eigen::Matrix3d& r) {
   const Eigen::Vector3d sine(r(2, 1) - r(1, 2), r(0, 2) - r(2, 0), r(1, 0) - r(0, 1));
   const double s = 0.5 * sine.norm(), c = 0.5 * (r.trace() - 1);

@@ -1,5 +1,5 @@
-// Tips, Jacobians and manipulabilities of as many configurations as there are lanes. Included once
-// for each instruction set, after pose_steps-inl.h.
+// Tips, Jacobians and manipulabilities of one configuration per lane. Included once for each
+// instruction set, after pose_steps-inl.h.
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
@@ -31,7 +31,7 @@ HWY_NOINLINE void TipsOf(const Chain& chain, const JointMoves& moves, double* ou
   WriteTips(chain.t, last, TipPosition(chain.t, last), out);
 }
 
-// Calls visit(i, column of the Jacobian at the tip) for each joint; writes tips if they are wanted.
+// Calls visit(i, column of the Jacobian at the tip) for each joint; writes tips if requested.
 template <class Chain, class Visit>
 HWY_INLINE void VisitColumns(const Chain& chain, const JointMoves& moves, double* tips,
                              Visit&& visit) {
@@ -71,7 +71,7 @@ HWY_NOINLINE void JacobiansOf(const Chain& chain, const JointMoves& moves, doubl
 // Least pivot, relative to the largest on the diagonal.
 constexpr double kLeastPivot = 1e-20;
 
-// The lower triangle of the smaller of J J^T and J^T J; how many rows it has.
+// Computes the lower triangle of the smaller of J J^T and J^T J; returns its number of rows.
 HWY_INLINE int SquaredOf(const JointNumbers<6>& columns, int n, P (*square)[6]) {
   const int rows = HWY_MIN(n, 6);
   for (int r = 0; r < rows; ++r) {
@@ -87,11 +87,12 @@ HWY_INLINE int SquaredOf(const JointNumbers<6>& columns, int n, P (*square)[6]) 
   return rows;
 }
 
-// The root of the determinant of a symmetric matrix without negative eigenvalues. Uses it up.
+// Returns the root of the determinant of a symmetric matrix without negative eigenvalues, which it
+// overwrites.
 HWY_INLINE P RootOfDeterminant(P (*a)[6], int rows) {
   P largest = hn::Zero(kPoses), product = All(1);
   for (int k = 0; k < rows; ++k) largest = hn::Max(largest, a[k][k]);
-  // The least divisor; for a smaller pivot the product is next to nothing anyway.
+  // The smallest divisor; for a smaller pivot the product is negligible anyway.
   const P least = hn::Max(hn::Mul(All(kLeastPivot), largest), All(kLeastPivot));
   for (int k = 0; k < rows; ++k) {
     product = hn::Mul(product, hn::Max(a[k][k], hn::Zero(kPoses)));

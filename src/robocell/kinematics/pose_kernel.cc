@@ -14,7 +14,7 @@
 #include "robocell/kinematics/lane_math-inl.h"
 #include "robocell/kinematics/link_math-inl.h"
 #include "robocell/kinematics/pose_rows-inl.h"
-// Each needs those before it.
+// Each needs the previous ones.
 #include "robocell/kinematics/pose_numbers-inl.h"
 
 #include "robocell/kinematics/pose_chain-inl.h"
@@ -28,7 +28,7 @@ HWY_BEFORE_NAMESPACE();
 namespace robocell::internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// How many numbers an answer is.
+// Returns how many numbers a result has.
 int NumbersOf(PosePart part, int n) {
   switch (part) {
     case PosePart::kTip:
@@ -48,9 +48,9 @@ int NumbersOf(PosePart part, int n) {
 constexpr int kMostNumbers = kMaxChainJoints * kMaxChainJoints;
 static_assert(kMaxChainJoints >= 6);
 
-// Brings near, part by part, the cache lines that rows of answers will be written to, and some of
-// the next ones. Such rows begin anywhere in a line, and a write to one that is far away would hold
-// up those after it.
+// Prefetches, part by part, the cache lines that rows of results will be written to, and some of
+// the next ones. Such rows begin anywhere in a line, and a write to a far line would delay those
+// after it.
 class LinesToWrite {
  public:
   HWY_INLINE LinesToWrite(const double* rows, int numbers, int parts)
@@ -69,10 +69,10 @@ class LinesToWrite {
   const double* next_;
   int runs_;  // of a part
 };
-// Few numbers are not held up for long.
+// Writes of few numbers are not delayed for long.
 constexpr int kFewNumbers = 16;
 
-// Results of as many queries as there are lanes.
+// Computes the results of one query per lane.
 template <class Chain>
 void ComputeLanes(const Chain& chain, PosePart part, const PoseQuery& query, std::size_t first,
                   double* out, double* tips) {
@@ -120,7 +120,7 @@ void ComputeAll(const Chain& chain, PosePart part, const PoseQuery& query, doubl
 
 void ComputeChain(const PoseTable& t, PosePart part, const PoseQuery& query, double* out,
                   double* tips) {
-  // Those that most arms are, where there are registers enough for lanes.
+  // Most arms are of this kind, if there are enough registers for lanes.
   if (kWidth > 1 && t.plain) {
     if (t.n == 6) return ComputeAll(PlainChain<6>{t}, part, query, out, tips);
     if (t.n == 7) return ComputeAll(PlainChain<7>{t}, part, query, out, tips);

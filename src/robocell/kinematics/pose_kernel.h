@@ -1,5 +1,5 @@
 // Kinematics and dynamics of many configurations of one chain: every lane of a vector register
-// works on its own configuration, with the widest registers this processor has.
+// works on its own configuration, with the widest registers of this processor.
 //
 // Lanes never mix, so that a result does not depend on its neighbours. Instruction sets round
 // differently. For a single configuration link_kernel.h is faster.
@@ -14,7 +14,7 @@
 namespace robocell::internal {
 
 // Numbers of each configuration, one configuration after the other. With a stride of 0 the first
-// ones are for all.
+// ones apply to all.
 struct PoseRows {
   const double* data = nullptr;
   std::size_t stride = 0;
@@ -29,13 +29,13 @@ enum class PosePart {
   kManipulability  // 1 each
 };
 
-// Those that the part needs: joint values n each, gravity in the base frame 3 each.
+// The inputs that the part needs: joint values n each, gravity in the base frame 3 each.
 struct PoseQuery {
   std::size_t count = 0;
   PoseRows q, qd, qdd, gravity;
 };
 
-// With Jacobians, tips too where they are wanted.
+// With Jacobians, computes tips too if they are requested.
 void ComputePoses(const PoseTable& table, PosePart part, const PoseQuery& query, double* out,
                   double* tips = nullptr);
 

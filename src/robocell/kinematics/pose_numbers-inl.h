@@ -8,7 +8,7 @@ HWY_BEFORE_NAMESPACE();
 namespace robocell::internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// For lambdas, which compilers think too long to be put where they are called.
+// For lambdas, which compilers consider too long to inline.
 #undef POSE_INLINE
 #define POSE_INLINE HWY_ATTR __attribute__((always_inline))
 
@@ -19,8 +19,8 @@ HWY_INLINE Symmetric3<P> AllOf(const double* s) {
   return {All(s[0]), All(s[1]), All(s[2]), All(s[3]), All(s[4]), All(s[5])};
 }
 
-// So many numbers of each joint, one by one: compilers copy structs in pieces, and then wait for
-// the pieces when they need a whole register.
+// A fixed number of values of each joint, one by one: compilers copy structs in pieces, and then
+// wait for the pieces when they need a whole register.
 template <int kNumbers>
 class JointNumbers {
  public:

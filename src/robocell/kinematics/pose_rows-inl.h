@@ -1,5 +1,5 @@
-// Numbers of as many configurations as there are lanes: in memory one configuration after the
-// other, in registers side by side. Included once for each instruction set.
+// Numbers of one configuration per lane: in memory one configuration after the other, in registers
+// side by side. Included once for each instruction set.
 #include <hwy/highway.h>
 
 #include <algorithm>
@@ -17,10 +17,10 @@ constexpr int kWidth = hn::MaxLanes(kPoses);
 static_assert(kMaxChainJoints % kWidth == 0);
 
 #if HWY_MAX_BYTES >= 64
-// a0 b0 a2 b2 and a1 b1 a3 b3 of what are blocks of two numbers.
+// Returns a0 b0 a2 b2 and a1 b1 a3 b3, where each is a block of two numbers.
 HWY_INLINE void ExchangeBlocks(P a, P b, P* low, P* high) {
 #if HWY_ARCH_X86
-  // One instruction each, which this release of Highway has no name for.
+  // One instruction each, which this release of Highway does not wrap.
   const __m512i evens = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
   const __m512i odds = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
   *low = P{_mm512_permutex2var_pd(a.raw, evens, b.raw)};
@@ -32,7 +32,7 @@ HWY_INLINE void ExchangeBlocks(P a, P b, P* low, P* high) {
 }
 #endif
 
-// Two rows of a square, so far apart, exchange what each holds of the other's columns.
+// Exchanges, between two rows of a square at this distance, the parts of the other's columns.
 template <int kApart>
 HWY_INLINE void Exchange(P* low, P* high) {
   const P a = *low, b = *high;
@@ -53,7 +53,7 @@ HWY_INLINE void Exchange(P* low, P* high) {
 #endif
 }
 
-// Makes columns of a square's rows: in its halves, then in halves of these.
+// Transposes a square: in its halves, then in halves of these.
 template <int kApart = kWidth / 2>
 HWY_INLINE void Transpose(P* rows) {
   if constexpr (kApart > 0) {
@@ -65,7 +65,7 @@ HWY_INLINE void Transpose(P* rows) {
   }
 }
 
-// Lanes behind the last configuration do what it does.
+// Lanes after the last configuration repeat it.
 class Inputs {
  public:
   HWY_INLINE Inputs(const PoseRows& rows, std::size_t first, std::size_t last, int numbers) {
@@ -84,13 +84,13 @@ class Inputs {
     }
     int k = 0;
     for (; k + kWidth <= numbers; k += kWidth) ReadSquare<false>(from, k, kWidth);
-    // Some of these once more.
+    // Reads some numbers twice.
     if (k < numbers) ReadSquare<false>(from, numbers - kWidth, kWidth);
   }
   HWY_INLINE P operator[](int k) const { return hn::Load(kPoses, values_[k]); }
 
  private:
-  // Does not touch what is behind the numbers.
+  // Does not touch memory after the numbers.
   template <bool kPart>
   HWY_INLINE void ReadSquare(const double* const* from, int first, int some) {
     P square[kWidth];
@@ -103,9 +103,9 @@ class Inputs {
 #pragma GCC unroll 8
     for (int i = 0; i < kWidth; ++i) hn::Store(square[i], kPoses, values_[first + i]);
   }
-  // The first of a register's numbers, and 0.
+  // Reads the first of a register's numbers, and 0 for the rest.
   static HWY_INLINE P ReadPart(const double* from, int numbers) {
-// With AVX2 only reading numbers that are shorter than these might fault.
+// With AVX2, only reads of numbers shorter than these could fault.
 #if HWY_MEM_OPS_MIGHT_FAULT && HWY_TARGET != HWY_AVX2
     alignas(64) double values[kWidth] = {};
     std::copy_n(from, numbers, values);
@@ -129,7 +129,7 @@ class Outputs {
     const int rest = numbers % kWidth, whole = numbers - rest;
     for (int k = 0; k < whole; k += kWidth) WriteSquare<false>(k, kWidth, numbers, out);
     if (rest > kFew) {
-      // Some numbers once more.
+      // Writes some numbers twice.
       WriteSquare<false>(numbers - kWidth, kWidth, numbers, out);
     } else {
       for (int k = whole; k < numbers; ++k) WriteNumber(k, numbers, out);
@@ -137,7 +137,7 @@ class Outputs {
   }
 
  private:
-  // So many are written faster one by one than as a square.
+  // Up to this number, single writes are faster than a square.
   static constexpr int kFew = 2;
 
   HWY_INLINE P At(int k) const { return hn::Load(kPoses, values_[k]); }

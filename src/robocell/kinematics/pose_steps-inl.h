@@ -1,28 +1,28 @@
-// From the frame of one joint to those of its neighbours, for as many configurations of a chain as
-// there are lanes. Included once for each instruction set, after pose_chain-inl.h.
+// Transforms from the frame of one joint to those of its neighbours, for one configuration of a
+// chain per lane. Included once for each instruction set, after pose_chain-inl.h.
 //
-// In the left-handed frames of pose_table.h, where cross products have the other sign. What is 0
-// for a chain is so in all lanes and all batches: leaving it out changes no result.
+// It uses the left-handed frames of pose_table.h, where cross products have the opposite sign. A
+// value that is 0 for a chain is 0 in all lanes and all batches: leaving it out changes no result.
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
 namespace robocell::internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Numbers along two axes: at half the angle between the first and where it comes to stands the
-// mirror.
+// Reflects numbers along two axes: the mirror is at half the angle between the first axis and its
+// image.
 HWY_INLINE void Reflect(P cosine, P sine, P* a, P* b) {
   const P old = *a;
   *a = hn::MulAdd(cosine, old, hn::Mul(sine, *b));
   *b = hn::MulSub(sine, old, hn::Mul(cosine, *b));
 }
-// The axes themselves.
+// Reflects the axes themselves.
 HWY_INLINE void Reflect(P cosine, P sine, Vec3<P>* a, Vec3<P>* b) {
   Reflect(cosine, sine, &a->x, &b->x);
   Reflect(cosine, sine, &a->y, &b->y);
   Reflect(cosine, sine, &a->z, &b->z);
 }
-// An inertia's numbers for two axes.
+// Reflects an inertia's numbers for two axes.
 HWY_INLINE void Reflect(P cosine, P sine, P* aa, P* bb, P* ab) {
   const P more = hn::MulAdd(cosine, hn::Sub(*aa, *bb), hn::Mul(sine, hn::Add(*ab, *ab)));
   const P old = *aa;
@@ -44,7 +44,7 @@ HWY_INLINE void Swap(Vec3<P>* a, Vec3<P>* b) {
   Swap(&a->z, &b->z);
 }
 
-// There and back again. Not for twists of any kind.
+// The transform and its inverse. Not for general twists.
 template <class Step, class Number>
 HWY_INLINE void Twist(const Step& step, Number* y, Number* z) {
   if (step.twist() == PoseJoint::Twist::kQuarter) {
@@ -70,19 +70,19 @@ template <class Step>
 HWY_INLINE bool IsAny(const Step& step) {
   return step.twist() == PoseJoint::Twist::kAny;
 }
-// The twisted axes, and no translation.
+// Returns the twisted axes, without translation.
 HWY_INLINE Frame3<P> AnyTwist(const PoseJoint& joint) {
   return {All(joint.rotation), All(joint.rotation + 3), All(joint.rotation + 6), ZeroVector()};
 }
 
-// By what the joint itself does.
+// Applies the joint's own motion.
 template <class Step>
 HWY_INLINE void MoveBy(const Step& step, const Move& move, Frame3<P>* f) {
   Reflect(move.cosine, move.sine, &f->x, &f->y);
   if (step.slide()) f->p = MulAdd(move.shift, f->z, f->p);
 }
 
-// To the frame of a joint, from that before.
+// Transforms to the frame of a joint from the previous one.
 template <class Step>
 HWY_INLINE void StepTo(const Step& step, const Move& move, Frame3<P>* f) {
   const PoseJoint& joint = step.joint;
@@ -100,7 +100,8 @@ HWY_INLINE void StepTo(const Step& step, const Move& move, Frame3<P>* f) {
   MoveBy(step, move, f);
 }
 
-// Calls visit(i, frame) for each joint, the frames counted from the table's origin; the last one.
+// Calls visit(i, frame) for each joint, with frames relative to the table's origin; returns the
+// last one.
 template <class Chain, class Visit>
 HWY_INLINE Frame3<P> WalkPoses(const Chain& chain, const JointMoves& moves, Visit&& visit) {
   Frame3<P> f = AnyTwist(chain[0].joint);
@@ -113,7 +114,7 @@ HWY_INLINE Frame3<P> WalkPoses(const Chain& chain, const JointMoves& moves, Visi
   return f;
 }
 
-// A vector in the frame of a joint, from that before.
+// Transforms a vector to the frame of a joint from the previous one.
 template <class Step>
 HWY_INLINE void SeenFrom(const Step& step, const Move& move, Vec3<P>* v) {
   if (IsAny(step)) {
@@ -125,7 +126,7 @@ HWY_INLINE void SeenFrom(const Step& step, const Move& move, Vec3<P>* v) {
   Reflect(move.cosine, move.sine, &v->x, &v->y);
 }
 
-// Transforms values from the frame of a joint to the frame before.
+// Transforms values from the frame of a joint to the previous one.
 template <class Step>
 HWY_INLINE void Back(const Step& step, const Move& move, Vec3<P>* v) {
   Reflect(move.cosine, move.sine, &v->x, &v->y);
@@ -136,7 +137,7 @@ HWY_INLINE void Back(const Step& step, const Move& move, Vec3<P>* v) {
   }
 }
 
-// The torque of a force that is `s` away along an axis, a and b being the axes after it.
+// Adds the torque of a force at distance `s` along an axis, where a and b are the axes after it.
 HWY_INLINE void AddLever(P s, P force_a, P force_b, P* torque_a, P* torque_b) {
   *torque_a = hn::MulAdd(s, force_b, *torque_a);
   *torque_b = hn::NegMulAdd(s, force_a, *torque_b);
@@ -153,7 +154,7 @@ HWY_INLINE void Back(const Step& step, const Move& move, Six<P>* v) {
   if (step.shifted(2)) AddLever(All(s[2]), force.x, force.y, &torque.x, &torque.y);
 }
 
-// A body about an origin that is moved against an axis, k, by s; a and b are the other two.
+// Moves a body's origin against an axis, k, by s; a and b are the other two.
 template <class Step>
 HWY_INLINE void Shift(const Step& step, P s, P* moment_k, P moment_a, P moment_b, P* aa, P* bb,
                       P* ka, P* kb) {
@@ -187,7 +188,7 @@ HWY_INLINE void ShiftZ(const Step& step, P s, RigidBody<P>* body) {
   Shift(step, s, &h.z, h.x, h.y, &m.xx, &m.yy, &m.xz, &m.yz);
 }
 
-// The inertia that moves with a joint and behind it. The mass does not change.
+// Computes the inertia of a joint's link and those behind it. The mass does not change.
 template <class Step>
 HWY_INLINE void Back(const Step& step, const Move& move, RigidBody<P>* body) {
   Symmetric3<P>& m = body->inertia;

@@ -1,11 +1,11 @@
 // PoseTable: a chain's numbers joint by joint, for the kernel that works on many configurations at
-// once (pose_kernel.h). What can be done once for a chain is done here.
+// once (pose_kernel.h). It contains everything that can be computed once for a chain.
 //
-// Frames are normal ones (normal_frames.h), but left-handed: y points the other way. So a step from
-// one to the next is a reflection in x and y, by the hinge, after one in y and z, by the twist,
-// which mostly swaps these two. A reflection is its own inverse, and no number changes its sign on
-// the way. The first joint's step comes from the base, whose axes are as ever; all others have the
-// second axis turned round at both ends.
+// Frames are normal ones (normal_frames.h), but left-handed: y points the opposite way. So a step
+// from one to the next is a reflection in x and y, by the hinge, after one in y and z, by the
+// twist, which usually swaps these two. A reflection is its own inverse, and no number changes its
+// sign on the way. The first joint's step comes from the base, whose axes are unchanged; all others
+// have the second axis reversed at both ends.
 //
 // Plain numbers only; this header is included by code for every instruction set.
 #pragma once
@@ -23,18 +23,18 @@ struct PoseJoint {
 
   Twist twist = Twist::kAny;
   bool slide = false;
-  // True for values that are not 0: the parts of the translation, and the sums behind the joint.
+  // True for values other than 0: the parts of the translation, and the sums behind the joint.
   bool shifted[3] = {};
   bool heavy = false, weighs = false;
   double twist_cosine = 1, twist_sine = 0;  // not for kAny
-  // The twisted axes, right-handed, column by column, and the origin, from the joint before. Of the
-  // first joint PoseTable::origin is the origin.
+  // The twisted axes, right-handed, column by column, and the origin, from the previous joint. For
+  // the first joint PoseTable::origin is the origin.
   double rotation[9] = {};
   double translation[3] = {};
   double reference = 0;
   double turns = 1;  // 0 for a slide
-  // Base inertial parameters of the link (base_inertial_parameters.h). Behind a hinge these are 0: both masses, z of both
-  // moments, and yy of the inertia, which is xx, yy, zz, xy, xz, yz.
+  // Base inertial parameters of the link (base_inertial_parameters.h). Behind a hinge these are 0:
+  // both masses, z of both moments, and yy of the inertia, which is xx, yy, zz, xy, xz, yz.
   double mass = 0;
   double moment[3] = {};
   double inertia[6] = {};
@@ -48,10 +48,11 @@ struct PoseJoint {
 
 struct PoseTable {
   int n = 0;
-  // Only hinges; behind the first one twists are a quarter or none, and nothing is shifted along y.
+  // True for hinges only, where twists behind the first one are a quarter turn or none, and there
+  // is no shift along y.
   bool plain = false;
   PoseJoint joints[kMaxChainJoints];
-  double origin[3] = {};        // far bases cost no digits: kernels count from here
+  double origin[3] = {};        // kernels count from here, so that far bases cost no digits
   double tip_rotation[9] = {};  // column by column
   double tip_translation[3] = {};
 };

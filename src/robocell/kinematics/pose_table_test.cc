@@ -1,5 +1,5 @@
-// Which chains are plain; what the table's numbers do is tested with the kernel that reads them
-// (chain_batch_test.cc).
+// Tests which chains are plain; the test of the kernel that reads the table's numbers
+// (chain_batch_test.cc) covers their effect.
 #include "robocell/kinematics/pose_table.h"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 namespace robocell::internal {
 namespace {
 
-// Three hinges, each about an axis of the one before, the last one turned by some more.
+// Three hinges, each about an axis of the previous one, the last one turned further.
 ChainModel ThreeHinges(const Eigen::Vector3d& second, const Eigen::Vector3d& third) {
   ChainModel chain;
   chain.n = 3;
@@ -36,7 +36,7 @@ TEST(PoseTable, IsPlainForHingesWhoseAxesAreParallelOrSquare) {
   }
 }
 
-// Their frames stay as they are (normal_frames.h), and the cosine of such a twist may be 1.
+// Their frames stay unchanged (normal_frames.h), and the cosine of such a twist may be 1.
 TEST(PoseTable, KeepsTwistsThatAreNextToNothing) {
   for (const double twist : {1e-13, 1e-9, 1e-8, 1e-3}) {
     ChainModel chain = ThreeHinges({0, 0, 1}, {1, 0, 0});

@@ -11,7 +11,7 @@ namespace robocell {
 namespace {
 
 constexpr int kSamples = 2048;
-constexpr int kImproved = 4;  // of the best samples
+constexpr int kImproved = 4;  // best samples that are improved
 constexpr double kFinestStep = 1e-3;
 
 class ReachSearch {

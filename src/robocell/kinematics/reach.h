@@ -1,4 +1,4 @@
-// How far a chain reaches: for RobotConfig.reach when the file does not say it.
+// The reach of a chain, for a RobotConfig without `reach`.
 //
 //   const double metres = ApproximateReach(chain);
 #pragma once
@@ -7,10 +7,11 @@
 
 namespace robocell {
 
-// The largest distance (m) of the tip from the origin of the base frame that was found among evenly
-// spread joint values in the limits, improved joint by joint. Never more than the truth, and mostly
-// within 1 % of it. The same chain always gives the same number. Takes a few milliseconds. Joints
-// without limits: hinges in a turn; a slide without limits moves by at most the chain's length.
+// Returns the largest distance (m) of the tip from the origin of the base frame that was found
+// among evenly spread joint values in the limits, improved joint by joint. It is never more than
+// the true reach, and usually within 1 % of it. The same chain always gives the same number. Takes
+// a few milliseconds. Joints without limits: hinges in a turn; a slide without limits moves by at
+// most the chain's length.
 double ApproximateReach(const Chain& chain);
 
 }  // namespace robocell

@@ -17,7 +17,7 @@ constexpr int kMostRotations = 100'000;
 
 void Refuse(const std::string& what) { throw ArgumentError("reach map: " + what); }
 
-// Cells along an axis, and the centre of the first.
+// Returns the number of cells along an axis, and the centre of the first.
 std::pair<double, double> Divide(double lower, double upper, double cell) {
   const double count = std::max(1.0, std::ceil((upper - lower) / cell - 1e-9));
   return {count, 0.5 * (lower + upper - (count - 1) * cell)};

@@ -1,4 +1,4 @@
-// Maps where a chain's tip can be, and how freely it can be turned there.
+// Maps where a chain's tip can be, and in how many rotations.
 //
 //   const ReachMap map = MapReach(chain, ReachGrid::Around(chain));
 //   map.fraction[map.index(3, 4, 5)];  // of the rotations at this place, those that are reached
@@ -15,30 +15,31 @@
 
 namespace robocell {
 
-// A box in the base frame, divided into cubes. Where both corners agree along an axis there is one
+// A box in the base frame, divided into cubes. If both corners agree along an axis there is one
 // layer of cells, centred there.
 struct ReachGrid {
   Eigen::Vector3d lower = Eigen::Vector3d::Zero(), upper = Eigen::Vector3d::Zero();  // m
   double cell = 0.05;  // edge of a cube, m
 
-  // Everything that the chain may reach. ArgumentError for a chain that reaches infinitely far.
+  // Returns a grid of everything that the chain may reach. Throws ArgumentError for a chain with
+  // infinite reach.
   static ReachGrid Around(const Chain& chain, double cell = 0.05);
 };
 
 struct ReachMapOptions {
-  // Rotations that are tried at the centre of each cell, spread evenly over all of them.
+  // Rotations to try at the centre of each cell, spread evenly over all rotations.
   int rotations = 64;
   // The query at each cell, as in IkOptions. A chain of less than six joints reaches hardly any
-  // exact rotation. With five joints, map where an axis of the tip points; with fewer, its position
-  // only, for which `rotations` does not count.
+  // exact rotation. With five joints, map the direction of an axis of the tip; with fewer, its
+  // position only, for which `rotations` does not count.
   bool position_only = false;
   std::optional<Eigen::Vector3d> axis{};  // in the tip's frame
   double tolerance = 1e-3;                // m and rad
-  // Starts after the first for each. What these miss is found where the same rotation was reached
-  // in a cell beside, from whose joint values each is asked for again.
+  // Starts after the first for each query. Solutions that these miss are found if the same rotation
+  // was reached in an adjacent cell, whose joint values are then used as starts.
   int max_restarts = 4;
   int threads = 1;
-  // Called now and then on the caller's thread; what it throws ends the map.
+  // Called occasionally on the caller's thread; its exception ends the map.
   std::function<void()> poll = {};
 };
 
@@ -47,14 +48,14 @@ struct ReachMap {
   Eigen::Vector3d first = Eigen::Vector3d::Zero();  // centre of the first cell, m, base frame
   double cell = 0;                                  // between centres, m
   int rotations = 0;                                // tried at each cell
-  // The share of rotations that are reached, 0 to 1; and the mean manipulability (manipulability.h)
-  // of the configurations found, 0 without any. z changes fastest.
+  // The share of reached rotations, 0 to 1; and the mean manipulability (manipulability.h) of the
+  // configurations found, 0 without any. z changes fastest.
   std::vector<float> fraction{}, manipulability{};
 
   std::size_t index(int x, int y, int z) const {
     return (static_cast<std::size_t>(x) * cells[1] + y) * cells[2] + z;
   }
-  // The place of the cell with this index.
+  // Returns the place of the cell with this index.
   std::array<int, 3> cell_at(std::size_t index) const {
     const auto at = static_cast<int64_t>(index);
     const int64_t column = at / cells[2];
@@ -66,14 +67,14 @@ struct ReachMap {
   }
 };
 
-// Rotation k of `count` that are spread evenly over all rotations, a super-Fibonacci spiral (M.
+// Returns rotation k of `count`, spread evenly over all rotations on a super-Fibonacci spiral (M.
 // Alexa, "Super-Fibonacci Spirals: Fast, Low-Discrepancy Sampling of SO(3)", 2022).
 Quaternion SpreadRotation(int k, int count);
 
-// Inverse kinematics of rotations times cells poses, about a million in some seconds on one core;
-// limits obeyed, collisions not looked at. The same map on any number of threads. ArgumentError for
-// corners that are not finite or in the wrong order, for a cell, tolerance or counts that make no
-// sense, and for more than 2^31 poses.
+// Solves inverse kinematics for rotations times cells poses, about a million in some seconds on one
+// core; limits are obeyed, collisions are ignored. The map is the same on any number of threads.
+// Throws ArgumentError for corners that are not finite or in the wrong order, for a meaningless
+// cell, tolerance or count, and for more than 2^31 poses.
 ReachMap MapReach(const Chain& chain, const ReachGrid& grid, const ReachMapOptions& options = {});
 
 }  // namespace robocell

@@ -1,4 +1,4 @@
-// The reach map against geometry known in closed form, and against configurations that are there.
+// Tests the reach map against geometry known in closed form, and against existing configurations.
 #include "robocell/kinematics/reach_map.h"
 
 #include <fmt/format.h>
@@ -18,8 +18,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Two links of 0.6 and 0.4 m that a ball of three hinges carries, and a wrist of three: the tip
-// reaches what is between 0.2 and 1 m from the middle, turned in every way.
+// Two links of 0.6 and 0.4 m on a ball of three hinges, and a wrist of three: the tip reaches every
+// point between 0.2 and 1 m from the centre, in every rotation.
 constexpr char kBallArm[] =
     "<mujoco><compiler angle='radian' autolimits='true'/>"
     "<default><joint range='-3.14159 3.14159'/><geom size='.01'/></default><worldbody>"
@@ -93,8 +93,9 @@ TEST(ReachMap, OfThreeJointsAsksForThePositionOnly) {
   EXPECT_GT(inside, 200);
 }
 
-// A shoulder that does not turn all the way round leaves a wedge where no start lies: what reaches
-// into it comes from either side, and the few starts of a map have to find that from both.
+// A shoulder that does not turn all the way round leaves a wedge without starts: configurations
+// that reach into it come from either side, and the few starts of a map have to find them from
+// both.
 TEST(ReachMap, KnowsWhatIsReachedOnBothSidesOfAShouldersLimits) {
   for (const char* shoulder : {"-170 170", "-175 160"}) {
     const TestModel t = TestModel::FromXml(fmt::format(
@@ -122,7 +123,7 @@ TEST(ReachMap, KnowsWhatIsReachedOnBothSidesOfAShouldersLimits) {
   }
 }
 
-// Few starts miss whole regions amid what is reached; what cells beside them know leads inside.
+// Few starts miss whole regions inside the reach; solutions of adjacent cells lead inside.
 TEST(ReachMap, HasNoHolesThatManyStartsFill) {
   for (const std::vector<TableRow>& rows : {Puma560(), OffsetSevenJoints()}) {
     const TestModel t = TestModel::FromXml(ArmXml(rows));
@@ -139,7 +140,7 @@ TEST(ReachMap, HasNoHolesThatManyStartsFill) {
   }
 }
 
-// The map may not show a place as unreachable if a configuration puts the tip there.
+// The map must not show a place as unreachable if a configuration puts the tip there.
 TEST(ReachMap, KnowsThePlacesThatRandomConfigurationsReach) {
   Rng rng = Rng::Stream(1, "reach map");
   const TestModel t = TestModel::FromXml(
@@ -177,7 +178,7 @@ TEST(ReachMap, IsTheSameOnThreadsAndHasRoomForTheWholeChain) {
 
 TEST(SpreadRotation, CoversAllRotationsEvenly) {
   constexpr int kCount = 200;
-  // No rotation is farther than about the spacing from one of them.
+  // Every rotation is within about the spacing of one of them.
   Rng rng = Rng::Stream(2, "rotations");
   double farthest = 0;
   for (int k = 0; k < 300; ++k) {
@@ -191,7 +192,7 @@ TEST(SpreadRotation, CoversAllRotationsEvenly) {
     }
     farthest = std::max(farthest, nearest);
   }
-  EXPECT_LT(farthest, 0.75);  // 200 balls of 0.75 rad have eleven times the room of all rotations
+  EXPECT_LT(farthest, 0.75);  // 200 balls of 0.75 rad have eleven times the volume of all rotations
 }
 
 TEST(ReachMap, RefusesWhatMakesNoSense) {
@@ -207,7 +208,7 @@ TEST(ReachMap, RefusesWhatMakesNoSense) {
   refused({.lower = box.lower, .upper = box.upper, .cell = 0}, {}, "cell is 0 m; it must be more");
   refused(box, {.rotations = 0}, "rotations is 0; it must be 1 to 100000");
   refused(box, {.rotations = std::numeric_limits<int>::max()}, "rotations is 2147483647; it must");
-  // Out of reach, so that nothing is asked.
+  // Out of reach, so that there are no queries.
   const ReachGrid far{.lower = {99, 0, 0}, .upper = {99, 0, 0}};
   refused(far, {.tolerance = -1}, "tolerance is -1; it must be more than 0");
   refused(far, {.threads = 0}, "threads is 0; it must be 1 or more");

@@ -12,11 +12,11 @@ namespace {
 
 // Poses that are solved together: enough for all threads, few enough for the caches.
 constexpr std::size_t kPosesTogether = 1 << 15;
-// Joint values that are kept at a time, 512 MiB: larger maps are made in parts, and what lies
-// beside a part is not looked at.
+// Joint values that are kept at a time, 512 MiB: larger maps are made in parts, which ignore their
+// neighbours.
 constexpr std::size_t kValuesKept = std::size_t{1} << 27;
-// Starts where the way in from beside is barred, by a limit for most. The first sixteen are near
-// the target and of one kind.
+// Starts for poses that cannot be entered from a neighbour, usually because of a limit. The first
+// sixteen are near the target and of one kind.
 constexpr int kRestartsAtBorders = 48;
 
 }  // namespace
@@ -88,7 +88,7 @@ bool ReachMapper::AskBesideNews() {
   return !news_.empty();
 }
 
-// In one direction at a time, so that no pose is asked for twice together.
+// Works in one direction at a time, so that no pose is solved twice together.
 void ReachMapper::AskBeside(std::span<const std::size_t> news, int axis, int step) {
   for (const std::size_t from : news) {
     const std::size_t pose = PoseBeside(from, axis, step);

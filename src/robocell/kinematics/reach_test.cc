@@ -1,4 +1,4 @@
-// How far chains reach, against lengths that are known and against samples.
+// Tests the reach of chains against known lengths and against samples.
 #include "robocell/kinematics/reach.h"
 
 #include <gtest/gtest.h>

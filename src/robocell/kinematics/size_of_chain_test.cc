@@ -1,5 +1,5 @@
-// Results are alike at every size of a chain, from watchmaker's to crane: a metre of a slide counts
-// relative to the length of the chain.
+// Tests that results are alike at every size of a chain, from a watchmaker's to a crane's: a metre
+// of a slide counts relative to the length of the chain.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ struct Sized {
         chain(model.model(), "base", ChainTip::Site("tip")) {}
 
   double unit(int i) const { return chain.model().joints[i].slide ? size : 1; }
-  // In the limits; nearer to `from` than a part of a radian or of the size.
+  // Returns values in the limits that are nearer to `from` than a part of a radian or of the size.
   JointVector Near(const JointVector& from, double part) {
     JointVector q = from;
     for (int i = 0; i < q.size(); ++i) {
@@ -34,8 +34,8 @@ struct Sized {
     }
     return q;
   }
-  // A chain of few metres is as accurate as one of one metre; long chains as accurate as numbers
-  // allow.
+  // Chains up to one metre scale their accuracy with their size; longer ones are as accurate as
+  // floating point allows.
   double tolerance() const { return 1e-5 * std::min(1.0, size); }
 
   double size;
@@ -93,7 +93,7 @@ TEST(SizeOfChain, SlidesAreAsGoodForSolutionsAtEverySize) {
   }
 }
 
-// Mean distance to a preferred posture, of radians and of lengths.
+// Returns the mean distance to a preferred posture, of radians and of lengths.
 double OffThePosture(int seed, double size) {
   Sized s(seed, 9, size);
   const JointVector posture = RandomJoints(s.chain, &s.rng);

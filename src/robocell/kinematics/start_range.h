@@ -17,9 +17,9 @@ struct StartRange {
   double at(double part) const { return lower + part * (upper - lower); }  // part in [0, 1]
 };
 
-// Hinges start within one turn, as more of them repeat themselves; slides without limits within
-// `length` of their reference position. What has a limit at one end only starts in a range of the
-// same size, moved to where the limit allows it.
+// Hinges start within one turn, because further turns repeat it; slides without limits within
+// `length` of their reference position. A joint with one limit starts in a range of the same size,
+// shifted to obey it.
 inline StartRange StartRangeOf(const JointModel& joint, double length) {
   const bool limited = std::isfinite(joint.lower) && std::isfinite(joint.upper);
   const double middle = limited       ? 0.5 * (joint.lower + joint.upper)

@@ -12,8 +12,8 @@
 namespace robocell::internal {
 namespace {
 
-// More are nearer and save steps, but what is read to rank them comes from farther memory. Without
-// redundant joints a pose has few solutions, and it takes more to have a start near each.
+// More entries are nearer and save steps, but ranking them reads slower memory. Without redundant
+// joints a pose has few solutions, and more entries are needed for a start near each.
 struct TableSize {
   int entries, cells_along_the_longest_side;
 };
@@ -21,13 +21,13 @@ constexpr TableSize SizeFor(int joints) {
   return joints > 6 ? TableSize{4096, 8} : TableSize{8192, 7};
 }
 // Solutions found from near a limit end up pressed on it more often than others. A chain of few
-// joints reaches a pose in one way or two: what its starts leave out, as a wedge behind the base,
-// is not found from elsewhere.
+// joints reaches a pose in one or two ways: a region that its starts leave out, for example a wedge
+// behind the base, is not found from elsewhere.
 constexpr double kPartOfTheRange = 0.8;
 constexpr int kFewJoints = 5;
 // A cell with fewer entries has no choice to offer.
 constexpr int kFewestEntries = 8;
-// This part of the chain's length is as far as one radian.
+// This part of the chain's length counts as much as one radian.
 constexpr double kLengthPerRadian = 0.4;
 // Starts whose joints are all nearer than this lead to the same place (rad).
 constexpr double kApart = 1.5;
@@ -87,7 +87,7 @@ StartTable::StartTable(const ChainModel& chain)
   MakeDetours();
 }
 
-// Cubes over the box of all positions, and how many entries fall into each.
+// Makes cubes over the box of all positions, and counts the entries in each.
 void StartTable::MakeCells(const std::vector<std::array<float, kColumns>>& poses) {
   std::array<float, 3> sides{};
   for (int axis = 0; axis < 3; ++axis) {
@@ -97,7 +97,7 @@ void StartTable::MakeCells(const std::vector<std::array<float, kColumns>>& poses
     sides[axis] = (*high)[axis] - (*low)[axis];
   }
   const float longest = *std::max_element(sides.begin(), sides.end());
-  // Rounding is no space.
+  // Rounding is not a space.
   const auto cells = static_cast<float>(SizeFor(n_).cells_along_the_longest_side);
   per_edge_ = longest * std::sqrt(per_distance2_) > 1e-5F ? cells / longest : 0;
   for (int axis = 0; axis < 3; ++axis)
@@ -119,9 +119,9 @@ int StartTable::CellOf(const float* position) const {
   return cell;
 }
 
-// Near the border of the reach, cells are nearly empty: the nearest ones with enough entries serve,
-// all that are equally near. Where the limits of the first joint leave out a wedge, a search from
-// one side of it does not come to what is reached from the other.
+// Near the border of the reach, cells are nearly empty: the nearest ones with enough entries
+// replace them, including all equally near ones. If the limits of the first joint leave out a
+// wedge, a search from one side of it does not find solutions on the other.
 void StartTable::MakeDetours() {
   const int count = static_cast<int>(begin_.size()) - 1;
   const auto entries = [&](int cell) { return begin_[cell + 1] - begin_[cell]; };
@@ -161,7 +161,7 @@ void StartTable::Score(const Aim& aim, int first, int count, float* scores) cons
     const float dx = x[e] - px, dy = y[e] - py, dz = z[e] - pz;
     float cosine = qw[e] * w + qx[e] * i + qy[e] * j + qz[e] * k;  // of half the angle
     if constexpr (kAnyTurn) {
-      // The value of the nearest rotation about the axis.
+      // The value for the nearest rotation about the axis.
       const float other = qw[e] * hw + qx[e] * hi + qy[e] * hj + qz[e] * hk;
       cosine = std::sqrt(cosine * cosine + other * other);
     }
@@ -213,7 +213,7 @@ int StartTable::First(const Aim& aim, std::span<Place> places) const {
   const int most = static_cast<int>(places.size());
   int found = 0;
   float last = std::numeric_limits<float>::infinity();
-  // Inserted where it belongs; entries that are equally near stay in their order.
+  // Inserts in order; equally near entries keep their order.
   ForNearby(aim, [&](const Place& entry) {
     if (!(entry.score < last)) return;
     int at = found < most ? found++ : most - 1;

@@ -1,9 +1,10 @@
-// StartTable: joint values spread over a chain's limits, found by the pose that they give the tip:
-// where a search for a pose best begins.
+// StartTable: joint values spread over a chain's limits, indexed by the pose of the tip: the best
+// starts of a search for a pose.
 //
-// Points of a low-discrepancy sequence, sorted into cells of space by the position of the tip; in a
-// cell they are ranked by how far the tip has to turn and to move. A start nearby needs few steps,
-// and ends more often inside the limits. Immutable; a chain makes it once, in some milliseconds.
+// It sorts points of a low-discrepancy sequence into cells of space by the position of the tip;
+// within a cell they are ranked by the rotation and translation that the tip needs. A start nearby
+// needs few steps, and ends more often inside the limits. Immutable; a chain makes it once, in some
+// milliseconds.
 #pragma once
 
 #include <array>
@@ -24,24 +25,25 @@ class StartTable {
     std::array<float, 3> position;    // m, in the base frame
     std::array<float, 4> quaternion;  // wxyz
     float turn_weight;                // 0: any rotation will do
-    // Any turn about an axis will do; the quaternion after half a turn about it.
+    // If true, any turn about an axis is accepted; the quaternion after half a turn about it.
     bool any_turn = false;
     std::array<float, 4> half_turned{};
   };
-  // Of the rotation only the direction of this axis, in the tip's frame, counts; null: all of it.
+  // If set, only the direction of this axis, in the tip's frame, counts of the rotation; null: all
+  // of it.
   static Aim At(const Transform& tip_in_base, bool position_only,
                 const Eigen::Vector3d* axis = nullptr);
 
-  // How far a walk through the starts near an aim has come.
+  // The position of a walk through the starts near an aim.
   struct Place {
     float score = -1;
     int entry = -1;
   };
-  // The next start in order of nearness: n values, or null when there are no more nearby. Those
-  // that are much like one that was tried are passed over: they lead to the same place.
+  // Returns the next start in order of nearness: n values, or null if there are no more nearby. It
+  // skips starts similar to a tried one, which lead to the same place.
   const float* Next(const Aim& aim, Place* place, std::span<const Place> tried = {}) const;
-  // The first of them at once, as many as `places` holds: for less than two walks. How many there
-  // are.
+  // Finds the first of them at once, as many as `places` holds, in less time than two walks.
+  // Returns their number.
   int First(const Aim& aim, std::span<Place> places) const;
   const float* Values(const Place& place) const {
     return q_.data() + static_cast<std::ptrdiff_t>(place.entry) * n_;
@@ -55,12 +57,12 @@ class StartTable {
   void MakeCells(const std::vector<std::array<float, kColumns>>& poses);
   void MakeDetours();
   int CellOf(const float* position) const;
-  // Distances of consecutive entries from the aim.
+  // Returns distances of consecutive entries from the aim.
   template <bool kAnyTurn>
   void Score(const Aim& aim, int first, int count, float* scores) const;
   // Returns true if some joint is far from its position in each of the others.
   bool IsApart(const Place& place, std::span<const Place> others) const;
-  // Calls visit(place) for each entry of the cells to look in for the aim, in their order.
+  // Calls visit(place) for each entry of the aim's cells, in order.
   template <class Visit>
   void ForNearby(const Aim& aim, const Visit& visit) const;
 
@@ -71,8 +73,8 @@ class StartTable {
   float per_edge_ = 0;             // 1 / edge of a cell, 1/m
   std::array<int, 3> cells_{};     // along each axis
   std::vector<int> begin_;         // of each cell's entries; one more at the end
-  // The cells to look in for a cell, from detour_begin_[cell] to the next one's: itself, or those
-  // with entries that are nearest.
+  // The cells to search for a cell, from detour_begin_[cell] to the next one's: itself, or the
+  // nearest ones with enough entries.
   std::vector<int> detour_begin_, detours_;
   std::array<std::vector<float>, kColumns> poses_;
   std::vector<float> q_;  // n values each

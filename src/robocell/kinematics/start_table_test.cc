@@ -1,4 +1,4 @@
-// Starts come in order of nearness, lie inside the limits, and are there for every pose.
+// Tests that starts come in order of nearness, lie inside the limits, and exist for every pose.
 #include "robocell/kinematics/start_table.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ class StartTableTest : public testing::Test {
     const std::vector<double> values(q, q + chain_.n_joints());
     return ToTransform(chain_.Fk(values));
   }
-  // Metres and radians between two poses, each.
+  // Returns the distance between two poses in metres and in radians.
   static double Away(const Transform& a, const Transform& b) {
     return (a.translation - b.translation).norm() +
            Eigen::AngleAxisd(a.rotation * b.rotation.transpose()).angle();
@@ -92,7 +92,7 @@ TEST_F(StartTableTest, ArePassedOverWhereTheyAreLikeOneThatWasTried) {
   EXPECT_LT(static_cast<int>(tried.size()), all);
 }
 
-// A tip that may turn about an axis is as near however it is turned about it.
+// A tip that may turn about an axis is equally near in every turn about it.
 TEST_F(StartTableTest, AreAsNearHoweverTheTargetIsTurnedAboutItsFreeAxis) {
   const Eigen::Vector3d axis = Eigen::Vector3d(1, -2, 0.5).normalized();
   Transform target = TipAt(std::vector<float>(7, 0.3F).data());

@@ -1,5 +1,4 @@
-// Transform: rotation matrix and translation, the form in which the inner loops of this folder
-// compute.
+// Transform: rotation matrix and translation, the form that the inner loops of this folder use.
 //
 // Not for public interfaces: those use Pose, which is checked and normalised.
 #pragma once
@@ -16,7 +15,7 @@ struct Transform {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
 
-  // Column by column: a product of matrices is a call that costs more than the product.
+  // Works column by column: a call of a matrix product costs more than the product.
   EIGEN_STRONG_INLINE Transform operator*(const Transform& other) const {
     Transform product;
     for (int c = 0; c < 3; ++c) product.rotation.col(c) = Turned(other.rotation.col(c));

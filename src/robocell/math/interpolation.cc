@@ -34,8 +34,8 @@ CoordinateState MinimumJerk(double time, double duration) {
           60 * s * rest * (1 - 2 * s) / (duration * duration)};
 }
 
-// The greatest velocity is 15/8 of the mean one, the greatest acceleration 10 / sqrt(3) * distance
-// / duration^2.
+// The largest velocity is 15/8 of the mean one, the largest acceleration 10 / sqrt(3) * distance /
+// duration^2.
 double MinimumJerkDuration(double distance, double max_velocity, double max_acceleration) {
   RequirePositive(max_velocity, "max_velocity");
   RequirePositive(max_acceleration, "max_acceleration");

@@ -21,7 +21,7 @@ struct Peaks {
   double acceleration = 0;
 };
 
-// The greatest velocity and acceleration of a motion.
+// The largest velocity and acceleration of a motion.
 template <typename Motion>
 Peaks PeaksOf(const Motion& motion, double duration) {
   Peaks peaks;
@@ -111,7 +111,7 @@ TEST(TrapezoidalMotion, KeepsItsLimitsReachesItsEndAndIsContinuous) {
       ASSERT_LE(std::abs(now.velocity), v * (1 + 1e-12));
       ASSERT_LE(std::abs(now.acceleration), a);
       ASSERT_LE(std::abs(next.velocity - now.velocity), a * h * (1 + 1e-9));
-      // The trapezoid rule is exact but for the corners.
+      // The trapezoid rule is exact except at the corners.
       ASSERT_NEAR(next.position - now.position, (now.velocity + next.velocity) / 2 * h, a * h * h);
     }
     ASSERT_EQ(motion.at(duration).position, distance);

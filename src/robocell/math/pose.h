@@ -9,7 +9,7 @@
 //   Pose target(Eigen::Vector3d(0.4, 0, 0.3), Quaternion{1, 0, 0, 0});   // tool pointing down
 //   Pose step = Pose::FromRpy({0, 0, 0.01}, {0, 0, 0.1});
 //
-// All functions are free of allocation and safe to call from any thread.
+// No function allocates, and any thread may call them.
 #pragma once
 
 #include <array>
@@ -30,10 +30,10 @@ class Pose {
   // The identity.
   Pose() = default;
   // Translation in metres and quaternion xyzw. A quaternion within 1e-6 of unit length is
-  // normalised; any other, or a non-finite number, is an ArgumentError.
+  // normalised. Throws ArgumentError for any other, and for a number that is not finite.
   Pose(const Eigen::Vector3d& translation, const Quaternion& quaternion);
   explicit Pose(const Eigen::Vector3d& translation);
-  // Rotation must be orthonormal with determinant +1 within 1e-6 (ArgumentError otherwise).
+  // Throws ArgumentError unless the rotation is orthonormal with determinant +1 within 1e-6.
   template <EigenMatrix<3> Rotation>
   Pose(const Eigen::Vector3d& translation, const Rotation& rotation)
       : Pose(translation, QuaternionFromMatrix(rotation)) {}
@@ -43,9 +43,9 @@ class Pose {
 
   static Pose FromRpy(const Eigen::Vector3d& translation, const Eigen::Vector3d& rpy);
   static Pose FromRotvec(const Eigen::Vector3d& translation, const Eigen::Vector3d& rotvec);
-  // MuJoCo's order. For code at the engine's border only.
+  // Uses MuJoCo's order. Only for code at the engine's boundary.
   static Pose FromWxyz(const double translation[3], const double quaternion_wxyz[4]);
-  // The other way round: writes into the engine's arrays.
+  // The inverse: writes into the engine's arrays.
   void ToWxyz(double translation[3], double quaternion_wxyz[4]) const;
   static Pose FromTranslationAndMatrix(const double translation[3],
                                        const double row_major_rotation[9]);
@@ -68,13 +68,13 @@ class Pose {
   // s = 0 gives *this, s = 1 gives `to`: straight line for the translation, shortest arc for the
   // rotation. Other s continue the motion.
   Pose interpolate(const Pose& to, double s) const;
-  // The same pose with the translation shortened to at most `metres`, or the rotation to at most
-  // `radians`; direction and axis stay. A negative limit is an ArgumentError.
+  // Returns the same pose with the translation shortened to at most `metres`, or the rotation to at
+  // most `radians`; direction and axis stay. Throws ArgumentError for a negative limit.
   Pose limit_translation(double metres) const;
   Pose limit_rotation(double radians) const;
 
-  // The angle between the rotations and the distance are both within their tolerance (radians,
-  // metres).
+  // Returns true if the angle between the rotations and the distance are both within their
+  // tolerance (radians, metres).
   bool is_close(const Pose& other, double rotation_tolerance, double translation_tolerance) const;
   bool operator==(const Pose& other) const;  // exact
 
@@ -86,16 +86,16 @@ class Pose {
   Quaternion quaternion_ = {0, 0, 0, 1};
 };
 
-// Whether all numbers are finite. Constructors reject other poses; arithmetic may overflow.
+// Returns true if all numbers are finite. Constructors reject other poses; arithmetic may overflow.
 bool IsFinite(const Pose& pose);
 
 std::ostream& operator<<(std::ostream& out, const Pose& pose);
 
-// Six numbers, linear part first: X_AB's twist from `from` to `to` in one unit of time, expressed
-// in the frame that both poses are given in: (translation difference, rotation vector of to.R *
+// Returns the twist X_AB from `from` to `to` in one unit of time, six numbers with the linear part
+// first, expressed in the frame of both poses: (translation difference, rotation vector of to.R *
 // from.R^T).
 Eigen::Matrix<double, 6, 1> PoseDifference(const Pose& from, const Pose& to);
-// The inverse: moves `pose` by a twist of that kind.
+// The inverse: moves `pose` by such a twist.
 Pose Integrate(const Pose& pose, const Eigen::Matrix<double, 6, 1>& difference);
 
 }  // namespace robocell

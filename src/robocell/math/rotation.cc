@@ -11,7 +11,7 @@
 namespace robocell {
 namespace {
 
-constexpr double kTolerance = 1e-6;  // how far from unit length or orthonormal input may be
+constexpr double kTolerance = 1e-6;  // allowed error of unit length and orthonormality
 
 double Dot(const Quaternion& a, const Quaternion& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
@@ -32,7 +32,8 @@ Quaternion Scaled(const Quaternion& q, double factor) {
   return {q[0] * factor + 0, q[1] * factor + 0, q[2] * factor + 0, q[3] * factor + 0};
 }
 
-// Near unit length to canonical form. What is of unit length up to rounding keeps its bits.
+// Converts a quaternion near unit length to canonical form. One of unit length up to rounding keeps
+// its bits.
 Quaternion Canonical(const Quaternion& q) {
   const double square = Dot(q, q);
   const double sign = NeedsOtherSign(q) ? -1 : 1;
@@ -78,7 +79,7 @@ Quaternion QuaternionFromWxyz(const double wxyz[4]) {
 Quaternion QuaternionToWxyz(const Quaternion& q) { return {q[3], q[0], q[1], q[2]}; }
 
 Quaternion QuaternionFromMatrix(const Eigen::Matrix3d& rotation) {
-  // Entry by entry: a product of matrices is a call that costs more than all of this.
+  // Works entry by entry: a matrix product is a call that costs more than all of this.
   const Eigen::Vector3d x = rotation.col(0), y = rotation.col(1), z = rotation.col(2);
   const double error =
       std::max({std::abs(x.dot(x) - 1), std::abs(y.dot(y) - 1), std::abs(z.dot(z) - 1),
@@ -151,8 +152,8 @@ Eigen::Vector3d RpyFromQuaternion(const Quaternion& q) {
   const double cos_pitch = std::hypot(r(0, 0), r(1, 0));
   const bool gimbal_lock = cos_pitch < 1e-12;
   const double roll = gimbal_lock ? 0 : std::atan2(r(2, 1), r(2, 2));
-  // Yaw from what is left after undoing the roll found: however inaccurate roll is near gimbal
-  // lock, the three angles together give the rotation back.
+  // Computes yaw after undoing the roll: however inaccurate roll is near gimbal lock, the three
+  // angles together give the rotation back.
   const double c = std::cos(roll), s = std::sin(roll);
   const double yaw = std::atan2(s * r(0, 2) - c * r(0, 1), c * r(1, 1) - s * r(1, 2));
   return {roll, std::atan2(-r(2, 0), cos_pitch), yaw};

@@ -40,7 +40,7 @@ Wrench operator*(double factor, const Wrench& wrench) {
   return {factor * wrench.force, factor * wrench.torque};
 }
 
-// From B's origin to A's, seen from A, is -X_AB.translation().
+// The vector from B's origin to A's, in A, is -X_AB.translation().
 Twist Transformed(const Pose& X_AB, const Twist& in_B) {
   return Shifted(Rotated(X_AB.quaternion(), in_B), -X_AB.translation());
 }

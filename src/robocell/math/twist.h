@@ -1,4 +1,4 @@
-// Twist and Wrench: how a body moves and what acts on it, as plain values; and how they change
+// Twist and Wrench: the motion of a body and the load on it, as plain values, and changes of their
 // frame.
 //
 // A twist (or wrench) "in A" has two properties: its axes are A's, and its reference point is A's

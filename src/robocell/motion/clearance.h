@@ -1,5 +1,5 @@
-// How near a robot is to everything that is not itself. A mocap base makes no contacts with static
-// geoms, so placing a robot asks for distances instead (mj_geomDistance).
+// The distance of a robot to everything else. A mocap base makes no contacts with static geoms, so
+// placing a robot uses distances instead (mj_geomDistance).
 #pragma once
 
 #include <string>
@@ -10,9 +10,9 @@
 namespace robocell::internal {
 
 struct Clearance {
-  // metres; at most the horizon that was asked for; negative when they overlap
+  // metres; at most the requested horizon; negative for an overlap
   double distance = 0;
-  std::string robot_geom;  // "" when nothing is nearer than the horizon
+  std::string robot_geom;  // "" if nothing is nearer than the horizon
   std::string other_geom;
 };
 

@@ -12,7 +12,7 @@
 namespace robocell::internal {
 namespace {
 
-// Half the extent of a shape around its own centre, `u` in the geom's frame.
+// Returns half the extent of a shape around its own centre, `u` in the geom's frame.
 double HalfExtent(int type, const double* s, const Eigen::Vector3d& u) {
   const Eigen::Vector3d a = u.cwiseAbs();
   switch (type) {
@@ -86,7 +86,7 @@ double RayToGeom(const mjModel* m, const mjData* d, int g, const Eigen::Vector3d
       return mj_rayMesh(m, d, g, from.data(), direction.data(), out);
     case mjGEOM_HFIELD:
       return mj_rayHfield(m, d, g, from.data(), direction.data(), out);
-    case mjGEOM_SDF:  // whose shape only its plug-in knows
+    case mjGEOM_SDF:  // only its plug-in knows the shape
       return -1;
     default:
       return mju_rayGeom(d->geom_xpos + 3 * g, d->geom_xmat + 9 * g, m->geom_size + 3 * g,
@@ -98,7 +98,8 @@ RayHit CastRay(const mjModel* m, const mjData* d, const std::vector<int>& geoms,
                const Eigen::Vector3d& from, const Eigen::Vector3d& direction) {
   RayHit nearest{std::numeric_limits<double>::infinity(), Eigen::Vector3d::Zero()};
   for (const int g : geoms) {
-    // Past the bounding sphere: the rays of one object mostly miss most of its parts.
+    // Skips geoms whose bounding sphere the ray misses: the rays of one object usually miss most of
+    // its parts.
     const Eigen::Vector3d to = Eigen::Vector3d(d->geom_xpos + 3 * g) - from;
     const bool bounded = m->geom_rbound[g] > 0;  // not a plane
     if (bounded && to.cross(direction).norm() > m->geom_rbound[g] + 1e-6) continue;

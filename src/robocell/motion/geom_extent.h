@@ -1,4 +1,4 @@
-// How far geoms reach along a direction: exact for primitives and meshes, a bounding box for the
+// The extent of geoms along a direction: exact for primitives and meshes, a bounding box for the
 // rest.
 #pragma once
 
@@ -10,23 +10,23 @@
 
 namespace robocell::internal {
 
-// Smallest and largest coordinate of a geom along a unit vector of the world, metres; infinite for
-// planes. The geom's pose in `data` must be up to date.
+// Returns the smallest and largest coordinate of a geom along a unit vector of the world, metres;
+// infinite for planes. The geom's pose in `data` must be up to date.
 Interval GeomExtent(const mjModel* model, const mjData* data, int geom,
                     const Eigen::Vector3d& direction);
 
-// Whether a geom takes part in collisions.
+// Returns true if a geom takes part in collisions.
 bool IsCollisionGeom(const mjModel* model, int geom);
-// The collision geoms of a body's subtree.
+// Returns the collision geoms of a body's subtree.
 std::vector<int> CollisionGeomsOf(const mjModel* model, int body);
 
-// Distance along the unit vector `direction` to a geom of any kind, metres; negative when the ray
-// misses it. `normal` may be null. Rays miss signed distance fields.
+// Returns the distance along the unit vector `direction` to a geom of any kind, metres; negative if
+// the ray misses it. `normal` may be null. Rays miss signed distance fields.
 double RayToGeom(const mjModel* model, const mjData* data, int geom, const Eigen::Vector3d& from,
                  const Eigen::Vector3d& direction, Eigen::Vector3d* normal);
 
-// Distance along the unit vector `direction` to the first of these geoms, metres, and the surface's
-// normal there; infinite when there is nothing.
+// The distance along the unit vector `direction` to the first of these geoms, metres, and the
+// surface's normal there; infinite if there is none.
 struct RayHit {
   double distance;
   Eigen::Vector3d normal;

@@ -10,7 +10,7 @@
 namespace robocell::internal {
 namespace {
 
-// The engine's distance to a floor is an oracle for how far something reaches down.
+// The oracle for the lowest point is the engine's distance to a floor.
 TEST(GeomExtent, ReachesAsFarDownAsTheEnginesDistanceToTheFloorSays) {
   Rng rng = Rng::Stream(1, "extent");
   for (const char* kind : {"box", "cylinder", "sphere", "bracket", "nut"}) {

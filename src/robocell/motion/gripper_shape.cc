@@ -29,14 +29,13 @@ namespace {
 constexpr int kRows = 41;
 constexpr double kFullyOpenSeconds = 0.6;  // to open fully
 constexpr double kRowSeconds = 0.2;        // per step of closing
-constexpr double kMostPadHalf =
-    0.02;  // a longer "pad" is a whole finger: its last part is what grips
-constexpr double kTipPadHalf = 0.01;  // ... this far from its tip
+constexpr double kMostPadHalf = 0.02;      // a longer "pad" is a whole finger: its last part grips
+constexpr double kTipPadHalf = 0.01;       // ... this far from its tip
 constexpr size_t kMostKept = 32;
 // Fingers are rarely mounted askew; millimetres of asymmetry should not turn the grasp frame.
 constexpr double kAskew = 0.99;  // cosine to an axis of the TCP
-// Jaws on a hinge: the direction in which they close turns, and an axis of the TCP is meant.
-constexpr double kTurned = 0.85;  // cosine to it where they meet what is held
+// Jaws on a hinge: the direction in which they close turns, and should follow an axis of the TCP.
+constexpr double kTurned = 0.85;  // cosine to the axis where the jaws meet an object
 constexpr double kTurning =
     internal::Radians(5);  // between open and there; parallel fingers do not
 // Assumed gap between the pads, m, at which jaws on a hinge hold an object: the width of small
@@ -60,7 +59,7 @@ SceneSpec RobotAlone(const RobotConfig& config, const SimOptions& options, doubl
 
 }  // namespace
 
-// Closes the gripper of a scene made for it and takes notes.
+// Closes the gripper in a scene of its own and records its shape.
 class GripperSweep {
  public:
   GripperSweep(Scene scene, Robot robot) : scene_(std::move(scene)), robot_(std::move(robot)) {
@@ -120,13 +119,14 @@ class GripperSweep {
     scene_.SyncPoses();
   }
 
-  // The direction from finger to finger, TCP axes, where the gap is nearest to what is held.
+  // The direction from finger to finger, TCP axes, where the gap is nearest to that of a held
+  // object.
   struct Meeting {
     double off = std::numeric_limits<double>::infinity();
     Eigen::Vector3d closing = Eigen::Vector3d::Zero();
   };
 
-  // Rows of a sweep that begins open, in the frame that closes along `closing`.
+  // Records the rows of a sweep that begins open, in the frame that closes along `closing`.
   void Close(const Eigen::Vector3d& closing, GripperShape& shape) {
     shape.grasp_in_tcp_ = frame_ = GraspFrame(closing);
     const Eigen::Vector3d a = HalfPad(0), b = HalfPad(1);
@@ -150,7 +150,7 @@ class GripperSweep {
     return std::atan2(a.cross(b).norm(), a.dot(b));
   }
 
-  // The pad of a finger in a frame at the TCP.
+  // Returns the pad of a finger in a frame at the TCP.
   Box PadBox(int finger, const Pose& frame_in_tcp) const {
     const internal::Finger& f = gripper_->finger(finger);
     const Pose world = robot_.tcp_in_world() * frame_in_tcp;
@@ -189,8 +189,8 @@ class GripperSweep {
     return (box.upper - box.lower) / 2;
   }
 
-  // The axis of the TCP that points from the wrist to the pads, across the direction from finger to
-  // finger.
+  // Returns the axis of the TCP that points from the wrist to the pads, perpendicular to the
+  // direction from finger to finger.
   Pose GraspFrame(const Eigen::Vector3d& closing) const {
     const Eigen::Vector3d a = PadCentre(0, Pose()), b = PadCentre(1, Pose());
     const mjModel* m = scene_.model();
@@ -212,7 +212,7 @@ class GripperSweep {
     return Pose(Eigen::Vector3d::Zero(), axes);
   }
 
-  // The axis of the TCP that is as near to a direction as that, else the direction.
+  // Returns the axis of the TCP that is near enough to a direction, else the direction.
   static Eigen::Vector3d SnapToAxis(const Eigen::Vector3d& direction, double cosine) {
     Eigen::Index axis;
     direction.cwiseAbs().maxCoeff(&axis);
@@ -249,7 +249,7 @@ std::shared_ptr<const GripperShape> GripperShape::Of(const RobotConfig& config,
   static std::mutex mutex;
   static std::map<std::string, std::shared_ptr<const GripperShape>> known;
   const SceneSpec spec = RobotAlone(config, options, timestep);
-  std::string key = ToYaml(spec);  // and what its models hold: files are edited while we run
+  std::string key = ToYaml(spec);  // and the models' content: files may change
   internal::ForEachModel(spec, [&](const std::string& name, const std::string& directory) {
     key += internal::ModelFileSet(assets::Resolve(name, directory)).hash + "\n";
   });

@@ -1,19 +1,18 @@
-// GripperShape: what a parallel gripper does while it closes, measured once per robot by closing it
-// on nothing in a scene of its own: where the pads are, how far the fingertips reach, where the
-// finger joints stand at each gap. Linkages swing: pads move along the approach direction too, and
-// need not be at the TCP at all.
+// GripperShape: the shape of a parallel gripper while it closes, measured once per robot by closing
+// it on nothing in a scene of its own: positions of the pads, reach of the fingertips, finger
+// joints at each gap. Linkages swing: pads move along the approach direction too, and need not be
+// at the TCP at all.
 //
 //   std::shared_ptr<const GripperShape> shape = GripperShape::Of(config, run.options, timestep);
 //   Eigen::Vector3d between_the_pads = shape->PadAt(0.04);   // in the grasp frame
 //
-// The grasp frame sits at the TCP: y is the direction in which the fingers close, z the approach
-// (from the wrist to the pads), x = y cross z. Lengths in metres. Values between measured gaps are
-// interpolated, those outside are clamped.
+// The grasp frame is at the TCP: y is the direction in which the fingers close, z the approach
+// (from the wrist to the pads), x = y cross z. Lengths are in metres. Values between measured gaps
+// are interpolated, those outside are clamped.
 //
-// A pure function of the configuration and the options: kept for the process, whoever asks first.
-// Errors: NotFoundError without arm or gripper, ArgumentError for a gripper of the user's own kind,
-// DivergedError for one that is unstable at this timestep.
-// Threads: Of may be called from any.
+// A pure function of the configuration and the options, cached in the process. Throws NotFoundError
+// without arm or gripper, ArgumentError for a gripper of a custom kind, DivergedError for one that
+// is unstable at this timestep. Any thread may call Of.
 #pragma once
 
 #include <memory>
@@ -35,8 +34,8 @@ class GripperShape {
   struct Row {
     double gap = 0;                                 // free distance between the fingers
     std::vector<double> joints;                     // joint_names()
-    Eigen::Vector3d pad = Eigen::Vector3d::Zero();  // the middle between the pads, grasp frame
-    double tip = 0;  // the hand's farthest point along the approach, visual parts included
+    Eigen::Vector3d pad = Eigen::Vector3d::Zero();  // the centre between the pads, grasp frame
+    double tip = 0;  // the hand's farthest point along the approach, including visual parts
   };
 
   static std::shared_ptr<const GripperShape> Of(const RobotConfig& config,
@@ -45,25 +44,25 @@ class GripperShape {
   // Returns true if a gripper can be measured: two fingers moved by actuators.
   static bool Supports(const GripperGroup& gripper);
 
-  // All joints of the hand, linkage included, without the robot's prefix.
+  // Returns all joints of the hand, including the linkage, without the robot's prefix.
   const std::vector<std::string>& joint_names() const { return joint_names_; }
   const Pose& grasp_in_tcp() const { return grasp_in_tcp_; }
   double closed_gap() const { return rows_.front().gap; }
   double open_gap() const { return rows_.back().gap; }
   double pad_half_height() const { return pad_half_height_; }  // along the approach
   double pad_half_width() const { return pad_half_width_; }    // along x
-  const std::vector<Row>& rows() const { return rows_; }       // by growing gap
+  const std::vector<Row>& rows() const { return rows_; }       // in order of increasing gap
 
   void JointsAt(double gap, std::span<double> out) const;
   Eigen::Vector3d PadAt(double gap) const;
-  // The farthest tip on the way from open to this gap.
+  // Returns the farthest tip on the way from open to this gap.
   double TipAt(double gap) const;
 
  private:
   friend class GripperSweep;
   struct Place {
     size_t below = 0;
-    double part = 0;  // of the way to the next row
+    double part = 0;  // share of the interval to the next row
   };
   Place Find(double gap) const;
 

@@ -27,7 +27,7 @@ TEST(GripperShape, FindsTheAxesOfTheGraspInTheTcpFrame) {
   EXPECT_NEAR(std::abs(axes(1, 1)), 1, 1e-12);  // and closes along y
 }
 
-// The shape's joints are put into another scene; the finger distance there is the oracle.
+// The oracle is the finger distance of another scene with the shape's joints.
 TEST(GripperShape, TheJointsOfAGapMakeThatGap) {
   const PickScene pick = MakePickScene(ObjectOnTheTable("box"));
   const auto shape = pick.shape();
@@ -43,7 +43,7 @@ TEST(GripperShape, TheJointsOfAGapMakeThatGap) {
   }
 }
 
-// Somebody edits the gripper's file while the process lives.
+// The gripper's file is edited during the process.
 TEST(GripperShape, FollowsTheModelsFile) {
   TempDir temp;
   RobotConfig config = LoadYaml<RobotConfig>(assets::BuiltinRobotFile("rc7"));
@@ -70,7 +70,7 @@ TEST(GripperShape, SpansTheConfiguredRangeAndClampsOutsideOfIt) {
   EXPECT_EQ(shape->TipAt(1), shape->rows().back().tip);
 }
 
-// rc7's pads meet at the TCP by design, are 24 mm high and 22 mm wide, and end 12 mm beyond.
+// By design rc7's pads meet at the TCP, are 24 mm high and 22 mm wide, and end 12 mm beyond.
 TEST(GripperShape, KnowsThePadsOfTheBuiltInArm) {
   const PickScene pick = MakePickScene(ObjectOnTheTable("box"));
   const auto shape = pick.shape();
@@ -101,7 +101,7 @@ TEST(GripperShape, FollowsTheSwingOfALinkage) {
 }
 
 // One jaw is fixed, the other turns about a hinge 80 mm behind the tips by up to 1.6 rad: the
-// direction from finger to finger turns with it, and the axes of the TCP are meant.
+// direction from finger to finger turns with it, but the closing direction is an axis of the TCP.
 TEST(GripperShape, AJawOnAHingeClosesAlongAnAxisOfTheTcp) {
   constexpr const char* kJaws = R"(<mujoco><compiler angle="radian"/><worldbody><body name="base">
     <body name="link"><joint name="j1" axis="0 0 1" range="-2 2" limited="true"/>

@@ -6,7 +6,7 @@
 namespace robocell {
 namespace {
 
-// k with its bits in reverse: looks at an edge coarsely first, so that blocked edges are found
+// Returns k with reversed bits: checks an edge coarsely first, so that blocked edges are detected
 // early.
 unsigned Reversed(unsigned k, unsigned bits) {
   unsigned r = 0;
@@ -31,7 +31,7 @@ class Tree {
   }
   const JointVector& node(size_t i) const { return nodes_[i]; }
   const JointVector& newest() const { return nodes_.back(); }
-  // From the newest node to the root.
+  // Returns the path from the newest node to the root.
   JointPath Back() const {
     JointPath path;
     for (int i = static_cast<int>(nodes_.size()) - 1; i >= 0; i = parents_[i])

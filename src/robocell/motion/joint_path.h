@@ -1,11 +1,11 @@
-// Paths in joint space that keep free of obstacles: straight lines, and a tree search when those
-// fail. Knows nothing of robots: what is free is asked from the caller.
+// Collision-free paths in joint space: straight lines, and a tree search if these fail. It knows
+// nothing of robots: the caller's function decides which configurations are free.
 //
 //   std::optional<JointPath> path = ConnectTrees(start, goal, limits, is_free, rng);
 //
-// Distances are the largest difference of any joint (rad; m for slides). Edges are looked at in
-// steps, so obstacles thinner than a step may be missed: ask for clearance. Same inputs and same
-// Rng state, same path.
+// Distances are the largest difference of any joint (rad; m for slides). Edges are checked in
+// steps, so obstacles thinner than a step may be missed: require a clearance. The same inputs and
+// Rng state give the same path.
 #pragma once
 
 #include <functional>
@@ -23,23 +23,23 @@ using FreeFunction = std::function<bool(const JointVector&)>;
 
 inline constexpr double kEdgeStep = 0.06;
 
-// The largest difference of any joint.
+// Returns the largest difference of any joint.
 double JointDistance(const JointVector& a, const JointVector& b);
 JointVector Blend(const JointVector& a, const JointVector& b, double part);
 
-// Whether the whole straight line from a to b is collision-free; a itself is not checked.
+// Returns true if the whole straight line from a to b is collision-free; a itself is not checked.
 bool EdgeIsFree(const JointVector& a, const JointVector& b, const FreeFunction& is_free,
                 double step = kEdgeStep);
 
 struct TreeOptions {
   int iterations = 300;
-  double step = 0.3;    // of a tree's growth
-  double beyond = 1.0;  // how far around the box spanned by both ends is searched, per joint
+  double step = 0.3;    // by which a tree grows
+  double beyond = 1.0;  // margin of the search around the box spanned by both ends, per joint
   int shortcuts = 30;   // tries
 };
 
-// RRT-connect (J. Kuffner and S. LaValle, 2000) with short cuts. Both ends must be free. Unset when
-// none was found.
+// Runs RRT-connect (J. Kuffner and S. LaValle, 2000) with short cuts. Both ends must be free. Unset
+// if it found no path.
 std::optional<JointPath> ConnectTrees(const JointVector& start, const JointVector& goal,
                                       const std::vector<Interval>& limits,
                                       const FreeFunction& is_free, Rng& rng,

@@ -102,7 +102,7 @@ bool PlanningScene::IsFree(const JointVector& q, const FreedomDemand& demand) {
   ++s.checks;
   s.Place(q, demand.gap);
   s.in_the_way = {};
-  if (!s.scratch.FindTouches()) return false;  // what is missing may be in the way
+  if (!s.scratch.FindTouches()) return false;  // missing contacts may be collisions
   for (const internal::ScratchRobot::Touch& touch : s.scratch.touches()) {
     if (!touch.itself) {
       const bool wanted = s.is_target[touch.own_geom] || s.is_target[touch.other_geom];

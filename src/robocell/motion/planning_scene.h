@@ -1,12 +1,12 @@
 // PlanningScene: a scratch copy of a scene's state (scratch_robot.h) in which a robot with a
-// gripper can be put anywhere to see whether it would touch what it should not.
+// gripper can be placed anywhere to check for unwanted contacts.
 //
 //   PlanningScene planning(scene, robot, target_body, shape);
 //   if (planning.IsFree(q, {.gap = shape->open_gap(), .clearance = 0.02})) ...
 //
-// Only the robot moves in it, and the target while it is held; objects stay where they were at the
-// last Update(). After objects were
-// added to the scene or removed make a new one: an Error says so. One thread at a time.
+// Only the robot moves in it, and the target while it is held; objects stay as of the last
+// Update(). After objects were added to the scene or removed, it throws Error: make a new one. One
+// thread at a time.
 #pragma once
 
 #include <array>
@@ -21,20 +21,20 @@
 
 namespace robocell {
 
-// How a configuration is judged.
+// The conditions of a collision-free configuration.
 struct FreedomDemand {
   double gap = 0;             // of the fingers, metres
-  double clearance = 0;       // to everything that is not the robot, metres, at most kMostClearance
-  bool touch_target = false;  // contacts with the target are fine
+  double clearance = 0;       // to everything but the robot, metres, at most kMostClearance
+  bool touch_target = false;  // allows contacts with the target
 };
 inline constexpr double kMostClearance = 0.025;
 
-// Which bodies were in the way how often, for messages.
+// Counts which bodies were in the way, for messages.
 class InTheWay {
  public:
-  // Bodies that met, a part of the robot first.
+  // Counts two colliding bodies, a part of the robot first.
   void Add(const std::array<int, 2>& bodies) { ++counts_[bodies]; }
-  // " (most often 'palm' with 'table')"; "" when nothing was.
+  // Returns " (most often 'palm' with 'table')", or "" if nothing was counted.
   std::string Text(const mjModel* model) const;
 
  private:
@@ -47,26 +47,25 @@ class PlanningScene {
                 std::shared_ptr<const GripperShape> shape);
   ~PlanningScene();
 
-  // Takes over the scene's present state, in which nothing is held.
+  // Copies the scene's present state, in which nothing is held.
   void Update();
-  // From now on the target moves with the TCP and must not come nearer than the clearance to what is
-  // not the robot; it may touch the robot. The target has a free joint. Until Update() or
-  // PutTarget().
+  // Makes the target move with the TCP, until Update() or PutTarget(). It must keep the clearance
+  // to everything but the robot, which it may touch. The target has a free joint.
   void HoldTarget(const Pose& target_in_tcp);
-  // Puts the target somewhere, where it stays.
+  // Puts the target at a pose, where it stays.
   void PutTarget(const Pose& target_in_world);
-  // Nothing that is not the robot is nearer than the clearance, and no two parts of the robot touch
-  // that do not touch in its present posture anyhow.
+  // Returns true if nothing but the robot is nearer than the clearance, and no two parts of the
+  // robot touch that do not touch in its present posture.
   bool IsFree(const JointVector& q, const FreedomDemand& demand);
-  // The bodies that met when IsFree last said no, a part of the robot first.
+  // Returns the bodies that collided when IsFree last returned false, a part of the robot first.
   std::array<int, 2> in_the_way() const;
-  // How often IsFree was asked.
+  // Returns the number of calls of IsFree.
   int checks() const;
 
   const Robot& robot() const;
   const GripperShape& shape() const;
   int target_body() const;
-  // The state of the last Update(): nothing above changes what is not the robot.
+  // The state of the last Update(): the functions above only change the robot.
   const mjModel* model() const;
   const mjData* data() const;
 

@@ -23,7 +23,7 @@ JointVector RandomJoints(const PickScene& pick, Rng& rng) {
   return q;
 }
 
-// Contacts of the real model with the robot at q, by a full forward pass.
+// Returns contacts of the real model with the robot at q, by a full forward pass.
 bool EngineSeesContact(const PickScene& pick, const JointVector& q, double gap) {
   const mjModel* m = pick.scene.model();
   const DataPtr d = CopyData(m, pick.scene.data());
@@ -123,7 +123,7 @@ TEST(PlanningScene, WhatIsPutDownStaysThere) {
   EXPECT_TRUE(planning.IsFree(home, {.gap = 0.04}));
 }
 
-// The distances that a base placement is judged by are another way to the same numbers.
+// The distances that judge a base placement are an independent way to the same numbers.
 TEST(PlanningScene, ClearanceIsTheDistanceToWhatIsNotTheRobot) {
   PickScene pick = MakePickScene(ObjectOnTheTable("box"));
   PlanningScene planning = pick.planning();
@@ -186,7 +186,7 @@ TEST(PlanningScene, IsOfNoUseAfterObjectsCame) {
   ExpectThrow<Error>([&] { planning.IsFree(pick.home(), {.gap = 0.01}); }, "begin planning again");
 }
 
-// The hand's link alone: the others may be in the table.
+// Only the hand's link counts: the others may be in the table.
 TEST(PlanningScene, OnlyTheConfiguredCollisionGeomsCount) {
   PickScene pick = MakePickScene(ObjectOnTheTable("box"));
   RobotConfig config = pick.robot.config();

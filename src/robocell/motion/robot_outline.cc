@@ -11,8 +11,8 @@ namespace {
 
 using Rectangle = Eigen::AlignedBox2d;
 
-// Returns true if a rectangle turned by `yaw` and moved by `at` is apart from one that is not, by
-// the separating axes of both (Gottschalk, Lin and Manocha 1996).
+// Returns true if a rectangle turned by `yaw` and moved by `at` is separate from one that is not,
+// by the separating axes of both (Gottschalk, Lin and Manocha 1996).
 bool AreApart(const Rectangle& turned, const Eigen::Vector2d& at, double yaw,
               const Rectangle& still) {
   const Eigen::Rotation2Dd rotation(yaw);
@@ -35,7 +35,7 @@ RobotOutline::RobotOutline(const Robot& robot) {
   const Eigen::Matrix3d axes = base.rotation();
   const Eigen::Vector3d origin = axes.transpose() * base.translation();
   for (const int g : robot.collision_geom_ids()) {
-    // The pedestal of a mocap base collides with nothing in the engine, but takes room.
+    // The pedestal of a mocap base collides with nothing in the engine, but takes up space.
     if (!internal::IsCollisionGeom(m, g) && m->body_mocapid[m->geom_bodyid[g]] < 0) continue;
     Eigen::AlignedBox3d box;
     for (int i = 0; i < 3; ++i) {

@@ -1,6 +1,5 @@
-// RobotOutline: how much room a robot takes in its present posture, as upright boxes around its
-// geoms. For proposing where its base could stand; whether it can stand there is asked exactly
-// afterwards (clearance.h).
+// RobotOutline: the space that a robot takes up in its present posture, as upright boxes around its
+// geoms. It proposes where the robot's base could stand; clearance.h checks exactly afterwards.
 //
 //   const RobotOutline outline(robot);
 //   if (outline.IsClearOf(table_top, base_in_world, 0.01)) ...
@@ -14,8 +13,8 @@
 
 namespace robocell {
 
-// A level box that stays where it is, as a table top: the middle of its upper face, z up, half
-// extents along its x and y, and how far down it goes. Metres.
+// A fixed level box, such as a table top: the centre of its upper face, z up, half extents along
+// its x and y, and its depth. Metres.
 struct LevelBox {
   Pose frame_to_world;
   double half_x = 0, half_y = 0;
@@ -24,11 +23,11 @@ struct LevelBox {
 
 class RobotOutline {
  public:
-  // In the frame of the robot's base group; its poses must be up to date.
+  // The outline is in the frame of the robot's base group; its poses must be up to date.
   explicit RobotOutline(const Robot& robot);
 
-  // Whether no part of the robot is nearer to the obstacle than the margin (metres), for an upright
-  // pose of the base.
+  // Returns true if no part of the robot is nearer to the obstacle than the margin (metres), for an
+  // upright pose of the base.
   bool IsClearOf(const LevelBox& obstacle, const Pose& base_in_world, double margin) const;
 
  private:

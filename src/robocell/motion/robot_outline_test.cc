@@ -15,7 +15,7 @@ namespace {
 constexpr double kMargin = 0.01;
 const LevelBox kPlate{Pose::FromRpy({0.4, -0.1, 0.5}, {0, 0, 0.3}), 0.3, 0.2, 0.04};
 
-// The built-in robot beside a box that is the support, and nothing else.
+// The built-in robot beside a box, which is the support.
 struct Cell {
   Scene scene;
   Robot robot;

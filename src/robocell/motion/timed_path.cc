@@ -75,7 +75,7 @@ std::vector<double> ServoJumps(const mjModel* m, const MoveGroup& arm) {
   const std::vector<std::string>& actuators = arm.actuator_names();
   std::vector<double> q = arm.joint_pos(), here(actuators.size()), there(actuators.size());
   std::vector<double> jumps(joints.size(), kNoLimit);
-  if (!AreServos(m, actuators)) return jumps;  // motors: what they push with is their controller's
+  if (!AreServos(m, actuators)) return jumps;  // the force of motors is their controller's
   arm.CtrlForJointPos(q, here);
   for (double& value : q) value += kProbe;
   arm.CtrlForJointPos(q, there);

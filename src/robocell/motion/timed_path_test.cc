@@ -70,8 +70,9 @@ TEST(TimedPath, StaysOnTheLinesBetweenItsPoints) {
   EXPECT_TRUE(passed);
 }
 
-// Jumps against the engine's own servos: a little less stays under the force limit, a little more
-// does not. The share of its limit that a servo of the resting arm uses after a jump of one joint's target.
+// Tests jumps against the engine's own servos: a slightly smaller jump stays under the force limit,
+// a slightly larger one does not. Returns the share of its limit that a servo of the resting arm
+// uses after a jump of one joint's target.
 double ShareOfLimit(Robot robot, int joint, double jump) {
   Scene scene = robot.scene();
   scene.Reset();

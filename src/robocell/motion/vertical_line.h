@@ -1,5 +1,5 @@
-// Straight lines up from a TCP pose, as joint motions: the way a hand leaves an object or comes to
-// one.
+// Straight lines up from a TCP pose, as joint motions: the path of a hand that leaves or approaches
+// an object.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,13 +12,14 @@ namespace robocell::internal {
 inline constexpr double kLineIkTolerance = 1e-4;  // m and rad
 inline constexpr int kLinePoints = 4;             // besides the start
 
-// Joint positions along the line from the TCP pose `tcp` (base frame), which `q` has, to `height`
-// metres along `up` (base frame, unit length), the orientation kept. It ends where the arm gets no
-// further without changing its posture: the line has kLinePoints + 1 points when it has all.
+// Returns joint positions along the line from the TCP pose `tcp` (base frame), which `q` has, to
+// `height` metres along `up` (base frame, unit length), with constant orientation. The line ends
+// where the arm gets no further without changing its posture; a complete one has kLinePoints + 1
+// points.
 JointPath LineAbove(const Chain& chain, const Pose& tcp, const JointVector& q,
                     const Eigen::Vector3d& up, double height);
 
-// The share of such a line that the arm does not get along, 0 to 1.
+// Returns the share of such a line that the arm cannot follow, 0 to 1.
 double MissingShare(const JointPath& line);
 
 }  // namespace robocell::internal

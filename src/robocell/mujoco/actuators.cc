@@ -49,7 +49,7 @@ ActuatorTarget TargetOf(const mjModel* m, int actuator) {
     case mjTRN_SITE:
     case mjTRN_SLIDERCRANK:
       return {mjOBJ_SITE, id};
-    case mjTRN_SO3:  // a ball joint, or a site and the one that it is turned against
+    case mjTRN_SO3:  // a ball joint, or a site and its reference site
       return {ids[1] < 0 ? mjOBJ_JOINT : mjOBJ_SITE, id};
     case mjTRN_TENDON:
       return {mjOBJ_TENDON, id};

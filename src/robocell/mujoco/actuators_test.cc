@@ -14,8 +14,8 @@ namespace {
 
 using ::testing::ElementsAre;
 
-// Two of them have three inputs and three outputs, so that nothing that is counted by inputs or
-// outputs is where an actuator's id says.
+// Two of them have three inputs and three outputs, so that values counted by inputs or outputs are
+// not at an actuator's id.
 constexpr const char* kOfAllKinds = R"(<mujoco>
   <worldbody><site name="fixed"/>
     <body name="a"><joint name="ball" type="ball"/><geom name="drum" type="cylinder" size="0.02 0.1"/>
@@ -81,7 +81,7 @@ TEST_F(Actuators, BelongToABodyThatTheyActOn) {
   for (const char* name : {"slide", "site", "crank"}) EXPECT_EQ(Body(name), "c") << name;
 }
 
-// The engine's own moment says which degrees of freedom an actuator moves.
+// The oracle for the moved degrees of freedom is the engine's moment.
 TEST_F(Actuators, MoveTheBodyThatTheyAreSaidToActOn) {
   DataPtr data = MakeData(m);
   data->qpos[4] = 0.3;

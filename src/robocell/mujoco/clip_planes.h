@@ -21,9 +21,9 @@ struct ClipPlanes {
 
 ClipPlanes GetClipPlanes(const mjModel* model);
 
-// Keeps the extent. ArgumentError unless 0 < near_m < far_m.
+// Keeps the extent. Throws ArgumentError unless 0 < near_m < far_m.
 void SetClipPlanes(mjModel* model, double near_m, double far_m);
-// Sets the extent too (metres, > 0): half the size of what one usually looks at.
+// Also sets the extent (metres, > 0): half the size of the usual view.
 void SetClipPlanes(mjSpec* spec, double extent_m, double near_m, double far_m);
 
 }  // namespace robocell::internal

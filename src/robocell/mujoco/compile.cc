@@ -40,7 +40,7 @@ std::string Joined(const std::vector<std::string>& lines) {
   return out;
 }
 
-// ". Models in 'cells': a.xml, b.xml. Did you mean 'a.xml'?" for a file that is not there.
+// Returns ". Models in 'cells': a.xml, b.xml. Did you mean 'a.xml'?" for a missing file.
 std::string ModelsBeside(const Path& path) {
   const Path folder = path.has_parent_path() ? path.parent_path() : Path(".");
   std::vector<std::string> names = FolderNamesIfAny(folder);
@@ -65,7 +65,7 @@ void RequireReadableModel(const Path& path, std::string_view context) {
   }
 }
 
-// A file operation whose error says what it was for.
+// Runs a file operation and adds its purpose to an error.
 template <class Function>
 auto InContext(std::string_view context, Function fn) {
   try {
@@ -98,7 +98,7 @@ SpecPtr Parsed(Parse parse, const std::string& file, std::string_view context) {
   std::array<char, 2048> error{};
   const std::string place =
       Prefix(context) + (file.empty() ? "model text" : "model file '" + file + "'");
-  const internal::WarningCapture told;  // of a file that they do not name
+  const internal::WarningCapture told;  // for a file that they do not name
   SpecPtr spec(
       internal::Tried(place, [&] { return parse(error.data(), static_cast<int>(error.size())); }));
   const std::string begin = file.empty() ? place + ": " : Prefix(context);
@@ -130,7 +130,7 @@ ModelPtr Compile(mjSpec* spec, mjVFS* vfs, std::string_view context,
   spec->option.disableflags |= mjDSBL_AUTORESET;
   const std::string place = Prefix(context) + "building the model";
   internal::WarningCapture
-      replayed;  // the engine repeats the spec's warnings through the log; they are read below
+      replayed;  // the engine repeats the spec's warnings in the log; they are read below
   ModelPtr model(internal::Tried(place, [&] { return mj_compile(spec, vfs); }));
   if (!model) throw SpecError(place + ": " + Trim(mjs_getError(spec)));
   const std::string problem = internal::NonFiniteElement(model.get());

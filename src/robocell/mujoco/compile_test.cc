@@ -61,13 +61,13 @@ TEST_F(Compiling, TextThatIsNotXmlIsASpecErrorWithTheEnginesReason) {
       AllOf(HasSubstr("robot 'left': model text: "), HasSubstr("wrldbody")));
 }
 
-// The engine's library throws, in a C++ runtime that is not ours.
+// The engine's library throws in another C++ runtime than ours.
 TEST_F(Compiling, AnExceptionOfTheEngineIsAnEngineErrorThatSaysWhereToLook) {
   constexpr char kTooLarge[] =
       R"(<mujoco><asset><mesh name="m" builtin="plate" params="100000 100000"/></asset></mujoco>)";
   const auto file = folder_ / "large.xml";
   std::ofstream(file) << kTooLarge;
-  const LeaksOfOthers leaks;  // the engine forgets what it had made when it throws
+  const LeaksOfOthers leaks;  // the engine leaks its objects when it throws
   const auto where = HasSubstr("look at the sizes of its hfield, texture, mesh, ");
   EXPECT_THAT(MessageOf<EngineError>([&] { ParseXmlFile(file, "robot 'left'"); }),
               AllOf(HasSubstr("robot 'left': model file '" + file.string() +

@@ -28,8 +28,8 @@ EngineExceptions::~EngineExceptions() { innermost = outer_; }
 }  // namespace robocell::internal
 
 // The personality routine of the frame below (Itanium C++ ABI, "Exception Handling", 1.6 and 2.5).
-// It is called by the runtime of whoever throws; `context` is never looked at, as it would be read
-// with the wrong runtime's functions.
+// The thrower's runtime calls it; it never reads `context`, because that would use the wrong
+// runtime's functions.
 extern "C" __attribute__((visibility("hidden"), used)) _Unwind_Reason_Code
 RobocellEngineExceptionPersonality(int /*version*/, _Unwind_Action actions,
                                    _Unwind_Exception_Class kind, _Unwind_Exception* exception,
@@ -47,7 +47,7 @@ extern "C" __attribute__((visibility("hidden"), noinline)) void RobocellCallEngi
     void (*call)(void*), void* argument) {
   asm volatile(".cfi_personality 0x1b, RobocellEngineExceptionPersonality");
   call(argument);
-  asm volatile("" ::: "memory");  // no jump in the place of the call
+  asm volatile("" ::: "memory");  // prevents a tail call
 }
 
 namespace robocell::internal {

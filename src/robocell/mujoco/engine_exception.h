@@ -1,16 +1,16 @@
-// C++ exceptions that the engine throws, such as for want of memory while it compiles a model.
+// C++ exceptions of the engine, for example for lack of memory while it compiles a model.
 //
 //   mjSpec* copy = Tried("copying", [&] { return mj_copySpec(spec); });
 //
-// Specs, files and what is made of them (mjs_..., mj_parse..., mj_compile, mj_copySpec,
-// mj_copyBack, mj_save..., virtual file systems) are the engine's C++ part: call these through
-// Tried. The rest is C, for which Guarded (guard.h) is enough and takes half the time.
+// Functions for specs, files and what is made from them (mjs_..., mj_parse..., mj_compile,
+// mj_copySpec, mj_copyBack, mj_save..., virtual file systems) are the engine's C++ part: call these
+// through Tried. The rest is C, for which Guarded (guard.h) is enough and takes half the time.
 //
-// The engine's library has a C++ runtime of its own. A frame of ours with a destructor or a `catch`
-// that such an exception reaches ends the process: the two runtimes read each other's data wrongly.
-// So the call is made through a frame of no C++ runtime, whose handler asks neither for anything
-// but where to go on. The engine's own frames are unwound first; whatever was made is the engine's
-// to clean up.
+// The engine's library has a C++ runtime of its own. If such an exception reaches a frame of ours
+// with a destructor or a `catch`, it ends the process: each runtime misreads the other's data.
+// Therefore the call goes through a frame without a C++ runtime, whose handler only needs the
+// address at which to continue. The engine's own frames are unwound first; the engine cleans up its
+// own objects.
 //
 // One object per call, used by the thread that made it; objects of a thread nest.
 #pragma once
@@ -30,8 +30,9 @@ class EngineExceptions {
   EngineExceptions(const EngineExceptions&) = delete;
   EngineExceptions& operator=(const EngineExceptions&) = delete;
 
-  // Calls call(argument), which calls the engine and needs no destructors. False when the engine
-  // threw. Exceptions of our own runtime pass through, and so do the jumps of a guard (guard.h).
+  // Calls call(argument), which calls the engine and needs no destructors. Returns false if the
+  // engine threw. Exceptions of our own runtime pass through, and so do the jumps of a guard
+  // (guard.h).
   bool Catch(void (*call)(void*), void* argument);
 
  private:
@@ -42,8 +43,8 @@ class EngineExceptions {
 
 [[noreturn]] void ThrowEngineThrew(std::string_view place);
 
-// As Guarded, and the engine's C++ exceptions are EngineErrors too. Models with sizes beyond all
-// memory make the engine throw.
+// Like Guarded, but the engine's C++ exceptions become EngineErrors too. Models with sizes beyond
+// all memory make the engine throw.
 template <class Function>
 auto Tried(std::string_view place, Function&& fn) {
   using Result = std::invoke_result_t<Function&>;

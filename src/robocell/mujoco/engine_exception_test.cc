@@ -15,11 +15,11 @@
 namespace robocell::internal {
 namespace {
 
-// A grid of so many points that the engine's container of them refuses, on any machine.
+// A grid with so many points that the engine's container rejects them on any machine.
 constexpr char kTooLarge[] = R"(<mujoco><asset>
   <mesh name="m" builtin="plate" params="100000 100000"/></asset></mujoco>)";
 
-// Parses in the engine. Whether it threw.
+// Parses in the engine. Returns true if it threw.
 bool Throws(const char* xml) {
   struct Call {
     const char* xml;
@@ -29,7 +29,7 @@ bool Throws(const char* xml) {
       call->spec = mj_parseXMLString(call->xml, nullptr, nullptr, 0);
     }
   } call{xml, nullptr};
-  const LeaksOfOthers leaks;  // the engine forgets what it had made when it throws
+  const LeaksOfOthers leaks;  // the engine leaks its objects when it throws
   EngineExceptions exceptions;
   const bool threw = !Guarded("parsing", [&] { return exceptions.Catch(&Call::Run, &call); });
   const SpecPtr spec(call.spec);

@@ -12,7 +12,7 @@
 
 // The engine's thread-local handler, which its documentation describes (programming/simulation,
 // "Error recovery") but no public header declares. Weak: without it the process-wide handler still
-// serves every guard that is not inside somebody else's.
+// serves every guard that is not inside another library's.
 // NOLINTNEXTLINE(clang-diagnostic-reserved-identifier): the engine's name
 extern "C" __attribute__((weak)) mjfLogHandler _mjPRIVATE_setTlsLogHandler(mjfLogHandler handler);
 
@@ -30,7 +30,7 @@ struct Frame {
   size_t pstack, pbase;
 };
 
-// Looked up once in a guard: in a shared library each look is a call.
+// Looked up once in a guard: in a shared library each access is a call.
 struct ThreadTop {
   Frame* frame = nullptr;
   WarningCapture* capture = nullptr;
@@ -73,12 +73,12 @@ void OnMessage(const mjLogMessage* message) {
   if (message->level != mjLOG_ERROR) {
     try {
       ForwardToLog(*message);
-    } catch (...) {  // nothing may be thrown into the engine
+    } catch (...) {  // no exception may enter the engine
     }
     return;
   }
   if (thread_top.frame) JumpBack(*message);
-  // Not ours: whoever was there before decides (the engine's default prints and ends the process).
+  // Not ours: the previous handler decides (the engine's default prints and ends the process).
   if (previous_handler) previous_handler(message);
   std::abort();
 }
@@ -108,8 +108,7 @@ namespace guard {
 bool Run(void (*call)(void*), void* argument, mjData* data, char* text) {
   static const bool installed = Install();
   (void)installed;
-  // Everything is stored before setjmp: what changes after it would be indeterminate after the
-  // jump.
+  // Everything is stored before setjmp: later changes would be indeterminate after the jump.
   Frame frame;
   frame.top = &thread_top;
   frame.outer = frame.top->frame;

@@ -1,5 +1,5 @@
 // The one way to call an engine function that can fail: the engine's error becomes an EngineError
-// with our context. (The engine's C++ part may throw besides: Tried, in engine_exception.h.)
+// with our context. (The engine's C++ part may also throw: Tried, in engine_exception.h.)
 //
 //   const int n = Guarded("scene 'pick': stepping", data,
 //                         [&] { mj_step(model, data); return data->ncon; });
@@ -14,18 +14,18 @@
 //    innermost one.
 // A C++ exception thrown by `fn` itself passes through unchanged.
 //
-// With an mjData given, the engine's stack in it is put back after an error; the rest of the data
+// With an mjData given, the engine's stack in it is restored after an error; the rest of the data
 // is in an undefined (but memory-safe) state: reset it or copy a good state into it before the next
 // step.
 //
 // The guard's handler is thread-local and takes precedence over handlers that others install: those
 // of the Python package `mujoco` (active only inside its own calls, so it matters when a Python
-// callback called by the engine comes back to us), the engine's own inside mjb_apply, and any
-// process-wide one. Outside of guards nothing changes for others, except that warnings and
-// information go to base/log and that MUJOCO_LOG.TXT is never written.
+// callback called by the engine calls us), the engine's own inside mjb_apply, and any process-wide
+// one. Outside of guards nothing changes for others, except that warnings and information go to
+// base/log and that MUJOCO_LOG.TXT is never written.
 //
-// Threads: any number at once; a guard belongs to its thread. Costs about 20 ns and allocates only
-// for an error.
+// Threads: any number at once; a guard belongs to its thread. It costs about 20 ns and allocates
+// only for an error.
 #pragma once
 
 #include <exception>
@@ -44,12 +44,12 @@ namespace guard {
 
 constexpr int kTextSize = 2048;
 
-// Calls call(argument). False when the engine reported an error; its text is then in `text`
+// Calls call(argument). Returns false if the engine reported an error; its text is then in `text`
 // (kTextSize bytes).
 bool Run(void (*call)(void*), void* argument, mjData* data, char* text);
 [[noreturn]] void Throw(std::string_view context, const char* text);
 
-// Keeps what `fn` returned outside of the frames that a jump discards.
+// Keeps the result of `fn` outside of the frames that a jump discards.
 template <class Function, class Result>
 struct Call {
   std::remove_reference_t<Function>* fn;
@@ -83,7 +83,7 @@ struct Call<Function, void> {
 
 }  // namespace guard
 
-// Runs fn() and returns its result; an engine error is thrown as EngineError("<context>: <engine's
+// Runs fn() and returns its result; throws an engine error as EngineError("<context>: <engine's
 // text>").
 template <class Function>
 auto Guarded(std::string_view context, mjData* data, Function&& fn) {
@@ -105,8 +105,8 @@ auto Guarded(std::string_view context, Function&& fn) {
   return Guarded(context, static_cast<mjData*>(nullptr), std::forward<Function>(fn));
 }
 
-// While alive, the engine's warnings on this thread are kept here instead of being logged. Captures
-// nest.
+// During its lifetime, the engine's warnings on this thread are kept here instead of being logged.
+// Captures nest.
 //
 //   WarningCapture capture;
 //   ... guarded engine calls ...

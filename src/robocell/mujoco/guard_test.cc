@@ -61,7 +61,7 @@ TEST(Guard, VeryLongErrorTextIsCutNotOverrun) {
 TEST(Guard, NestedErrorsReachTheInnermostGuardAndTheOuterOneStillWorks) {
   const std::string text = MessageOf([] {
     Guarded("outer", [] {
-      // Behaves like a callback of robocell's own in the engine. The string lives outside of the
+      // Behaves like one of robocell's callbacks in the engine. The string lives outside of the
       // inner guard's frames only while the inner error is handled.
       const bool caught =
           MessageOf([] { Guarded("inner", [] { mju_error("first"); }); }) == "inner: first";
@@ -136,7 +136,7 @@ TEST(Guard, DataIsUsableAfterAnErrorInTheMiddleOfAStep) {
   for (DataPtr* d : {&data, &fresh}) EXPECT_TRUE(Step(model.get(), d->get(), 50).ok());
   EXPECT_EQ(data->qpos[2], fresh->qpos[2]);
   EXPECT_NE(CopyData(model.get(), data.get()),
-            nullptr);  // refused by the engine while its stack is in use
+            nullptr);  // the engine rejects it while its stack is in use
 }
 
 TEST(Guard, ARealErrorOfTheEngineIsCaught) {

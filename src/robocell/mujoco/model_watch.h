@@ -1,13 +1,13 @@
-// ModelWatch: whether a borrowed model still exists. Neither its address nor the engine's signature
-// can tell: a model that is compiled later may have both of a freed one.
+// ModelWatch: detects whether a borrowed model still exists. Its address and the engine's signature
+// are not enough: a model that is compiled later may have both of a freed one.
 //
 //   const ModelWatch watch(model);
 //   ... a scene may be built anew ...
 //   if (watch.gone()) throw ArgumentError("call SetModel");   // nothing of the model is read
 //
 // A model is gone once its ModelPtr (mujoco/owners.h) or its scene (scene/compiled_scene.h) has
-// ended; one that has neither is never gone. Threads: any, but what is freed while another thread
-// goes on using it no watch can save.
+// ended; one that has neither is never gone. Any thread may use it, but no watch protects against a
+// model that is freed while another thread still uses it.
 #pragma once
 
 #include <atomic>
@@ -19,7 +19,7 @@ namespace robocell {
 
 class ModelWatch {
  public:
-  ModelWatch() = default;  // of none
+  ModelWatch() = default;  // of no model
   explicit ModelWatch(const mjModel* model);
 
   bool gone() const { return gone_ && gone_->load(std::memory_order_acquire); }

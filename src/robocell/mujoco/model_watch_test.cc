@@ -24,7 +24,7 @@ TEST(ModelWatch, KnowsWhenAModelIsFreedWhoeverOwnsIt) {
 
 TEST(ModelWatch, ALaterModelAtTheSameAddressIsAnother) {
   const ModelPtr model =
-      WatchedModel();  // stands for two that have its address one after the other
+      WatchedModel();  // stands for two models at the same address, one after the other
   const ModelWatch before(model.get());
   ModelEnds(model.get());
   const ModelWatch after(model.get());

@@ -27,7 +27,8 @@ constexpr const char* kReference = "https://mujoco.readthedocs.io/en/stable/XMLr
 
 using Schema = std::map<std::string, std::vector<std::string>>;
 
-// The attributes of MJCF's elements; of elements that occur in several places, all that they have.
+// Returns the attributes of MJCF's elements; for elements that occur in several places, all of
+// them.
 Schema ReadSchema() {
   std::vector<char> text(1 << 18);
   const int size = mj_printSchema(nullptr, text.data(), static_cast<int>(text.size()), 0, 0);
@@ -109,7 +110,7 @@ std::string NotWellFormed(const std::string& complaint, const std::string& file)
       Place(file, line.empty() ? "" : line[1].str()), element, what);
 }
 
-// Spaces in the place of comments; lines stay.
+// Replaces comments by spaces; lines stay.
 std::string WithoutComments(std::string xml) {
   for (size_t begin = xml.find("<!--"); begin != xml.npos; begin = xml.find("<!--", begin)) {
     const size_t end = std::min(xml.find("-->", begin), xml.size());
@@ -119,7 +120,7 @@ std::string WithoutComments(std::string xml) {
   return xml;
 }
 
-// Attributes whose text is a name, which may be "nan".
+// Returns true for attributes whose text is a name, which may be "nan".
 bool IsName(const std::string& attribute) {
   static const std::set<std::string> kNames = {
       "name",   "class",  "childclass", "model",   "body",   "body1",    "body2",   "joint",
@@ -140,7 +141,7 @@ bool HasNan(const std::string& text) {
   return found;
 }
 
-// The file that line `line` of a model includes; "" when that is not to be seen there.
+// Returns the file that line `line` of a model includes; "" if it shows none.
 std::string IncludedAt(const std::string& file, const std::string& line) {
   std::ifstream stream(file);
   std::string text;
@@ -151,12 +152,12 @@ std::string IncludedAt(const std::string& file, const std::string& line) {
 }
 
 struct NumberField {
-  const char* name;  // as MJCF has it
+  const char* name;  // in MJCF
   mjtObj kind;
   const mjtNum* numbers;
   mjtSize rows;
   int per_row;
-  const int* owners = nullptr;  // of the rows, unless they are the elements
+  const int* owners = nullptr;  // of the rows, unless these are the elements
 };
 
 std::string ProblemIn(const mjModel* m, const NumberField& field) {

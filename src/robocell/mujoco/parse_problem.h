@@ -3,7 +3,7 @@
 //
 //   arm.xml:5: <geom>: unrecognized attribute: 'typ'. Did you mean 'type'? Correct it there; ...
 //
-// Finds numbers, too, that the engine accepts and that mean nothing.
+// It also finds meaningless numbers that the engine accepts.
 #pragma once
 
 #include <mujoco/mujoco.h>
@@ -16,18 +16,18 @@ namespace robocell::internal {
 // does not report the line, the place is the file alone.
 std::string ParseProblem(const std::string& complaint, const std::string& file);
 
-// Whether a warning of the engine reports a NaN in a model. Such models are rejected: the engine
-// treats a mass of NaN as missing, and accepts a position of NaN.
+// Returns true if a warning of the engine reports a NaN in a model. Such models are rejected: the
+// engine treats a mass of NaN as missing, and accepts a position of NaN.
 bool IsAboutNan(const std::string& warning);
-// The same for a NaN: "arm.xml:5: mass="nan" is no number. ...". Without a line where it is in a
-// file that the model includes.
+// Returns the same for a NaN: "arm.xml:5: mass="nan" is no number. ...". Without a line if it is in
+// a file that the model includes.
 std::string NanProblem(const std::string& file);
 
-// The first element that is made of a number that is infinite or none at all. The engine compiles
-// many of them, and only the simulation shows it: a body that is nowhere, a mass that is another one.
-// As the engine words its own complaints:
-// "Error: pos is 0 inf 0.1; ...\nElement name 'upper', id 2". "" when all are finite. Ranges, which
-// may be open, user data, and what the engine derives are not looked at.
+// Returns the first element with a number that is infinite or NaN. The engine compiles many of
+// them, and only the simulation shows it: a body without a place, a changed mass. The text has the
+// form of the engine's own messages: "Error: pos is 0 inf 0.1; ...\nElement name 'upper', id 2". ""
+// if all are finite. Ranges, which may be open, user data, and values that the engine derives are
+// not checked.
 std::string NonFiniteElement(const mjModel* model);
 
 }  // namespace robocell::internal

@@ -1,4 +1,4 @@
-// Complaints of the engine's own reader, as it has them today.
+// Tests the messages of the engine's own reader, in their present form.
 #include "robocell/mujoco/parse_problem.h"
 
 #include <gmock/gmock.h>
@@ -21,7 +21,8 @@ using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// What ParseXmlFile says of a model in which the third line is `line`, without the folder.
+// Returns the message of ParseXmlFile for a model in which the third line is `line`, without the
+// folder.
 std::string Told(const std::string& line) {
   const TempDir folder;
   AtomicWrite(folder.path() / "arm.xml",

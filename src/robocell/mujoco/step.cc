@@ -114,7 +114,7 @@ StepResult Step(const mjModel* model, mjData* data, int n, std::string_view cont
       diverged = HasDiverged(model, data, start);
     }
   });
-  StepResult result;  // made once, where the caller wants it
+  StepResult result;  // made once, directly in the caller's object
   if (diverged) {
     result = Diverged(model, data, start, steps);
   } else {

@@ -1,4 +1,4 @@
-// Guarded simulation steps that report divergence as a value. The hot path: no allocation of ours
+// Guarded simulation steps that report divergence as a value. The hot path: we allocate nothing
 // while all is well.
 //
 //   StepResult result = Step(model, data, 10, "scene 'pick'");

@@ -9,17 +9,17 @@
 
 namespace robocell::internal {
 
-// Whether a body is `root` or below it. Every body is below the world, body 0.
+// Returns true if a body is `root` or below it. Every body is below the world, body 0.
 bool IsInSubtree(const mjModel* model, int body, int root);
 
-// Per body of the model: the same.
+// Returns the same for each body of the model.
 std::vector<bool> SubtreeMask(const mjModel* model, int root);
 
-// The lowest body that both are or hang on.
+// Returns the lowest body that is, or carries, both of them.
 int CommonAncestor(const mjModel* model, int a, int b);
 
-// The body that a joint, degree of freedom, geom, site, camera or light sits on, and of a body
-// itself; -1 for other kinds.
+// Returns the body of a joint, degree of freedom, geom, site, camera or light, and a body itself;
+// -1 for other kinds.
 int BodyOf(const mjModel* model, mjtObj kind, int id);
 
 }  // namespace robocell::internal

@@ -1,18 +1,18 @@
-// The version gate: robocell runs only against the MuJoCo it was compiled for, because struct
-// layouts change between releases without any other sign. Called by the first guarded engine call;
-// call it yourself to fail earlier.
+// The version gate: robocell only runs with the MuJoCo version that it was compiled for, because
+// struct layouts change between releases without any other sign. The first guarded engine call
+// calls it; call it yourself to fail earlier.
 #pragma once
 
 #include <string>
 
 namespace robocell {
 
-// Throws Error naming both versions and the command that fixes it.
+// Throws Error with both versions and the command that fixes it.
 void RequireEngineVersion();
 
-// "4.0.0": the version this library was compiled for.
+// Returns "4.0.0": the version this library was compiled for.
 std::string CompiledEngineVersion();
-// "4.0.0": the version that is loaded.
+// Returns "4.0.0": the version that is loaded.
 std::string LoadedEngineVersion();
 
 namespace version_internal {

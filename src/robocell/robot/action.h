@@ -1,5 +1,5 @@
-// Action: what robots are asked to do until the next policy tick: robot -> group -> command. A
-// group without a command keeps its target and so holds still.
+// Action: the commands of robots until the next policy tick: robot -> group -> command. A group
+// without a command keeps its target and so holds still.
 //
 //   Action action;
 //   action["xarm7"]["arm"] = GroupCommand::Joints({...});

@@ -1,7 +1,7 @@
-// Private to robot: where the numbers of a group are in one of the engine's arrays.
+// Private to robot: the addresses of a group's numbers in one of the engine's arrays.
 //
-// Nearly always one after the other, which is found once; then they are copied without looking up
-// each.
+// They are nearly always contiguous, which is detected once; then they are copied without looking
+// up each.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@ class Addresses {
     list_.clear();
     in_a_row_ = true;
   }
-  // The next ones.
+  // Adds the next addresses.
   void Add(int first, int count = 1) {
     for (int k = 0; k < count; ++k) {
       if (list_.empty()) first_ = first;
@@ -35,12 +35,12 @@ class Addresses {
     return in_a_row_ && !list_.empty() ? array + first_ : nullptr;
   }
 
-  // `out` has as many.
+  // `out` has the same size.
   void Gather(const double* array, std::span<double> out) const {
     if (const double* from = InARow(array)) return CopySmall(from, out.size_bytes(), out.data());
     for (size_t i = 0; i < out.size(); ++i) out[i] = array[list_[i]];
   }
-  // `values` are as many.
+  // `values` has the same size.
   void Scatter(std::span<const double> values, double* array) const {
     if (in_a_row_ && !list_.empty())
       return CopySmall(values.data(), values.size_bytes(), array + first_);
@@ -49,7 +49,7 @@ class Addresses {
 
  private:
   std::vector<int> list_;
-  int first_ = -1;  // of the list: beside it, not behind a pointer
+  int first_ = -1;  // of the list: stored here, not behind a pointer
   bool in_a_row_ = true;
 };
 

@@ -1,4 +1,4 @@
-// Robot::Apply: from commands at the policy rate to targets of controllers.
+// Robot::Apply: turns commands at the policy rate into targets of controllers.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -47,7 +47,7 @@ Values PoseTarget(const Pose& pose) {
   return {p[0], p[1], p[2], q[0], q[1], q[2], q[3]};
 }
 
-// The target for the slot's controller in the controller's own terms. Checks the values.
+// Returns the target for the slot's controller in the controller's own terms. Checks the values.
 Values JointTarget(const std::string& place, const internal::GroupSlot& slot,
                    const GroupCommand& command) {
   RequireValues([&] { return place; }, "joint", command.values, slot.own->group->nq(),
@@ -70,7 +70,7 @@ Values JointTarget(const std::string& place, const internal::GroupSlot& slot,
   ThrowOtherKind(place, slot, TargetKind::kJointPositions);
 }
 
-// A pose becomes joint positions for a controller that takes these.
+// A pose becomes joint positions for a controller that takes joint positions.
 void RequireTakesPose(const std::string& place, const internal::GroupSlot& slot) {
   const TargetKind kind = slot.control->controller->target_kind();
   if (kind == TargetKind::kPose || kind == TargetKind::kJointPositions ||
@@ -88,7 +88,7 @@ Values BaseTarget(const std::string& place, const internal::GroupSlot& slot,
   return PoseTarget(command.pose);
 }
 
-// Velocities and torques, for controllers that take them.
+// Checks velocities and torques, for controllers that take them.
 Values DirectTarget(const std::string& place, const internal::GroupSlot& slot,
                     const GroupCommand& command) {
   const TargetKind kind = command.kind == GroupCommand::kTorques ? TargetKind::kJointTorques

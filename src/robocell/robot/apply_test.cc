@@ -1,4 +1,4 @@
-// Commands: what they do to targets, and what is refused.
+// Tests commands: their effect on targets, and rejected ones.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -82,7 +82,7 @@ double LargestDifference(std::span<const double> a, std::span<const double> b) {
   return largest;
 }
 
-// Centimetres at a time, wherever that leads.
+// Moves by centimetres at a time, wherever that leads.
 TEST_F(Apply, ASmallStepOfThePoseIsASmallStepOfTheJoints) {
   constexpr int kSteps = 4000;
   Rng rng = Rng::Stream(1, "random walk");
@@ -91,7 +91,7 @@ TEST_F(Apply, ASmallStepOfThePoseIsASmallStepOfTheJoints) {
     if (i % 5 == 0) way = 0.02 * RandomVector(rng).normalized();
     return Pose(from.translation() + way, from.quaternion());
   };
-  // The first solution that is found may have the elbow or the wrist on their other side.
+  // The first solution may have the elbow or the wrist on the other side.
   JointVector any(home);
   double swing = 0;
   int unsolved = 0;

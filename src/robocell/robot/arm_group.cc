@@ -14,7 +14,7 @@ namespace robocell {
 namespace {
 
 constexpr double kRounding = 1e-3;  // rad or m, of joint limits
-constexpr double kInside = 0.999;   // of a force limit, so that nothing is cut off there
+constexpr double kInside = 0.999;   // of a force limit, so that it does not clip
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
 inline void CutOff(Interval& limit, const mjtNum* range, double scale) {
@@ -23,7 +23,7 @@ inline void CutOff(Interval& limit, const mjtNum* range, double scale) {
   limit = {std::clamp(limit.lower, low, high), std::clamp(limit.upper, low, high)};
 }
 
-// Not at one of its ends either.
+// Returns false at an end of the range too.
 inline bool IsInside(double x, const mjtNum* range, double scale) {
   const double a = scale * range[0], b = scale * range[1];
   return (a < x && x < b) || (b < x && x < a);
@@ -78,8 +78,8 @@ size_t ArmGroup::FindStrained(std::span<const double> torque, size_t from) const
   return torque.size();
 }
 
-// Tests against TorqueLimit without computing it. If the limits have nothing in common, no torque
-// is inside.
+// Tests against TorqueLimit without computing it. If the limits do not overlap, no torque is
+// inside.
 bool ArmGroup::IsInsideLimits(const mjModel* m, size_t joint, double torque) const {
   const int actuator = core().actuator_ids()[joint], id = core().joint_ids()[joint];
   const int input = m->actuator_ctrladr[actuator];
@@ -93,7 +93,7 @@ bool ArmGroup::IsInsideLimits(const mjModel* m, size_t joint, double torque) con
          std::isfinite(torque);
 }
 
-// In the engine's order: what one leaves the next cuts off, even where they have nothing in common.
+// The limits clip in the engine's order, even if they do not overlap.
 Interval ArmGroup::TorqueLimit(const mjModel* m, size_t joint) const {
   const int actuator = core().actuator_ids()[joint];
   Interval limit{-kNoLimit, kNoLimit};

@@ -1,10 +1,10 @@
 // ArmGroup: joints of one degree of freedom each, moved by one actuator each: position servos,
-// velocity servos or motors. An arm that can be switched has one such group per mode, over the same
-// joints; controllers work on the group of their mode.
+// velocity servos or motors. A switchable arm has one such group per mode, over the same joints;
+// controllers work on the group of their mode.
 //
-// It knows the arm's chain, from the robot base frame to the leaf, so that controllers can ask for
-// gravity and inertia. Errors: those of GroupCore; NotFoundError without a chain. No allocation in
-// what controllers call every tick.
+// It knows the arm's chain, from the robot base frame to the leaf, so that controllers can use
+// gravity and inertia. Errors: those of GroupCore; NotFoundError without a chain. Functions that
+// controllers call every tick do not allocate.
 #pragma once
 
 #include <optional>
@@ -23,50 +23,51 @@ class ArmGroup : public JointGroupOf<MoveGroup> {
   ArmGroup(const Scene& scene, GroupNames names)
       : JointGroupOf(scene, std::move(names), MoveGroupKind::kArm) {}
 
-  // `chain` is looked at whenever it is needed: it may be made anew. It outlives the group's use.
+  // `chain` is read whenever it is needed, because it may be made anew. It must outlive the group's
+  // use.
   void UseChain(const std::optional<Chain>* chain) { chain_ = chain; }
   bool has_chain() const { return chain_ && chain_->has_value(); }
   const Chain& chain() const;
 
-  // As SetJointPos, but what follows from it is computed when next asked for, or stepped.
+  // Like SetJointPos, but computes dependent values only on demand or in the next step.
   void WriteJointPos(std::span<const double> q) { core().WriteJointPos(q); }
-  // The first joint that `q` puts beyond its limits, by more than rounding; nq() when there is
+  // Returns the first joint that `q` puts beyond its limits by more than rounding; nq() if there is
   // none. No allocation.
   size_t FindBeyondLimits(std::span<const double> q) const;
-  // Simulated seconds.
+  // Returns simulated seconds.
   double time() const { return core().scene().time(); }
   Eigen::Vector3d gravity_in_base() const { return core().gravity_in_base(); }
-  // Torques that hold the joints at `q` against gravity, N m or N.
+  // Computes torques that hold the joints at `q` against gravity, N m or N.
   void GravityTorques(std::span<const double> q, std::span<double> out) const;
-  // Torques that accelerate joints at `q` and `qd` by `qdd`, including gravity, N m or N.
+  // Computes torques that accelerate joints at `q` and `qd` by `qdd`, including gravity, N m or N.
   void InverseDynamics(std::span<const double> q, std::span<const double> qd,
                        std::span<const double> qdd, std::span<double> out) const;
 
-  // Adds what the joints' springs, dampers and friction resist with when they move at `velocity`
+  // Adds the resistance of the joints' springs, dampers and friction when they move at `velocity`
   // (joint_resistance.h), N m or N.
   void AddResistance(std::span<const double> q, std::span<const double> velocity,
                      std::span<double> torque) const;
 
-  // Torque range of a joint's motor; +-infinity without a limit.
+  // Returns the torque range of a joint's motor; +-infinity without a limit.
   Interval torque_limit(size_t joint) const;
-  // The first joint from `from` on whose motor cannot push with its `torque`, or may just not; nv()
-  // when there is none. No allocation.
+  // Returns the first joint from `from` on whose motor cannot apply its `torque`, or only just;
+  // nv() if there is none. No allocation.
   size_t FindStrained(std::span<const double> torque, size_t from) const;
-  // The controls of motors that push with `torque`.
+  // Computes the controls of motors that apply `torque`.
   void CtrlForJointTorque(std::span<const double> torque, std::span<double> ctrl) const;
-  // The controls of velocity servos that drive joints that move at `now` at `velocity`, and push
-  // with `torque` on top: no harder than they can, because a servo that is cut off by its limit is
-  // a switch, which stiff ones of light joints would go on throwing at every step.
+  // Computes the controls of velocity servos that drive joints, which move at `now`, at `velocity`
+  // and apply `torque` on top. The force stays within the servo's limit: a servo clipped by its
+  // limit is a switch, which stiff servos of light joints would toggle at every step.
   void CtrlForJointVel(std::span<const double> velocity, std::span<const double> now,
                        std::span<const double> torque, std::span<double> ctrl) const;
-  // Targets at which position servos push with `torque` on joints at `q` that move at `v`.
+  // Computes targets at which position servos apply `torque` to joints at `q` that move at `v`.
   void JointPosForTorque(std::span<const double> q, std::span<const double> v,
                          std::span<const double> torque, std::span<double> out) const;
 
  private:
   Interval TorqueLimit(const mjModel* m, size_t joint) const;
   bool IsInsideLimits(const mjModel* m, size_t joint, double torque) const;
-  // `limit` within what the forces of actuator and joint are limited to.
+  // Restricts `limit` to the force limits of actuator and joint.
   Interval WithinForceLimits(const mjModel* m, size_t joint, Interval limit) const;
 
   const std::optional<Chain>* chain_ = nullptr;

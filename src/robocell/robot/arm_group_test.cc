@@ -1,5 +1,5 @@
-// Frames, forward kinematics, Jacobians and gravity of whole robots against the engine, on mounts
-// that are displaced, tilted and moved.
+// Tests frames, forward kinematics, Jacobians and gravity of whole robots against the engine, on
+// displaced, tilted and moved mounts.
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
@@ -13,7 +13,7 @@
 namespace robocell {
 namespace {
 
-// Joint values in the limits; hinges without limits anywhere in a turn.
+// Returns joint values within the limits; hinges without limits anywhere in a turn.
 std::vector<double> RandomJoints(const MoveGroup& group, Rng& rng) {
   std::vector<double> q;
   for (const Interval& limit : group.joint_pos_limits()) {
@@ -61,7 +61,7 @@ TEST_P(AnyRobot, ChainAgreesWithItsGroupOnADisplacedAndTiltedMount) {
   }
 }
 
-// The linear and angular velocity of the leaf by central differences of its pose.
+// Returns the linear and angular velocity of the leaf by central differences of its pose.
 Eigen::MatrixXd DifferenceJacobian(MoveGroup& group, const std::vector<double>& q) {
   constexpr double kStep = 1e-6;
   Eigen::MatrixXd out(6, group.nv());
@@ -118,7 +118,7 @@ TEST_P(AnyRobot, IkFindsThePoseOfARandomPosture) {
   }
 }
 
-// Built-in robot and arms with a tool included; answers judged by the engine.
+// Includes the built-in robot and arms with a tool; the engine judges the solutions.
 TEST_P(AnyRobot, IkSolvesAThousandReachableTargets) {
   REQUIRE_ROBOT(GetParam());
   const Scene scene = Build({});
@@ -174,7 +174,7 @@ TEST_P(AnyRobot, GravityTorquesAreTheEnginesBiasForcesAtRest) {
   }
 }
 
-// The dynamics of impedance control, with the present tool, which the chain has as one body.
+// The dynamics of impedance control with the present tool, which the chain contains as one body.
 TEST_P(AnyRobot, InverseDynamicsAndMassAreTheEnginesInMotion) {
   REQUIRE_ROBOT(GetParam());
   Scene scene = Build({.pos = {0, 0, 1}, .euler = {30, 50, 0}});
@@ -243,8 +243,7 @@ TEST(RobotKinematics, GravcompTakesItsShareOfGravityTorques) {
   EXPECT_EQ(torques, std::vector<double>(7, 0.0));
 }
 
-// The Gen3 with the 2F-85 as the user of two bodies has it, hanging from the ceiling, nothing
-// compensated.
+// The Gen3 with the 2F-85 as two separate bodies, hanging from the ceiling, without compensation.
 Scene HangingGen3() {
   return Scene::Build(SceneWith({.path = "menagerie:kinova_gen3/gen3.xml",
                                  .pos = {0, 0, 2},
@@ -288,7 +287,8 @@ TEST(RobotKinematics, WeighsTheToolWithTheArm) {
   EXPECT_GT(m->body_subtreemass[RequireId(m, mjOBJ_BODY, "g_base_mount", "")], 0.8);
 }
 
-// The largest difference between the gravity torques and what the engine needs at rest.
+// Returns the largest difference between the gravity torques and those that the engine needs at
+// rest.
 double GravityError(Robot& robot) {
   Scene scene = robot.scene();
   mju_zero(scene.data()->qvel, scene.model()->nv);

@@ -1,6 +1,6 @@
-// Private to robot: where the commands of an arm stand, one port for each kind of number: joint
-// positions, velocities, torques. The ports stay where they are while controllers come and go; the
-// controller in use keeps its numbers in the port of its kind, if it has one.
+// Private to robot: the commands of an arm, one port for each kind: joint positions, velocities,
+// torques. The ports stay in place while controllers come and go; the present controller keeps its
+// numbers in the port of its kind, if there is one.
 #pragma once
 
 #include <array>
@@ -16,21 +16,21 @@ class ArmPorts {
   void Resize(int nq, int nv);
   // Returns the port of kJointPositions, kJointVelocities or kJointTorques.
   std::span<double> of(TargetKind kind);
-  // From now on the values of the port count as commanded, even if they did not change.
+  // Marks the values of the port as commanded from now on, even if they did not change.
   void SetCommanded(TargetKind kind);
-  // Gives the controller its port, which takes over the controller's numbers; but where something
-  // was written while the port was not in use, the controller is driven to that.
+  // Gives the controller its port, which takes over the controller's numbers; but if values were
+  // written while the port was not in use, the controller is driven to these.
   void Connect(Controller& controller);
   // Restores the port from an earlier copy, if `controller` used one.
   void PutBack(const ArmPorts& before, Controller* controller);
-  // Forgets what was written into ports that are not in use: the positions are where the arm is,
-  // velocities and torques 0.
+  // Forgets values written into unused ports: positions become those of the arm, velocities and
+  // torques 0.
   void Reseed(const MoveGroup& arm);
 
  private:
   struct Port {
     std::vector<double> values;
-    std::vector<double> seen;  // as it was left
+    std::vector<double> seen;  // the values after the last use
     bool commanded = false;
   };
   static constexpr int kNone = -1;

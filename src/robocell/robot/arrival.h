@@ -1,5 +1,5 @@
-// When the joints of an arm have arrived where they were sent: one answer for environments, experts
-// and the trial of a robot's file.
+// The condition that the joints of an arm have arrived at their target, shared by environments,
+// experts and the trial of a robot's file.
 //
 //   const std::vector<double> tolerances = ArrivalTolerances(robot, "arm");
 //   if (AreWithin(q, target, tolerances)) ...
@@ -13,8 +13,8 @@
 
 namespace robocell::internal {
 
-// Within which each joint of the group has arrived, rad or m, as the robot's configuration says.
-// Joints of one degree of freedom.
+// Returns the tolerances within which each joint of the group has arrived, rad or m, from the
+// robot's configuration. Joints of one degree of freedom.
 std::vector<double> ArrivalTolerances(const Robot& robot, const std::string& group);
 
 // Returns true if each joint is within `times` its tolerance of its target. No allocation.

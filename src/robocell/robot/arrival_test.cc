@@ -1,4 +1,4 @@
-// Within what joints have arrived.
+// Tests the tolerances of arrived joints.
 #include "robocell/robot/arrival.h"
 
 #include <gtest/gtest.h>

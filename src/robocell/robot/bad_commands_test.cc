@@ -1,5 +1,5 @@
-// Every way into the engine refuses numbers that are none and wrong counts, names robot and group,
-// and leaves nothing behind. Robot::Apply has its own tests.
+// Tests that every path into the engine rejects NaN and wrong counts, names robot and group, and
+// changes nothing. Robot::Apply has its own tests.
 #include <gtest/gtest.h>
 
 #include "robocell/base/error.h"

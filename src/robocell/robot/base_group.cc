@@ -18,7 +18,7 @@ namespace {
 constexpr double kInPlane = 1e-6;  // m and rad; numbers in files are rounded
 
 constexpr double kNowhere = 1e-6;  // m
-constexpr double kLever = 0.1;     // m from the base to what is held, for rotations
+constexpr double kLever = 0.1;     // m from the base to the held object, for rotations
 
 double Displacement(const Pose& from, const Pose& to) {
   return (to.translation() - from.translation()).norm() +
@@ -38,7 +38,7 @@ class FixedBase : public JointGroupOf<BaseGroup> {
   bool is_mobile() const override { return false; }
 };
 
-// Mocap and free bodies: Scene moves them by name.
+// Mocap and free bodies, which Scene moves by name.
 class MovableBody : public JointGroupOf<BaseGroup> {
  public:
   MovableBody(const Scene& scene, GroupNames names, BaseKind base)
@@ -88,7 +88,7 @@ class PlanarBase : public JointGroupOf<BaseGroup> {
   LeavesObject leaving_;
 };
 
-// The name of the object that it holds, of those that the scene knows.
+// Returns the name of the held object, among those that the scene knows.
 std::string ObjectHeldBy(const Scene& scene, const GripperGroup& gripper) {
   for (const ObjectRecord& object : scene.compiled()->objects()) {
     if (object.free_joint && gripper.is_grasping(object.root_body)) return "'" + object.name + "'";
@@ -132,7 +132,7 @@ void LeavesObject::Warn(const Scene& scene, const std::string& robot, const std:
   const std::string held = HeldByRobot(scene, robot);
   if (held.empty()) return;
   told_ = true;
-  // By small steps, in contacts of a body that has a mass.
+  // Small steps in the contacts of a body with mass.
   const bool pushes = base == BaseKind::kFree || base == BaseKind::kFixed;
   const std::string give =
       base == BaseKind::kDriven ? "" : "give the robot `base: {kind: driven}` and ";

@@ -1,6 +1,5 @@
-// The bases a robot can stand on: fixed, mocap (teleported), free (floating), planar and driven
-// (follows a target). A base that is teleported leaves behind what the robot's grippers hold, and a
-// warning says so.
+// The bases of robots: fixed, mocap (teleported), free (floating), planar and driven (follows a
+// target). A teleported base leaves behind objects that the robot's grippers hold, with a warning.
 #pragma once
 
 #include <memory>
@@ -12,16 +11,17 @@
 
 namespace robocell::internal {
 
-// `names.leaf`: the body that pose() is the pose of. `names.joints`: those of a free, planar or
-// driven base. ArgumentError when a planar base has other joints than x, y and yaw.
+// `names.leaf`: the body whose pose is pose(). `names.joints`: those of a free, planar or driven
+// base. Throws ArgumentError if a planar base has other joints than x, y and yaw.
 std::unique_ptr<BaseGroup> MakeBaseGroup(const Scene& scene, const RobotRecord& robot,
                                          GroupNames names);
 
-// "gripper 'hand' holds 'cube'", of the first gripper that holds something; "" for none and for a
-// robot that nobody made a Robot of. By the contacts of the last step.
+// Returns "gripper 'hand' holds 'cube'" for the first gripper that holds something; "" for none and
+// for a robot without a Robot object. Based on the contacts of the last step.
 std::string HeldByRobot(const Scene& scene, const std::string& robot);
 
-// Warns, once, that a base is teleported away from what the robot holds, and says how to carry it.
+// Warns, once, that a base is teleported away from the object that the robot holds, and explains
+// how to carry it.
 class LeavesObject {
  public:
   // `place` begins the message. The base moves from `from` to `to`, both in the world.

@@ -1,4 +1,4 @@
-// The bases: what can be moved, how, and what is said of the others.
+// Tests the bases: which can be moved, how, and the errors of the others.
 #include "robocell/robot/base_group.h"
 
 #include <gtest/gtest.h>

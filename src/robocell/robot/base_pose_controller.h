@@ -1,5 +1,5 @@
-// The controller of a driven base (driven_base.h): a pose of the base in the world, to which it
-// moves with limits of speed.
+// The controller of a driven base (driven_base.h): its target is a pose of the base in the world,
+// to which the base moves with limited speed.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@ namespace robocell::internal {
 
 inline constexpr std::string_view kBasePoseController = "base_pose";
 
-// ArgumentError for any other group.
+// Throws ArgumentError for any other group.
 std::unique_ptr<Controller> MakeBasePoseController(MoveGroup& group);
 
 class BasePoseController : public Controller {
@@ -26,7 +26,7 @@ class BasePoseController : public Controller {
   int target_size() const override { return 7; }
   void SetTarget(std::span<const double> numbers) override;
   std::span<const double> target() const override { return base_.target_numbers(); }
-  // The position and the quaternion wxyz, as of a free joint.
+  // Returns the position and the quaternion wxyz, in the layout of a free joint.
   std::span<const double> commanded_joint_pos() const override;
   std::span<double> command_port() override { return base_.target_numbers(); }
   void Reset() override { base_.Hold(); }

@@ -1,5 +1,5 @@
-// What happens to commands beyond a limit: the nearest value inside is used, and the first time the
-// log says so. Not for NaN and wrong sizes, which are refused (RequireValues).
+// Handles commands beyond a limit: uses the nearest value inside, and logs the first one. Not for
+// NaN and wrong sizes, which are rejected (RequireValues).
 #pragma once
 
 #include <algorithm>
@@ -12,15 +12,15 @@ namespace robocell {
 
 class BeyondLimits {
  public:
-  // `value` inside `range`; NaN stays NaN. `what()` names what is commanded and is called at most
-  // once in the life of this object. No allocation inside the range.
+  // Returns `value` clamped to `range`; NaN stays NaN. `what()` names the command and is called at
+  // most once in the life of this object. No allocation inside the range.
   template <class What>
   double Clamp(double value, const Interval& range, const What& what) {
     Watch(value, range, what);
     return std::clamp(value, range.lower, range.upper);
   }
 
-  // Only tells, for what something else cuts off.
+  // Only logs, for values that other code clips.
   template <class What>
   void Watch(double value, const Interval& range, const What& what) {
     if (told_ || (value >= range.lower - kSlack && value <= range.upper + kSlack)) return;
@@ -31,7 +31,7 @@ class BeyondLimits {
   bool told() const { return told_; }
 
  private:
-  static constexpr double kSlack = 1e-3;  // what rounding and small overshoot may amount to
+  static constexpr double kSlack = 1e-3;  // allows for rounding and small overshoot
 
   static void Tell(const std::string& what, double value, const Interval& range);
 

@@ -1,4 +1,4 @@
-// Commands beyond limits: clamped, told once, at every way in.
+// Tests commands beyond limits: clamped and logged once, on every path.
 #include "robocell/robot/beyond_limits.h"
 
 #include <fmt/format.h>
@@ -39,7 +39,7 @@ TEST_F(BeyondLimitsTest, TheNearestValueIsUsedAndToldOnce) {
                                   "is used (said once)"));
 }
 
-// A joint that is commanded beyond its limit is driven to the limit, by the port and by an action.
+// A joint commanded beyond its limit is driven to the limit, by the port and by an action.
 TEST_F(BeyondLimitsTest, AnArmIsDrivenToItsLimits) {
   Robot robot = RobotAlone(Rc7());
   const Interval limits = robot.joint_limits()[3];
@@ -76,7 +76,7 @@ TEST_F(BeyondLimitsTest, ATeleportBeyondTheLimitsIsTakenAndTold) {
   EXPECT_EQ(lines_.size(), 1u);
 }
 
-// What nobody commanded is not spoken of, and what is commanded then still is.
+// Positions without a command are not logged, and later commands still are.
 TEST_F(BeyondLimitsTest, HoldingWhereAServoCannotHoldIsNoCommand) {
   RobotConfig config = Rc7();
   const double home = config.home.at("arm")[3];
@@ -84,7 +84,7 @@ TEST_F(BeyondLimitsTest, HoldingWhereAServoCannotHoldIsNoCommand) {
   edit.actuator = ElementRef{.name = "servo4"};
   edit.ctrlrange = Vec2{-1, home - 0.3};
   config.edits.push_back(edit);
-  config.force_limit = 0.1;  // less than what gravity asks for
+  config.force_limit = 0.1;  // less than gravity requires
   config.gravcomp = false;
   RobotSpec spec{.name = "rc7", .config = config};
   spec.control_modes = std::vector{CtrlMode::kTorque};
@@ -97,7 +97,7 @@ TEST_F(BeyondLimitsTest, HoldingWhereAServoCannotHoldIsNoCommand) {
   };
   std::vector<double> ctrl(7);
   robot.arm().CtrlForJointPos(robot.arm().joint_pos(), ctrl);
-  EXPECT_EQ(ctrl[3], home - 0.3) << "a question is answered without a word";
+  EXPECT_EQ(ctrl[3], home - 0.3) << "a query logs nothing";
   run();
   robot.jnt_pos_cmd()[0] += 0.1;  // another joint
   run();
@@ -116,7 +116,7 @@ TEST_F(BeyondLimitsTest, HoldingWhereAServoCannotHoldIsNoCommand) {
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("actuator 'servo4', by its ctrlrange, is commanded")));
 }
 
-// As the model has them when a torque is commanded, not as they were.
+// The limits count at the time of the command, not earlier ones.
 TEST_F(BeyondLimitsTest, LimitsOfMotorsAreThoseOfTheModel) {
   RobotSpec spec{.name = "rc7", .config = Rc7()};
   spec.control_modes = std::vector{CtrlMode::kTorque};
@@ -135,7 +135,7 @@ TEST_F(BeyondLimitsTest, LimitsOfMotorsAreThoseOfTheModel) {
   robot.jnt_trq_cmd()[0] = 400;
   robot.Update();
   EXPECT_THAT(lines_, IsEmpty());
-  // Two that have nothing in common: what the engine makes of them.
+  // Two limits that do not overlap: the engine's result counts.
   limit(-5, 5);
   m->actuator_ctrllimited[m->actuator_ctrladr[motor]] = 1;
   m->actuator_ctrlrange[2 * m->actuator_ctrladr[motor]] = 10;
@@ -157,7 +157,7 @@ TEST_F(BeyondLimitsTest, AnOpeningInPercentIsTold) {
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("group 'gripper': opening is commanded to -2")));
 }
 
-// At run time too: a servo that is sent beyond its ctrlrange, a motor beyond its force.
+// Also at run time: a servo commanded beyond its ctrlrange, a motor beyond its force.
 TEST(BeyondLimits, CommandsThatAServoCutsOffAreToldOnce) {
   ModelFolder folder;
   const std::string model = folder.Write("bar", R"(<compiler angle="radian"/><worldbody>

@@ -31,7 +31,7 @@ struct CollisionFilter::State {
 
   bool IsFree(std::span<const double> q);
 
-  std::mutex mutex;  // threads that share a filter share the data it judges in
+  std::mutex mutex;  // threads that share a filter share its scratch data
   internal::ScratchRobot scratch;
   double clearance;
   std::vector<char> ignored;  // per geom
@@ -66,7 +66,7 @@ int CollisionFilter::n_joints() const { return state_->scratch.robot().chain().n
 bool CollisionFilter::State::IsFree(std::span<const double> q) {
   scratch.robot().chain().RequireJointValues("collision filter: q", q);
   scratch.SetArm(q);
-  if (!scratch.FindTouches()) return false;  // what is missing may be in the way
+  if (!scratch.FindTouches()) return false;  // missing contacts may be collisions
   const auto is_fine = [&](const internal::ScratchRobot::Touch& touch) {
     return (!touch.itself && touch.distance >= clearance) || ignored[touch.own_geom] ||
            ignored[touch.other_geom];

@@ -1,15 +1,15 @@
-// CollisionFilter: which configurations of an arm touch nothing, for IkOptions::filter and for
-// whoever has configurations to judge.
+// CollisionFilter: finds collision-free configurations of an arm, for IkOptions::filter and for
+// code that has configurations to judge.
 //
 //   IkResult found = robot.Ik(target, {.filter = CollisionFilter(robot, {.clearance = 0.01})});
 //
-// Judged by the engine's collision detection in a copy of the scene's state as it was when the
-// filter was made, or at the last Update(): the arm is put to each configuration, everything else
-// stays where it is, also what a gripper holds. Geoms that may collide in the model count
-// (Robot::collision_geom_ids of the robot's); where the robot touches itself in the present state,
-// it may do so everywhere. Copies share their state. Several threads may ask: one waits for the
-// other (Update reads the scene, so the scene has to rest meanwhile). Error after objects were
-// added to the scene or removed.
+// It uses the engine's collision detection in a copy of the scene's state at construction, or at
+// the last Update(): the arm is put to each configuration, everything else stays in place, also an
+// object that a gripper holds. Geoms that may collide in the model count (for the robot, those of
+// Robot::collision_geom_ids); pairs of the robot's own geoms that touch in the present state may
+// touch everywhere. Copies share their state. Several threads may use it, one at a time (Update
+// reads the scene, which must not change meanwhile). Throws Error after objects were added to the
+// scene or removed.
 #pragma once
 
 #include <cstdint>
@@ -24,25 +24,26 @@
 namespace robocell {
 
 struct CollisionFilterOptions {
-  // To everything that is not the robot, metres: 0 or more.
+  // Clearance to everything that is not the robot, metres: 0 or more.
   double clearance = 0;
-  // Bodies that may be touched, with all that hangs on them, by full name.
+  // Bodies that may be touched, with their subtrees, by full name.
   std::vector<std::string> ignored{};
 };
 
 class CollisionFilter {
  public:
-  // ArgumentError for a clearance below 0; NotFoundError for an unknown body.
+  // Throws ArgumentError for a clearance below 0, NotFoundError for an unknown body.
   explicit CollisionFilter(const Robot& robot, const CollisionFilterOptions& options = {});
 
-  // Takes over the scene's present state.
+  // Copies the scene's present state.
   void Update();
-  // Joint values in chain order.
+  // Joint values are in chain order.
   bool IsFree(std::span<const double> q);
-  // As IkFilter: `count` configurations row by row.
+  // Implements IkFilter: `count` configurations row by row.
   void operator()(std::span<const double> q, int count, std::span<uint8_t> keep);
   int n_joints() const;
-  // For garbage collectors of other languages: its scene, unless copies of this filter share it.
+  // For garbage collectors of other languages: returns its scene, unless copies of this filter
+  // share it.
   std::optional<Scene> scene_of_sole_handle() const;
 
  private:

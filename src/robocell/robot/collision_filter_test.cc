@@ -1,4 +1,4 @@
-// The ready filter for inverse kinematics says what the engine says.
+// Tests the built-in filter for inverse kinematics against the engine.
 #include "robocell/robot/collision_filter.h"
 
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ class CollisionFilterTest : public testing::Test {
     return q;
   }
 
-  // A full forward pass of the engine, with its own margins.
+  // Runs a full forward pass of the engine, with its own margins.
   bool EngineSeesContact(const JointVector& q) {
     const mjModel* m = scene_.model();
     const DataPtr d = CopyData(m, scene_.data());
@@ -72,7 +72,7 @@ TEST_F(CollisionFilterTest, IsTheHookOfInverseKinematics) {
   const CollisionFilter filter(robot_, {.clearance = 0.02});
   std::vector<Pose> targets;
   for (int k = 0; k < 4000 && targets.size() < 60; ++k) {
-    // Those whose first solution touches something, but not every one does.
+    // Targets whose first solution touches something, but not every solution does.
     const JointVector q = RandomJoints();
     const Pose target = robot_.chain().Fk(q);
     const IkResult first = Ik(robot_.chain(), target);

@@ -1,10 +1,10 @@
-// The control loop, in one place: per control tick every robot's Update(), then the engine's steps.
-// Stepper drives episodes with it, samplers let objects come to rest with it.
+// The control loop, in one place: each control tick calls every robot's Update() and then steps the
+// engine. Stepper drives episodes with it, samplers let objects come to rest with it.
 //
 //   StepResult result = RunControlTicks(scene, robots, {.ticks = 33, .sim_steps = 1});
 //   if (!result.ok()) return Refuse(result.message);
 //
-// No allocation. Errors: those of Robot::Update. Divergence is a value. Threads: those of the
+// No allocation. Throws the errors of Robot::Update. Divergence is a value. Threads: those of the
 // scene.
 #pragma once
 
@@ -25,7 +25,7 @@ struct ControlTicks {
 // Called after every tick's Update(), before the engine's steps: data->ctrl is what will act.
 using OnControlTick = std::function<void(const mjModel*, const mjData*)>;
 
-// Stops at divergence. The result is that of all ticks: engine steps done, diverged or not.
+// Stops at divergence. Returns the result of all ticks: engine steps done, diverged or not.
 StepResult RunControlTicks(Scene& scene, std::span<Robot> robots, ControlTicks count,
                            const OnControlTick& on_tick = {});
 

@@ -84,8 +84,8 @@ void ThrowBadValues(std::string_view place, std::string_view what, std::span<con
   while (bad + 1 < values.size() && std::isfinite(values[bad])) ++bad;
   const bool named = names.size() == values.size();
   if (!named && values.size() > 1) {
-    throw ArgumentError(fmt::format("{}: value {} of the {} is {}; all of it must be finite", place,
-                                    bad, what, values[bad]));
+    throw ArgumentError(fmt::format("{}: value {} of the {} is {}; all values must be finite",
+                                    place, bad, what, values[bad]));
   }
   const std::string name = "'" + (named ? names[bad] : std::string(what)) + "'";
   throw ArgumentError(

@@ -15,7 +15,7 @@
 namespace robocell {
 namespace {
 
-// Notes the order in which it and its group go away.
+// Records the order in which it and its group are destroyed.
 struct Diary {
   std::vector<std::string> entries;
 };
@@ -55,7 +55,7 @@ TEST(OwnController, GoesWhenReplacedAndBeforeItsGroup) {
   EXPECT_EQ(GroupsKeptBy(robot.scene()).size(), 4u);
 }
 
-// Puts another controller and another group in their places while it computes.
+// Replaces the controller and the group while it computes.
 class FickleController : public DiaryController {
  public:
   FickleController(Robot& robot, Diary* diary)
@@ -99,7 +99,7 @@ TEST(OwnController, ThatIsKeptWhenReplacedKeepsItsGroup) {
   EXPECT_THAT(diary.entries, ::testing::ElementsAre("group", "group"));
 }
 
-// Holds every joint where a sine has it, whatever the target.
+// Moves every joint along a sine, whatever the target is.
 class Waving : public JointPositionController {
  public:
   using JointPositionController::JointPositionController;

@@ -1,4 +1,4 @@
-// Position, velocity and torque mode: holding, moving, inactive servos, and switching.
+// Tests position, velocity and torque mode: holding, moving, inactive servos, and switching.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -46,7 +46,7 @@ class Modes : public ::testing::TestWithParam<RobotCase> {
   static Robot In(const Scene& scene) {
     Robot robot = GetParam().robot(scene, GetParam().name);
     if (GetParam().name != "fr3") return robot;
-    robot.SetJointPos(InTheLimits());  // which its reference is not
+    robot.SetJointPos(InTheLimits());  // its reference is outside
     return robot;
   }
   static std::vector<double> InTheLimits() { return {0.2, 0.3, -0.2, -1.7, 0.2, 1.9, 0.4}; }
@@ -103,7 +103,7 @@ TEST_P(Modes, EveryJointReachesItsVelocityAndTheOthersStandStill) {
   }
 }
 
-// Forces of the arm's actuators at which the joints keep their velocities.
+// Returns forces of the arm's actuators at which the joints keep their velocities.
 std::vector<double> EngineTorques(const Robot& robot) {
   const Scene scene = robot.scene();
   mjData* d = scene.data();
@@ -162,7 +162,7 @@ TEST_P(Modes, AMovingArmSwitchedToVelocitiesBrakesWhereItIsNotTold) {
   }
 }
 
-// The same robot whose model never had the arm's servos.
+// The same robot with a model that never had the arm's servos.
 RobotSpec WithoutServos(RobotSpec spec, const std::vector<std::string>& servos) {
   if (!spec.config) spec.config = RobotConfig{.name = *spec.name, .model = spec.path};
   spec.path = "";
@@ -259,7 +259,7 @@ TEST(CtrlMode, ForcesOfAMovingArmDoNotJumpWhenSwitched) {
   }
 }
 
-// A servo holds against gravity because it is sent somewhere else than where its joint is.
+// A servo holds against gravity because its target differs from its joint's position.
 TEST(CtrlMode, ServosGoOnHoldingTheArmWhenTheirControllerIsReplaced) {
   RobotConfig config = Rc7();
   config.gravcomp = false;
@@ -279,7 +279,7 @@ TEST(CtrlMode, ServosGoOnHoldingTheArmWhenTheirControllerIsReplaced) {
   }
 }
 
-// After a reset they do, updated or not.
+// After a reset they hold, with or without an update.
 TEST(CtrlMode, ServosThatHoldSinceAResetGoOnHoldingWhenTheyGetAController) {
   RobotConfig config = Rc7();
   config.gravcomp = false;
@@ -427,7 +427,7 @@ TEST(CtrlMode, ThatCannotBeSwitchedToChangesNothing) {
   Robot robot = Robot::Of(scene, "rc7"), other = Robot::Of(twin, "rc7");
   for (Robot* r : {&robot, &other}) {
     r->jnt_pos_cmd()[1] += 0.3;
-    r->jnt_vel_cmd()[0] = 0.2;  // for when it is switched there
+    r->jnt_vel_cmd()[0] = 0.2;  // for a later switch to velocity mode
   }
   Drift(robot, 20);
   Drift(other, 20);
@@ -453,7 +453,7 @@ TEST(CtrlMode, ThatCannotBeSwitchedToChangesNothing) {
   goes_on_as_its_twin();
 }
 
-// An arm of three joints whose hand has fingers `left` and `right` with servos or without.
+// An arm of three joints whose hand has fingers `left` and `right`, with or without servos.
 std::string ArmWithFingers(bool right, bool right_servo) {
   const auto link = [](int i, const std::string& inside) {
     return fmt::format(
@@ -514,7 +514,7 @@ TEST(CtrlMode, WhereGroupsAreFewWhatMayBeAFingerIsSwitchedWithItsArm) {
   ModelFolder folder;
   const std::string model = folder.Write("hand", ArmWithFingers(false, false));
   SceneSpec spec = EmptyScene();
-  for (int i = 0; i < 14; ++i)  // 28 groups of 30: one to spare for two modes of the first
+  for (int i = 0; i < 14; ++i)  // 28 of 30 groups: one is left for two modes of the first
     spec.robots.push_back({.path = model, .prefix = "r" + std::to_string(i) + "_"});
   const Scene scene = Scene::Build(spec);
   Robot::FromScene(scene, "base", "link3", {.prefix = "r0_"}).set_ctrl_mode(kTorque);

@@ -13,15 +13,15 @@
 namespace robocell::internal {
 namespace {
 
-// Full speed is reached, and lost again, in this time, s.
+// Time in which full speed is reached, and lost again, s.
 constexpr double kRampTime = 0.1;
-// Of the largest speeds, what is planned: ticks that hold the mocap body still for two engine steps
+// Planned share of the largest speeds: ticks that hold the mocap body still for two engine steps
 // make the base up to 3.5 % faster for a moment.
 constexpr double kPlannedShare = 0.96;
-// From this timestep on less is planned, s: what the engine leaves out of a step, such as what the
-// axes of a turning hand do, makes the base faster the longer the step is.
+// Timestep from which on less is planned, s: effects that the engine leaves out of a step, such as
+// the axes of a turning hand, make the base faster the longer the step is.
 constexpr double kLongTimestep = 0.01;
-constexpr double kFarthestTarget = 1e6;  // m, from the origin; more is a mistake
+constexpr double kFarthestTarget = 1e6;  // m, from the origin; farther is a mistake
 
 double PlannedShare(double timestep) {
   return kPlannedShare * std::sqrt(std::min(1.0, kLongTimestep / timestep));
@@ -40,11 +40,11 @@ DrivenBase::Target ToTarget(const Pose& pose) {
   return {p[0], p[1], p[2], q[0], q[1], q[2], q[3]};
 }
 
-// How far the mocap body has to be ahead of a base that is to move as commanded. The engine drives
-// the distance r between them and its rate r' to the acceleration -b r' - k r of the base, with
-// b = 2 / (d t) and k = 1 / (d t z)^2 (time constant t, damping ratio z, impedance d). The mocap
-// body has no velocity for the engine, so the base at speed v that is to have the acceleration a in
-// the next step is b/k v + a/k behind.
+// How far the mocap body has to be ahead of a base for the base to move as commanded. The engine
+// turns the distance r between them and its rate r' into the acceleration -b r' - k r of the base,
+// with b = 2 / (d t) and k = 1 / (d t z)^2 (time constant t, damping ratio z, impedance d). The
+// mocap body has no velocity for the engine, so a base at speed v that is to have the acceleration
+// a in the next step is b/k v + a/k behind.
 struct Lead {
   double of_velocity = 0, of_acceleration = 0;  // b/k in s, 1/k in s^2
 
@@ -151,10 +151,10 @@ void DrivenBase::SetTarget(const Pose& pose) {
 void DrivenBase::RequireTarget(const Pose& pose) const {
   const double most = pose.translation().cwiseAbs().maxCoeff();
   if (most <= kFarthestTarget) return;
-  throw ArgumentError(fmt::format(
-      "{}: the target is {:g} m away along an axis of the world, which is no place to go to; it "
-      "must be within {:g} m. Give metres",
-      place(), most, kFarthestTarget));
+  throw ArgumentError(
+      fmt::format("{}: the target is {:g} m away along an axis of the world, which is too far; it "
+                  "must be within {:g} m. Give metres",
+                  place(), most, kFarthestTarget));
 }
 
 void DrivenBase::SetMaxSpeeds(const BaseSpeeds& speeds) {
@@ -180,7 +180,7 @@ void DrivenBase::Advance() {
   if (seconds <= 0) return;
   const double share = PlannedShare(core().model()->opt.timestep);
   const double linear = share * speeds_.linear, angular = share * speeds_.angular;
-  // The engine's step begins where the base is and as fast as it is now.
+  // The engine's step begins with the present pose and speed of the base.
   const Pose here = ramp_.pose();
   const Eigen::Vector3d v = ramp_.linear_velocity(), w = ramp_.angular_velocity();
   ramp_.Advance(goal, {linear, angular, linear / kRampTime, angular / kRampTime}, seconds);

@@ -1,14 +1,14 @@
-// Private to robot. DrivenBase: a base that follows a commanded pose with limits of speed, and
-// carries what the robot's gripper holds, as a hand without an arm does.
+// Private to robot. DrivenBase: a base that follows a commanded pose with limited speed, and
+// carries the object in the robot's gripper, for a hand without an arm.
 //
-// The base is a free body, welded by a constraint of the engine to a mocap body without geoms
+// The base is a free body, which a constraint of the engine welds to a mocap body without geoms
 // (scene/robot_base.h makes both). Each tick moves the mocap body towards the target; the engine
 // moves the base after it, so that contacts know its velocity and friction holds.
 //
-// The weld is a spring and damper: at constant speed the base would trail its mocap body. So the
-// mocap body runs ahead by what the weld makes of the speed, and the base itself is at the
-// commanded pose, within 1.5 mm on the way. Whoever moves the mocap body or the base otherwise
-// (Scene::SetBodyPose, Scene::SetState, data.mocap_pos) puts the target there, at rest.
+// The weld is a spring and damper: at constant speed the base would trail its mocap body. Therefore
+// the mocap body runs ahead by the weld's lag at this speed, and the base itself is at the
+// commanded pose, within 1.5 mm on the way. Code that moves the mocap body or the base otherwise
+// (Scene::SetBodyPose, Scene::SetState, data.mocap_pos) sets the target there, at rest.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ class DrivenBase : public JointGroupOf<BaseGroup> {
   using Target = std::array<double, 7>;
 
   // `names.leaf` is the free body, `target_body` the mocap body, `weld` the constraint between
-  // them. NotFoundError when the scene lacks one of them.
+  // them. Throws NotFoundError if the scene lacks one of them.
   DrivenBase(const Scene& scene, GroupNames names, const BaseConfig& config,
              std::string target_body, std::string weld);
 
@@ -37,26 +37,26 @@ class DrivenBase : public JointGroupOf<BaseGroup> {
   void SetTarget(const Pose& pose_in_world) override;
   BaseSpeeds max_speeds() const override { return speeds_; }
   void SetMaxSpeeds(const BaseSpeeds& speeds) override;
-  // Teleports, as SetPose does.
+  // Teleports like SetPose.
   void SetJointPos(std::span<const double> q) override;
 
-  // For its controller. The numbers of the target, for writing in place; checked by Advance().
+  // For its controller: the numbers of the target, for writing in place; Advance() checks them.
   std::span<double> target_numbers() const { return target_; }
   // Moves the mocap body for the time since the last call, at most kLongestTick or one engine step:
-  // larger steps of it would make the base faster than it may be. No allocation.
+  // larger steps would make the base faster than allowed. No allocation.
   void Advance();
-  // The target is where the base is, at rest.
+  // Sets the target to the pose of the base, at rest.
   void Hold() const;
 
   static constexpr double kLongestTick = 0.005;  // s
 
  private:
   void Bind() const;
-  // Takes over what others did to the mocap body.
+  // Adopts changes of the mocap body by other code.
   void FollowOthers() const;
   void HoldAt(const Pose& pose) const;
   void WriteMocap(const Pose& pose) const;
-  void RequireTarget(const Pose& pose) const;  // ArgumentError for one that is nowhere
+  void RequireTarget(const Pose& pose) const;  // throws ArgumentError for a pose at no valid place
 
   std::string target_body_, weld_;
   BaseSpeeds speeds_;
@@ -65,7 +65,7 @@ class DrivenBase : public JointGroupOf<BaseGroup> {
   mutable std::array<double, 7> written_ = {};  // the mocap body's position and quaternion wxyz
   mutable double time_ = 0;                     // of the last Advance()
   mutable uint64_t generation_ = ~uint64_t{0};
-  mutable uint64_t puts_ = 0;  // of the mocap body, that are known
+  mutable uint64_t puts_ = 0;  // moves of the mocap body that are known
   mutable int mocap_ = -1, equality_ = -1;
 };
 

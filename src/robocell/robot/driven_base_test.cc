@@ -1,4 +1,4 @@
-// A driven base moves to its target within its limits, and the hand on it carries a cube.
+// Tests that a driven base moves to its target within its limits, and that its hand carries a cube.
 #include "robocell/robot/driven_base.h"
 
 #include <fmt/format.h>
@@ -24,7 +24,7 @@ const BaseConfig kDriven{.kind = BaseKind::kDriven};
 struct HandCase {
   std::string name;
   Vec3 euler;
-  double above;  // the base over the cube that it grasps
+  double above;  // height of the base over the cube that it grasps
 };
 void PrintTo(const HandCase& hand, std::ostream* out) { *out << hand.name; }
 
@@ -237,7 +237,7 @@ TEST_P(DrivenHand, RareUpdatesDoNotBreakTheLimits) {
       most = std::max(most, std::hypot(v[0], v[1], v[2]));
     }
     EXPECT_LE(most, base.max_speeds().linear) << every;
-    if (every == 33) continue;  // still on the way
+    if (every == 33) continue;  // still moving
     EXPECT_TRUE(base.pose().is_close(away, 1e-3, 1e-3)) << every;
   }
 }
@@ -336,8 +336,8 @@ TEST_P(DrivenHand, AStateThatIsSetPutsTheTargetWhereTheStateHasIt) {
   EXPECT_TRUE(robot.base().pose().is_close(start, 1e-4, 1e-5));
 }
 
-// Also before the first tick after SetTarget, which moves nothing of the engine yet, and after it
-// has come to rest, where the state has the mocap body where it is.
+// This also holds before the first tick after SetTarget, when the engine has not moved anything
+// yet, and after it has come to rest, where the state has the mocap body in its place.
 TEST_P(DrivenHand, AStateAndAPoseThatAreSetForgetATargetThatNothingMovedToYet) {
   Robot robot = Hand();
   Scene scene = robot.scene();
@@ -374,7 +374,7 @@ TEST_P(DrivenHand, ATargetThatIsNowhereIsRefused) {
   const Pose here = base.pose();
   ExpectThrow<ArgumentError>([&] { base.SetTarget(Pose(Eigen::Vector3d(1e300, 0, 0))); },
                              "robot 'hand' / group 'base': the target is 1e+300 m away along an "
-                             "axis of the world, which is no place to go to");
+                             "axis of the world, which is too far");
   EXPECT_TRUE(base.target().is_close(here, 1e-9, 1e-9));
   robot.controller("base").command_port()[1] = -1e300;
   ExpectThrow<ArgumentError>([&] { robot.Update(); }, "the target is 1e+300 m away");
@@ -415,7 +415,7 @@ TEST_P(DrivenHand, ASecondRobotObjectChangesNothing) {
   EXPECT_TRUE(again.base().pose().is_close(away, 1e-4, 1e-4));
 }
 
-// A stock MuJoCo holds the hand where it starts, without robocell.
+// Stock MuJoCo holds the hand at its start, without robocell.
 TEST_P(DrivenHand, ASavedFileHoldsItselfInTheEngineAlone) {
   Robot robot = Hand();
   const std::string file = (folder_.path() / "saved.xml").string();
@@ -429,7 +429,7 @@ TEST_P(DrivenHand, ASavedFileHoldsItselfInTheEngineAlone) {
   const double z = d->qpos[m->jnt_qposadr[m->body_jntadr[base]] + 2];
   for (int i = 0; i < 500; ++i) mj_step(m, d);
   EXPECT_NEAR(d->xpos[3 * base + 2], z, 1e-5);
-  // Whoever moves the target moves the hand.
+  // Code that moves the target moves the hand.
   const int target = m->body_mocapid[mj_name2id(m, mjOBJ_BODY, "h_base_target")];
   d->mocap_pos[3 * target] += 0.05;
   for (int i = 0; i < 500; ++i) mj_step(m, d);

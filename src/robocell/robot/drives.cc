@@ -38,7 +38,7 @@ bool AllGroupsAreTaken(const mjModel* m) {
 }
 
 // Returns the reason why the engine cannot switch these actuators in groups of their own, "" if it
-// can. There are several groups if the last joint is apart from the others
+// can. There are several groups if the last joint is separate from the others
 // (Limb::may_end_in_finger).
 std::string WhyNotSwitchable(const mjModel* m, const std::vector<int>& ids) {
   if (ids.empty()) return "it has no actuators";
@@ -61,7 +61,7 @@ std::string WhyNotSwitchable(const mjModel* m, const std::vector<int>& ids) {
   return has_numbers ? "" : "no actuator group is left for its modes";
 }
 
-// The groups of its actuators that can be switched; 0 for a group of somebody's own that names
+// Returns the groups of its actuators that can be switched; 0 for a user's own group that names
 // none.
 int GroupBits(const mjModel* m, const MoveGroup& drive) {
   int bits = 0;
@@ -73,7 +73,7 @@ int GroupBits(const mjModel* m, const MoveGroup& drive) {
   return bits;
 }
 
-// Who could have added actuators for an arm to the scene.
+// The possible origins of an arm's additional actuators.
 enum class Origin { kConfigured, kBare, kObject };
 
 Origin OriginOf(const Scene& scene, const std::vector<std::string>& joints) {
@@ -87,7 +87,7 @@ Origin OriginOf(const Scene& scene, const std::vector<std::string>& joints) {
   return Origin::kObject;
 }
 
-// "'m1' is a motor", of the first that is not of the kind.
+// Returns "'m1' is a motor" for the first actuator of another kind.
 std::string WhatItHas(const mjModel* m, const std::vector<std::string>& actuators,
                       CtrlMode wanted) {
   for (const std::string& name : actuators) {
@@ -99,7 +99,7 @@ std::string WhatItHas(const mjModel* m, const std::vector<std::string>& actuator
   return "";
 }
 
-// Advice for an arm whose actuators are of kind `native`, without any of `mode`.
+// Returns advice for an arm whose actuators are of kind `native`, without any of `mode`.
 std::string HowToGet(const std::string& group, CtrlMode mode, CtrlMode native, Origin origin) {
   const char* word = ActuatorWord(mode);
   const bool torque = native == CtrlMode::kTorque;
@@ -116,14 +116,14 @@ std::string HowToGet(const std::string& group, CtrlMode mode, CtrlMode native, O
   }
   if (origin == Origin::kObject) {
     return fmt::format(
-        "others are added to robots only, and this is none. Put its model in as one (RobotSpec) "
+        "others are added only to robots, and this is not one. Add its model as one (RobotSpec) "
         "with {} in its control_modes, or give it {}s",
         ToString(mode), word);
   }
   return fmt::format("add {} to the control_modes of its RobotSpec", ToString(mode));
 }
 
-// Why an arm that has actuators cannot be driven by those of `mode`, and what to do.
+// Returns why an arm with actuators cannot be driven by those of `mode`, and what to do.
 std::string WhyNotAdded(const mjModel* m, const std::string& group,
                         const std::vector<std::string>& own, std::optional<CtrlMode> native,
                         CtrlMode mode, Origin origin) {
@@ -138,7 +138,7 @@ std::string WhyNotAdded(const mjModel* m, const std::string& group,
   return has + ": " + HowToGet(group, mode, *native, origin);
 }
 
-// The slot that has the drives keeps the group itself. Collectors count who keeps a group.
+// The slot with the drives keeps the group itself. Garbage collectors count its owners.
 std::shared_ptr<MoveGroup> Unowned(const std::shared_ptr<MoveGroup>& group) {
   return {std::shared_ptr<void>(), group.get()};
 }
@@ -190,7 +190,7 @@ bool SwitchTo(CtrlMode mode, const Drives& drives, const Scene& scene) {
   for (int i = 0; i < kCtrlModes; ++i) {
     if (drives.groups[i] && i != static_cast<int>(mode)) others |= GroupBits(m, *drives.groups[i]);
   }
-  if (others == 0) return false;  // one mode only, whose actuators are as authored
+  if (others == 0) return false;  // a single mode, whose actuators are as authored
   const int wanted = (m->opt.disableactuator | others) & ~GroupBits(m, *drives.of(mode));
   if (wanted == m->opt.disableactuator) return false;
   Scene(scene).mutable_model()->opt.disableactuator = wanted;

@@ -1,5 +1,5 @@
-// Arms without position servos: of motors, of velocity servos, of actuators of other kinds, of
-// several kinds, of none. What drives them, with and without a configuration, and what is said
+// Tests arms without position servos: with motors, velocity servos, actuators of other kinds or
+// several kinds, or none; what drives them, with and without a configuration, and the messages
 // otherwise.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -255,7 +255,7 @@ TEST_F(MotorArms, WithAGearOfZeroAreRefusedByName) {
       "0");
 }
 
-// The list of actuators says nothing that the model does not.
+// The model already defines the list of actuators.
 TEST_F(MotorArms, AreConfiguredWithoutAListOfActuators) {
   Robot torque = RobotAlone(Config(kMotors, ControlKind::kJointTorque));
   EXPECT_THAT(torque.arm().actuator_names(), ElementsAre("m1", "m2"));
@@ -318,7 +318,7 @@ TEST_F(MotorArms, OfObjectsAreNotToldOfARobotsFields) {
   EXPECT_EQ(robot.ctrl_mode(), CtrlMode::kTorque);
   const std::string what = ExpectThrow<ArgumentError>(
       [&] { robot.set_ctrl_mode(CtrlMode::kVelocity); },
-      "others are added to robots only, and this is none. Put its model in as one (RobotSpec) with "
+      "others are added only to robots, and this is not one. Add its model as one (RobotSpec) with "
       "velocity in its control_modes, or give it velocity servos");
   EXPECT_THAT(what, Not(HasSubstr("its RobotSpec")));
 }

@@ -1,5 +1,5 @@
-// Position servos whose control is filtered begin where they are sent: when the arm is switched to
-// them, put somewhere else, or reset.
+// Tests that position servos with a filtered control begin at their target when the arm is switched
+// to them, moved elsewhere, or reset.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -12,7 +12,8 @@
 namespace robocell {
 namespace {
 
-// The force of each on its joint, of length and velocity, is the same but for what the filters do.
+// The force of each on its joint, by length and velocity, is the same except for the filter's
+// effect.
 constexpr const char* kServos[] = {
     R"(<position name="s" joint="q" kp="100" kv="10"/>)",
     R"(<position name="s" joint="q" kp="100" kv="10" timeconst="0.05"/>)",
@@ -44,8 +45,8 @@ class FilteredServo : public ::testing::TestWithParam<const char*> {
     robot.scene().Forward();
     return robot.arm().joint_torque()[0];
   }
-  // Position after some steps of an arm that starts at `q` and whose servo has long had that
-  // target.
+  // Returns the position after some steps of an arm that starts at `q` and whose servo has had that
+  // target for a long time.
   static double EngineAfter(const Robot& robot, double q, int steps) {
     const mjModel* m = robot.scene().model();
     const DataPtr d = MakeData(m);
@@ -74,7 +75,7 @@ TEST_P(FilteredServo, PushesAsWhatDroveTheArmWhenItIsSwitchedTo) {
   for (const CtrlMode mode : {CtrlMode::kTorque, CtrlMode::kVelocity}) {
     SCOPED_TRACE(ToString(mode));
     robot.set_ctrl_mode(mode);
-    robot.SetJointPos(std::vector<double>{0.5});  // elsewhere meanwhile
+    robot.SetJointPos(std::vector<double>{0.5});  // in between, moved elsewhere
     robot.arm().SetJointVel(std::vector<double>{0});
     if (mode == CtrlMode::kTorque) robot.SetJntTrqCmd(std::vector<double>{-1.2});
     Run(robot, 5);

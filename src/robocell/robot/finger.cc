@@ -30,7 +30,7 @@ std::vector<int> GeomsWeldedTo(const mjModel* m, int body) {
   return geoms;
 }
 
-// A body's own colliding geoms; those welded to it when it has none; any of them when none
+// Returns a body's own colliding geoms; those welded to it if it has none; any of them if none
 // collides.
 std::vector<int> MeasuredGeoms(const mjModel* m, int body) {
   const std::vector<int> welded = GeomsWeldedTo(m, body);
@@ -62,13 +62,13 @@ Finger MakeFinger(const mjModel* m, ElementId element) {
   return finger;
 }
 
-// The child of the hand that a body hangs on.
+// Returns the child of the hand that carries a body.
 int BranchOf(const mjModel* m, int hand, int body) {
   while (m->body_parentid[body] != hand) body = m->body_parentid[body];
   return body;
 }
 
-// Marks the branch of `to` when `from` is marked and nothing forbids it.
+// Marks the branch of `to` if `from` is marked and nothing forbids it.
 bool Grow(const mjModel* m, int hand, int other_finger, int from, int to, std::vector<bool>& mask) {
   if (!mask[from] || mask[to] || to == hand || !IsInSubtree(m, to, hand)) return false;
   const std::vector<bool> branch = SubtreeMask(m, BranchOf(m, hand, to));
@@ -77,7 +77,7 @@ bool Grow(const mjModel* m, int hand, int other_finger, int from, int to, std::v
   return true;
 }
 
-// The bodies that move with the first link of a finger.
+// Returns the bodies that move with the first link of a finger.
 std::vector<bool> Linkage(const mjModel* m, int hand, int first_link, int other_finger) {
   std::vector<bool> mask = SubtreeMask(m, first_link);
   for (bool grown = true; grown;) {
@@ -106,8 +106,8 @@ int FarthestBody(const mjModel* m, const mjData* d, int hand, const std::vector<
   return farthest;
 }
 
-// The geoms of the branch that leads from the hand to the finger; of the hand alone when it is the
-// finger itself.
+// Returns the geoms of the branch that leads from the hand to the finger; those of the hand alone
+// if it is the finger itself.
 std::vector<int> SideOf(const mjModel* m, int hand, int body) {
   int branch = body;
   while (branch != hand && m->body_parentid[branch] != hand) branch = m->body_parentid[branch];
@@ -142,7 +142,7 @@ NearestPoint NearestOf(const mjModel* m, mjData* d, const Finger& of, const Fing
   return nearest;
 }
 
-// Metres from a hinge's axis.
+// Returns the distance from a hinge's axis in metres.
 double FromAxis(const mjData* d, int joint, const mjtNum* point) {
   mjtNum arm[3], across[3];
   mju_sub3(arm, point, d->xanchor + 3 * joint);

@@ -1,5 +1,5 @@
-// Force-torque sensors of robots: a hanging mass reads its weight, whatever the orientation; whose
-// sensor is whose; what is said when a pair is none.
+// Tests force-torque sensors of robots: a hanging mass reads its weight in any orientation, sensors
+// belong to their robots, and pairs that are not a sensor give errors.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -23,7 +23,7 @@ const Eigen::Vector3d kWeight(0, 0, -kMass* kGravity);
 
 double FtError(const Wrench& a, const Wrench& b) { return (a - b).vector().cwiseAbs().maxCoeff(); }
 
-// A sensor that can be turned anywhere, with a mass hung on its plate.
+// A sensor in any orientation, with a mass hung on its plate.
 class FtSensorTest : public ::testing::Test {
  protected:
   FtSensorTest() {
@@ -280,8 +280,8 @@ TEST_F(FtSensorTest, AFileIsToldWithLineAndColumn) {
       "sensor 'f' (ft_sensors[1]): name 'f' is also that of ft_sensors[0]; each needs its own");
 }
 
-// Returns true if the gripper leans on the arm, so that not all of its weight hangs from the
-// sensor.
+// Returns true if the gripper leans on the arm, so that the sensor does not carry all of its
+// weight.
 bool GripperLeans(const Scene& scene) {
   const std::vector<Contact> contacts = scene.contacts("base_link");
   return std::any_of(contacts.begin(), contacts.end(), [](const Contact& c) {
@@ -289,8 +289,8 @@ bool GripperLeans(const Scene& scene) {
   });
 }
 
-// The guide's arm: sensor on the arm's site, gripper on the sensor's. Held by torques against
-// gravity, so that nothing but rest is assumed.
+// The guide's arm: sensor on the arm's site, gripper on the sensor's. Torques hold it against
+// gravity, so that only rest is assumed.
 TEST(FtSensorOnAnArm, WeighsTheGripperInEveryOrientation) {
   REQUIRE_MENAGERIE("kinova_gen3", "robotiq_2f85");
   RobotSpec arm{.path = "menagerie:kinova_gen3", .pos = {0, 0, 2}};

@@ -1,5 +1,5 @@
-// Arms in scenes whose options switch gravity, or what compensates it, off: nothing holds them
-// against what does not pull.
+// Tests arms in scenes whose options switch gravity, or its compensation, off: nothing holds them
+// against an absent weight.
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
@@ -38,7 +38,7 @@ TEST_P(ArmsWithout, NeedTheTorquesThatTheEngineSays) {
   }
 }
 
-// The engine looks at what was written to a model that had none only once the flag is raised.
+// For a model without compensation, the engine only reads written values once the flag is set.
 TEST(CompensationWrittenToTheModel, CountsWhereTheEngineCountsIt) {
   Scene scene = Without({}).scene();
   mjModel* m = scene.mutable_model();

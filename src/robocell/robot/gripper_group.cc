@@ -20,12 +20,12 @@ namespace {
 
 constexpr double kOpenFrom = 0.9;      // opening above which a gripper counts as open
 constexpr double kLeastTravel = 1e-4;  // metres; fingers that move less do not move
-constexpr double kJammed = 0.8;        // of the travel; slow fingers differ by less
-constexpr double kMeetsFrom = 0.2;     // of the way from closed to open: sooner is not looked for
-constexpr double kParted = 0.02;       // of the travel, from which on fingers are apart
+constexpr double kJammed = 0.8;        // of the travel; differences of slow fingers are smaller
+constexpr double kMeetsFrom = 0.2;     // of the way from closed to open: earlier is not checked
+constexpr double kParted = 0.02;       // of the travel from which on fingers are separate
 constexpr double kSqueeze = 0.05;  // the openings in which fingers that met are pressed together
 
-// Returns true if a geom of the finger's side touches a geom on a body that `accept` takes.
+// Returns true if a geom of the finger's side touches a geom on a body that `accept` accepts.
 template <class Accept>
 bool Touches(const mjModel* m, const mjData* d, const Finger& finger, const Accept& accept) {
   const auto on_side = [&](int geom) {
@@ -47,7 +47,7 @@ std::vector<double> ValuesOf(const std::vector<GripperCtrl>& ends, double Grippe
   return values;
 }
 
-// What `fingers`, or without joints `joints`, may be.
+// Suggests what `fingers`, or without joints `joints`, may be.
 std::string FingerHint(const mjModel* m, const RobotRecord& robot, const std::vector<int>& joints) {
   if (joints.empty()) {
     std::set<std::string> taken;
@@ -70,10 +70,10 @@ std::string FingerHint(const mjModel* m, const RobotRecord& robot, const std::ve
   return "Bodies that move at its joints, and those that carry them: " + ListNames(names);
 }
 
-// No finger's mesh is larger, m; those drawn in millimetres are a thousand times too large.
+// The largest mesh of a finger, m; those drawn in millimetres are a thousand times too large.
 constexpr double kLargestMesh = 2;
 
-// Hint that the mesh of a finger is too large to be in metres; "" if none is.
+// Hints that the mesh of a finger is too large to be in metres; "" if none is.
 std::string MillimetresHint(const mjModel* m, const FingerPair& pair) {
   for (const Finger& finger : pair.fingers) {
     for (const int g : finger.geoms) {
@@ -90,10 +90,10 @@ std::string MillimetresHint(const mjModel* m, const FingerPair& pair) {
   return "";
 }
 
-// "geom 'pad' of 'left_finger'".
+// Returns "geom 'pad' of 'left_finger'".
 std::string GeomOfBody(const mjModel* m, int geom) {
   const std::string text = Describe(m, mjOBJ_GEOM, geom);
-  if (ElementName(m, mjOBJ_GEOM, geom).empty()) return text;  // has its body
+  if (ElementName(m, mjOBJ_GEOM, geom).empty()) return text;  // includes its body
   return fmt::format("{} of '{}'", text, ElementName(m, mjOBJ_BODY, m->geom_bodyid[geom]));
 }
 
@@ -103,8 +103,8 @@ double At(const GripperCtrl& ctrl, double share) {
   return ctrl.closed + (ctrl.open - ctrl.closed) * share;
 }
 
-// The gains that a simulation of these robots cannot follow, from the scene's warnings with their
-// places; "" for none.
+// Returns the gains that a simulation of these robots cannot follow, from the scene's warnings with
+// their places; "" for none.
 std::string WhyUnstable(const Scene& scene) {
   std::string why;
   for (const RobotRecord& robot : scene.compiled()->robots()) {
@@ -179,7 +179,7 @@ const GripperRange& ActuatedGripper::Measured() const {
   return *measured_;
 }
 
-// The error of a model that diverges meanwhile, or does not come to rest, says whose gripper it is.
+// The error of a model that diverges, or does not come to rest, names the gripper's owner.
 std::array<double, 2> ActuatedGripper::Settled(
     const std::array<std::vector<double>, 2>& ctrl) const {
   try {
@@ -261,7 +261,7 @@ GripperRange ActuatedGripper::Measure() const {
   const std::vector<double> open = ValuesOf(ends, &GripperCtrl::open);
   const std::vector<double> closed = ValuesOf(ends, &GripperCtrl::closed);
   const auto [at_open, at_closed] = Settled({open, closed});
-  // The other way round: the one is from home then, and the other after it.
+  // In the reverse order: then the first starts from home, and the second after it.
   const auto [closed_first, open_after] = Settled({closed, open});
   const auto ends_of_travel = std::minmax({at_open, at_closed, closed_first, open_after});
   const double travel = ends_of_travel.second - ends_of_travel.first;
@@ -381,7 +381,7 @@ bool ActuatedGripper::is_grasping(const std::string& body) const {
   return Touches(m, d, pair.fingers[0], is_wanted) && Touches(m, d, pair.fingers[1], is_wanted);
 }
 
-// Returns true if both fingers touch parts of one body that can move and is not the robot.
+// Returns true if both fingers touch parts of one movable body outside the robot.
 bool ActuatedGripper::IsGraspingAnything() const {
   const mjModel* m = core().model();
   const mjData* d = core().data();

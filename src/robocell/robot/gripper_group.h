@@ -1,15 +1,15 @@
-// ActuatedGripper: a gripper moved by actuators, each of whose raw control runs from one value
-// (open) to another (closed), with two fingers: parallel slides and linkages alike.
+// ActuatedGripper: a gripper with two fingers, moved by actuators whose raw controls run from one
+// value (open) to another (closed): parallel slides and linkages alike.
 //
-// Values that the configuration leaves out are determined on first use. Fingers: the bodies of the
-// group's joints, when these are two, or what grips at the ends of their linkages. Control: the
-// actuator's range, open being the end at which the fingers are farther apart; of several actuators
-// each has its own range and its own open end. Distance: measured (gripper_range.h).
+// Values missing from the configuration are determined on first use. Fingers: the bodies of the
+// group's joints, if these are two, or the gripping parts at the ends of their linkages. Control:
+// the actuator's range, where open is the end at which the fingers are farther apart; each of
+// several actuators has its own range and its own open end. Distance: measured (gripper_range.h).
 //
 // An opening is a share of the measured distance. Its control is interpolated between the open and
 // the closed end. Fingers may meet long before their actuators are at the closed end: then it is
-// interpolated between the open end and the control at which they meet, and openings below 0.05 go
-// on from there to the closed end, which squeezes. A configured `ctrl` is taken as it is.
+// interpolated between the open end and the control at which they meet, and openings below 0.05
+// continue from there to the closed end, which squeezes. A configured `ctrl` is used as it is.
 #pragma once
 
 #include <array>
@@ -27,8 +27,8 @@ namespace robocell::internal {
 
 class ActuatedGripper : public JointGroupOf<GripperGroup> {
  public:
-  // `names.robot` is a robot of the scene; `config` uses names without its prefix. ArgumentError
-  // without an actuator or if the fingers cannot be determined.
+  // `names.robot` is a robot of the scene; `config` uses names without its prefix. Throws
+  // ArgumentError without an actuator or if the fingers cannot be determined.
   ActuatedGripper(const Scene& scene, GroupNames names, MoveGroupConfig config);
 
   double opening() const override;
@@ -40,32 +40,32 @@ class ActuatedGripper : public JointGroupOf<GripperGroup> {
   bool is_open() const override;
   bool is_grasping(const std::string& body = "") const override;
 
-  // The fingers in the present model, 0 or 1 in the order of the configuration, and the lowest body
-  // that carries both.
+  // Returns the fingers in the present model, 0 or 1 in the order of the configuration, and the
+  // lowest body that carries both.
   const Finger& finger(int index) const { return Parts().pair.fingers[index == 0 ? 0 : 1]; }
   int hand_body() const { return Parts().pair.hand; }
 
-  // Opens and closes the gripper in a copy of the simulation, whatever the configuration says of
-  // its distances. ArgumentError when the fingers do not move or do not come to rest, or when
-  // the configured open and closed are swapped.
+  // Opens and closes the gripper in a copy of the simulation, whatever distances the configuration
+  // has. Throws ArgumentError if the fingers do not move or do not come to rest, or if the
+  // configured open and closed are swapped.
   GripperRange Measure() const;
-  // Advice for fingers that do not return from the first controls to the second.
+  // Returns advice for fingers that do not return from the first controls to the second.
   std::string WhyTheyStay(const std::array<std::vector<double>, 2>& ctrl, double distance) const;
   std::string WhyTheyJam(const std::array<std::vector<double>, 2>& ctrl) const;
 
  private:
   const GripperParts& Parts() const;
   void ResolveFingers() const;
-  // ArgumentError about a field of its configuration, with its place in the robot's file.
+  // Throws ArgumentError about a field of its configuration, with its place in the robot's file.
   [[noreturn]] void Fail(const char* field, const std::string& message) const;
   std::array<double, 2> Settled(const std::array<std::vector<double>, 2>& ctrl) const;
-  // Control ends of each actuator, before measuring shows whether all are swapped.
+  // Returns the control ends of each actuator, before measuring shows whether all are swapped.
   std::vector<GripperCtrl> Ends() const;
   // Determines for several actuators which end of each opens the fingers farther, with the others
   // at home. An actuator that moves neither finger follows the first that does.
   void Orient(std::vector<GripperCtrl>& ends) const;
   double CheckedOpening(double opening) const;
-  // How far the controls are from closed (0) to open (1) at an opening.
+  // Returns how far the controls are from closed (0) to open (1) at an opening.
   double ShareFor(double opening) const;
   double MeetingShare(const std::vector<GripperCtrl>& ends, const GripperDistance& distance) const;
   // Measured once.
@@ -80,7 +80,7 @@ class ActuatedGripper : public JointGroupOf<GripperGroup> {
   bool IsGraspingAnything() const;
 
   MoveGroupConfig config_;
-  std::vector<GripperCtrl> configured_;  // of each actuator, when the configuration says
+  std::vector<GripperCtrl> configured_;  // of each actuator, if configured
   mutable std::optional<GripperRange> measured_;
   mutable uint64_t generation_ = ~uint64_t{0};
   mutable GripperParts parts_;

@@ -1,4 +1,4 @@
-// Grippers: openings, distances, what is measured and guessed, what is held, and what is said.
+// Tests grippers: openings, distances, measured and guessed values, held objects, and messages.
 #include "robocell/robot/gripper_group.h"
 
 #include <fmt/format.h>
@@ -34,10 +34,10 @@ void Simulate(Robot& robot, double seconds) {
 
 MoveGroupConfig& GripperConfig(RobotConfig& config) { return config.move_groups.at("gripper"); }
 
-// The four grippers: two slides on a tendon twice (0..100 and 0..255 percent), two linkages.
+// The four grippers: twice two slides on a tendon (0..100 and 0..255 percent), two linkages.
 struct GripperCase {
   RobotCase robot;
-  Interval closed, open;  // where the measured distances must lie
+  Interval closed, open;  // ranges of the measured distances
   double ctrl_open;
 };
 
@@ -52,7 +52,7 @@ void PrintTo(const GripperCase& g, std::ostream* out) { *out << g.robot.name; }
 
 class AnyGripper : public ::testing::TestWithParam<GripperCase> {
  protected:
-  // Without what its file says of distances.
+  // Leaves out the distances of its file.
   Robot Unmeasured() {
     RobotConfig config = *GetParam().robot.spec().config;
     GripperConfig(config).distance.reset();
@@ -102,7 +102,7 @@ TEST_P(AnyGripper, OpensAndClosesByItsOpening) {
   EXPECT_FALSE(gripper.is_grasping()) << "fingers that touch each other hold nothing";
 }
 
-// A cube between the fingers, held by closing them, then nothing.
+// A cube between the fingers, held by closing them, then no cube.
 TEST_P(AnyGripper, HoldsACubeBetweenItsFingers) {
   REQUIRE_ROBOT(GetParam().robot);
   SceneSpec spec = SceneWith(GetParam().robot.spec());
@@ -133,7 +133,8 @@ TEST_P(AnyGripper, HoldsACubeBetweenItsFingers) {
   EXPECT_FALSE(gripper.is_grasping());
 }
 
-// Sides are the branches below the hand: what a finger carries belongs to it, the hand does not.
+// Sides are the branches below the hand: parts that a finger carries belong to it, the hand does
+// not.
 TEST_P(AnyGripper, FingersHaveSidesThatShareNothing) {
   REQUIRE_ROBOT(GetParam().robot);
   const Robot robot = Unmeasured();
@@ -266,7 +267,7 @@ TEST(Gripper, SaysWhenOpenAndClosedAreSwapped) {
       "at ctrl.closed = 100; open and closed are swapped");
 }
 
-// It closes with 5 N and opens with less than friction takes.
+// It closes with 5 N and opens with less than friction requires.
 RobotConfig WithStickyGripper(ModelFolder& folder, const std::string& arm) {
   constexpr const char* kSticky = R"(<compiler angle="radian"/><worldbody><body name="palm">
     <geom size=".01" mass=".1"/>
@@ -302,7 +303,7 @@ TEST(Gripper, SaysWhenItsFingersDoNotComeBack) {
   }
 }
 
-// A ball of the upper arm is at home where the palm is, and stops both fingers.
+// At home a ball of the upper arm is at the place of the palm, and stops both fingers.
 TEST(Gripper, FingersThatDoNotComeBackAreToldWithWhatTouchesThem) {
   const std::string ball = R"(<geom name="ball" type="sphere" size=".034" pos="-.0779 0 .4842"
       contype="1" conaffinity="1"/>)";
@@ -318,7 +319,7 @@ TEST(Gripper, FingersThatDoNotComeBackAreToldWithWhatTouchesThem) {
                                  "actuator too weak to move the fingers?"));
 }
 
-// Fingers that come as near as 1/e to where their servo sends them in `seconds`.
+// Fingers that approach the target of their servo to 1/e in `seconds`.
 RobotConfig WithSlowGripper(ModelFolder& folder, double seconds, const std::string& actuator) {
   const std::string hand = fmt::format(
       R"(<compiler angle="radian"/><worldbody><body name="palm">
@@ -392,7 +393,7 @@ RobotConfig WithTwoServos(ModelFolder& folder, const char* first_axis, const cha
   return config;
 }
 
-// The actuators go on for long after the fingers have met.
+// The actuators move on for a long time after the fingers have met.
 TEST(Gripper, AnOpeningIsOfTheMeasuredRangeWhereFingersMeetHalfWay) {
   ModelFolder folder;
   const RobotConfig config = WithTwoServos(folder, "0 1 0", "-.02 .02", "0 -1 0", "-.02 .02");
@@ -506,7 +507,7 @@ TEST(Gripper, NamesTheGeomsOfItsFingersThatOverlapOpenAndClosed) {
   EXPECT_NEAR(RobotAlone(config).gripper().inter_finger_dist_range().upper, 0.09, 1e-3);
 }
 
-// Fingers of sixty metres overlap wherever they are.
+// Fingers of sixty metres always overlap.
 TEST(Gripper, SaysThatAMeshOfItsFingersMayBeInMillimetres) {
   ModelFolder folder;
   RobotConfig config = WithTwoServos(folder, "0 1 0", "0 .04", "0 1 0", "-.04 0");
@@ -527,7 +528,7 @@ TEST(Gripper, SaysThatAMeshOfItsFingersMayBeInMillimetres) {
                              "scale=\"0.001 0.001 0.001\"");
 }
 
-// Contacts are soft: what is light and fast crosses a thin finger before they stop it.
+// Contacts are soft: a light and fast object crosses a thin finger before they stop it.
 TEST(Gripper, WarnsOfLightFingersThatPassThroughEachOtherAndSaysWhatHelps) {
   ModelFolder folder;
   RobotConfig config;

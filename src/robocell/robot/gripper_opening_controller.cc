@@ -16,7 +16,8 @@ GripperOpeningController::GripperOpeningController(GripperGroup& group)
 void GripperOpeningController::SetTarget(std::span<const double> target) {
   RequireValues([&] { return group_.place(); }, "opening", target, 1);
   opening_ = beyond_.Clamp(target[0], {0, 1}, [&] { return group_.place() + ": opening"; });
-  // At once, so that whoever commands last is obeyed: the group's own SetOpening writes there too.
+  // Writes the control at once, so that the last command counts: the group's own SetOpening writes
+  // there too.
   group_.SetOpening(opening_);
   group_.GetCtrl(present_);
   seen_ = present_[0];
@@ -28,7 +29,7 @@ void GripperOpeningController::Reset() {
   opening_ = OpeningFor(seen_);
 }
 
-// Controls go from closed to open with the opening, most often in a straight line.
+// Controls go from closed to open with the opening, usually linearly.
 double GripperOpeningController::OpeningFor(double ctrl) const {
   constexpr double kSame = 1e-9;  // of the way from closed to open
   const double closed = group_.ctrl_for_opening(0), open = group_.ctrl_for_opening(1);

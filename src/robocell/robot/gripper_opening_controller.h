@@ -1,8 +1,8 @@
 // The position port of a gripper: its target is an opening, 0 closed ... 1 open.
 //
-// Fingers stop at what they hold, so the opening to keep is the one commanded, not the one
-// measured: Reset() takes it from the actuator's present control, and an opening commanded at the
-// group itself (GripperGroup::Open) or at the actuator is taken over at the next tick.
+// Fingers stop at an object, so the opening to keep is the commanded one, not the measured one:
+// Reset() takes it from the actuator's present control, and an opening commanded at the group
+// itself (GripperGroup::Open) or at the actuator is adopted at the next tick.
 #pragma once
 
 #include <vector>
@@ -31,13 +31,13 @@ class GripperOpeningController : public Controller {
   void Compute(std::span<double> ctrl) override;
 
  private:
-  // The opening that belongs to a control of the first actuator.
+  // Returns the opening that belongs to a control of the first actuator.
   double OpeningFor(double ctrl) const;
 
   GripperGroup& group_;
   double opening_ = 1;
   std::vector<double> present_;  // control of the actuators, scratch
-  double seen_ = 0;              // control of the first one, as this controller knows it
+  double seen_ = 0;              // control of the first one that this controller knows
   BeyondLimits beyond_;
 };
 

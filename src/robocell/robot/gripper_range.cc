@@ -27,7 +27,7 @@ constexpr double kLeastSeconds = 1.0;
 constexpr double kMostSeconds = 20.0;
 constexpr double kWindowSeconds = 0.25;
 constexpr double kStill = 2.5e-4;  // metres within a window: a millimetre a second
-constexpr double kSteady = 0.97;   // of what they moved within the window before
+constexpr double kSteady = 0.97;   // of the distance moved within the window before
 constexpr const char* kContext = "measuring a gripper";
 
 ModelPtr AloneWithoutGravity(const mjModel* model, int robot_body) {
@@ -55,7 +55,7 @@ void Advance(const mjModel* m, mjData* d, double seconds) {
   Guarded(kContext, d, [&] { mj_kinematics(m, d); });
 }
 
-// The distances that the fingers pass within a window, in which they may swing.
+// Returns the distances that the fingers pass within a window, in which they may swing.
 Interval Passed(const mjModel* m, mjData* d, const FingerPair& pair) {
   constexpr int kLooks = 10;
   const auto distance = [&] { return FingerDistance(m, d, pair.fingers[0], pair.fingers[1]); };
@@ -77,7 +77,8 @@ bool HasFriction(const mjModel* m, int hand) {
 }
 
 // Fingers held by dry friction creep on steadily, because friction is soft in the engine. This
-// counts as rest, or the measurement would wait until they are where friction keeps them from.
+// counts as rest, or the measurement would wait until they reach a position that friction keeps
+// them from.
 double SettledDistance(const mjModel* m, mjData* d, const GripperParts& parts,
                        const std::vector<double>& ctrl) {
   const auto width = [](const Interval& passed) { return passed.upper - passed.lower; };
@@ -104,7 +105,8 @@ double SettledDistance(const mjModel* m, mjData* d, const GripperParts& parts,
   }
 }
 
-// Calls look(model, data, distance) when the fingers have settled at the one end and at the other.
+// Calls look(model, data, distance) when the fingers have settled at the first end and at the
+// second.
 template <class Look>
 void LookAtEnds(const Scene& scene, const GripperParts& parts,
                 const std::array<std::vector<double>, 2>& ctrl, const Look& look) {
@@ -116,7 +118,7 @@ void LookAtEnds(const Scene& scene, const GripperParts& parts,
   }
 }
 
-// The pairs of geoms of two fingers, with the distance of each, which overlaps make negative.
+// The distance of each pair of geoms of the two fingers; negative for overlaps.
 using GeomDistances = std::map<std::array<int, 2>, double>;
 
 GeomDistances DistancesOfGeoms(const mjModel* m, mjData* d, const FingerPair& pair) {
@@ -131,8 +133,8 @@ GeomDistances DistancesOfGeoms(const mjModel* m, mjData* d, const FingerPair& pa
   return distances;
 }
 
-// Fingers that may touch, and are where they come only through each other: contacts are soft, and
-// cannot stop what crosses a finger within a few timesteps.
+// Detects fingers that may touch but have passed through each other: contacts are soft, and cannot
+// stop fingers that cross within a few timesteps.
 class PassedFingers {
  public:
   // The state `to` was simulated from `from` (nq) under the controls `ctrl`.
@@ -145,7 +147,7 @@ class PassedFingers {
         to_(to.begin(), to.end()),
         data_(MakeData(m)) {}
 
-  // "" if they did not; else what happened and the edits that help.
+  // Returns "" if they did not; else a description and the edits that help.
   std::string Text(const RobotRecord& robot) {
     const auto geoms = DeepestPair();
     if (!geoms) return "";
@@ -174,7 +176,7 @@ class PassedFingers {
   }
 
  private:
-  static constexpr int kParts = 50;             // of the straight way between the two states
+  static constexpr int kParts = 50;             // of the straight line between the two states
   static constexpr double kThrough = 1e-3;      // metres deeper than at both of its ends
   static constexpr double kContactTime = 0.02;  // s; the engine's default for contacts
 
@@ -187,7 +189,7 @@ class PassedFingers {
            std::find(first, end, (a << 16) + b) == end;
   }
 
-  // Distances at a share of the way.
+  // Returns distances at a share of the line.
   GeomDistances At(double share) {
     std::vector<mjtNum> way(static_cast<size_t>(m_->nv));
     mj_differentiatePos(m_, way.data(), 1, from_.data(), to_.data());
@@ -212,7 +214,7 @@ class PassedFingers {
     return deepest;
   }
 
-  // Those that move the fingers.
+  // Returns the joints that move the fingers.
   std::vector<int> Joints() const {
     std::vector<int> joints;
     for (const Finger& finger : parts_.pair.fingers) {
@@ -224,7 +226,8 @@ class PassedFingers {
     return joints;
   }
 
-  // With which they cross no more than half of their thickness while a contact builds up its force.
+  // Returns a damping with which they cross at most half of their thickness while a contact builds
+  // up its force.
   double EnoughDamping(const std::array<int, 2>& geoms, const std::vector<int>& joints) {
     mjData* d = data_.get();
     std::copy(from_.begin(), from_.end(), d->qpos);
@@ -239,7 +242,7 @@ class PassedFingers {
     }
     double most = 0;
     for (const int joint : joints) {
-      double lever = 1;  // of a slide: none
+      double lever = 1;  // no lever for a slide
       if (m_->jnt_type[joint] == mjJNT_HINGE)
         lever = mju_dist3(d->xanchor + 3 * joint, d->geom_xpos + 3 * geoms[0]);
       most = std::max(most, lever * std::abs(d->qfrc_actuator[m_->jnt_dofadr[joint]]));
@@ -261,7 +264,7 @@ RobotRecord RecordOf(const Scene& scene, const GripperParts& parts) {
   return {};
 }
 
-// The pairs of bodies that touch, one of which the hand's fingers move.
+// Adds the pairs of touching bodies, one of which the hand's fingers move.
 void AddTouching(const mjModel* m, const mjData* d, int hand, std::vector<std::string>& pairs) {
   const std::vector<bool> inside = SubtreeMask(m, hand);
   const auto moves = [&](int body) { return body != hand && inside[body]; };

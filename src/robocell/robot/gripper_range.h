@@ -1,4 +1,4 @@
-// Measuring a gripper: how far apart its fingers are at two values of its control.
+// Measures a gripper: the distance of its fingers at two values of its control.
 #pragma once
 
 #include <array>
@@ -16,8 +16,8 @@ namespace robocell::internal {
 struct GripperRange {
   std::vector<GripperCtrl> ctrl;  // of each actuator
   GripperDistance distance;
-  // Fingers may meet before the controls are at `closed`: so far from closed (0) to open (1) they
-  // stay together. 0 where that is less than a fifth of the way.
+  // Fingers may meet before the controls are at `closed`: up to this share from closed (0) to open
+  // (1) they stay together. 0 if that is less than a fifth of the way.
   double meets = 0;
 };
 
@@ -28,30 +28,31 @@ struct GripperParts {
   FingerPair pair;
 };
 
-// The finger distance (m) once the fingers came to rest after the controls (one for each of
-// ctrl_addresses; NaN leaves that of home) were set to the first values, and then to the second. At
-// rest they move less than a quarter of a millimetre in a quarter
-// of a second, a second after the control was set or later: linkages go on creeping by fractions of
-// a millimetre for long. What dry friction holds creeps on steadily, and counts as at rest too.
-// Done in a copy of the model without gravity, in which the robot touches nothing but itself, from
-// the scene's home: the present state plays no part, and the numbers are the same each time.
-// EngineError when the copy diverges; ArgumentError when the fingers are not at rest after 20 s.
-// Takes milliseconds to a second, for large models, more where fingers are slow; once for all
-// scenes on a frozen one.
+// Returns the finger distances (m) after the fingers came to rest with the controls (one for each
+// of ctrl_addresses; NaN leaves that of home) at the first values, and then at the second. At rest
+// they move less than a quarter of a millimetre in a quarter of a second, a second or more after
+// the control was set: linkages creep by fractions of a millimetre for long. Fingers that dry
+// friction holds creep steadily, and count as at rest too.
+// The measurement uses a copy of the model without gravity, in which the robot touches nothing but
+// itself, and starts from the scene's home: the present state plays no part, and the numbers are
+// always the same.
+// Throws EngineError if the copy diverges, and ArgumentError if the fingers are not at rest after
+// 20 s. Takes milliseconds to a second, for large models, and longer for slow fingers; it runs once
+// for all scenes on a frozen one.
 std::array<double, 2> SettledFingerDistances(const Scene& scene, const GripperParts& parts,
                                              const std::array<std::vector<double>, 2>& ctrl);
 
-// Contacts of the fingers at the end of that: "'forearm' and 'left_finger'", names of bodies, each
-// pair once. Measures again, for messages.
+// Returns contacts of the fingers at the end of that: "'forearm' and 'left_finger'", names of
+// bodies, each pair once. Measures again, for messages.
 std::vector<std::string> TouchingFingers(const Scene& scene, const GripperParts& parts,
                                          const std::array<std::vector<double>, 2>& ctrl);
 
-// The geoms of the two fingers that overlap at both ends of that, the deepest where several do, so
-// that their distance is 0 whatever else opens. Measures anew, for messages.
+// Returns the geoms of the two fingers that overlap at both ends of that (the deepest pair), so
+// that their distance is always 0. Measures again, for messages.
 std::optional<std::array<int, 2>> OverlapOfFingers(const Scene& scene, const GripperParts& parts,
                                                    const std::array<std::vector<double>, 2>& ctrl);
 
-// "0.7", of several actuators "[0.7, -0.7]".
+// Formats "0.7", or for several actuators "[0.7, -0.7]".
 std::string CtrlText(const std::vector<double>& ctrl);
 
 }  // namespace robocell::internal

@@ -58,7 +58,7 @@ void ControlledGroup::RemakeChain(const mjModel* model, std::span<const double> 
   refreshed_ = !qpos.empty();
 }
 
-// Grippers go on to what they were commanded to, wherever they are.
+// Grippers continue to their commanded opening, wherever they are.
 ServoGroup* GroupControl::PositionServos() const {
   if (controller->mode() != CtrlMode::kPosition || drive->kind() == MoveGroupKind::kGripper)
     return nullptr;

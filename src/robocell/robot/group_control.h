@@ -1,8 +1,8 @@
-// Private to robot: a group of a robot, and what drives its actuators.
+// Private to robot: a group of a robot, and the controller that drives its actuators.
 //
-// Several robots may be made of one arm, configured or not, each with a tool or leaf of its own.
-// Each has its own group, but an arm's actuators are driven once: the control is shared by all
-// robots whose arm has the same joints and actuators.
+// One arm may belong to several robots, configured or not, each with a tool or leaf of its own.
+// Each has its own group, but an arm's actuators have one driver: all robots whose arm has the same
+// joints and actuators share the control.
 #pragma once
 
 #include <memory>
@@ -21,24 +21,25 @@ namespace robocell::internal {
 // Prefix of the keys of all controls (ControlledGroup::control_key()).
 inline constexpr std::string_view kControlKey = "control:";
 
-// A group, what it can be driven by, and the chain to its leaf.
+// A group, its possible drives, and the chain to its leaf.
 class ControlledGroup {
  public:
-  // With its chain, if it has a tip. `options` without qpos.
+  // Includes its chain, if it has a tip. `options` without qpos.
   ControlledGroup(const Scene& scene, MadeGroup made, std::string root_body,
                   const ChainOptions& options);
 
-  // Reads the chain anew, with what hangs on it at `qpos` or, without, at the reference.
+  // Reads the chain anew, with the bodies that hang on it at `qpos` or, by default, at the
+  // reference.
   void RemakeChain(const mjModel* model, std::span<const double> qpos = {});
   // Returns true if the model was written to since the chain was read from it.
   bool is_stale(const mjModel* model) const { return source_.IsStale(model); }
   bool refreshed() const { return refreshed_; }  // the chain is not that of the reference
-  // Names the actuators; "" for those of a group that shares no control.
+  // Returns a key of the actuators; "" for a group that shares no control.
   const std::string& control_key() const { return control_key_; }
 
   std::shared_ptr<MoveGroup> group;
   Drives drives;
-  const ArmGroup* arm = nullptr;  // the group, when it is an ArmGroup
+  const ArmGroup* arm = nullptr;  // the group, if it is an ArmGroup
   std::optional<ChainTip> tip;    // of arms whose chain is known
   std::optional<Chain> chain;     // from the root body to `tip`
 
@@ -47,29 +48,29 @@ class ControlledGroup {
   std::string control_key_;
   ChainSource source_;  // of `chain`
   bool refreshed_ = false;
-  std::vector<std::shared_ptr<void>> companions_;  // of chains that were, see Chain::companion()
+  std::vector<std::shared_ptr<void>> companions_;  // of former chains, see Chain::companion()
 };
 
-// The controller of a group, and the buffer that carries the control to the engine. The scene knows
-// the shared ones by their key, as observers of nothing.
+// The controller of a group, and the buffer that carries the control to the engine. The scene keeps
+// the shared ones by their key, as observers without events.
 struct GroupControl : SceneObserver {
   ArmPorts ports;
-  std::shared_ptr<ControlledGroup> of;     // whose group the controller works on
-  std::shared_ptr<Controller> controller;  // declared after these: destroyed before them
+  std::shared_ptr<ControlledGroup> of;     // the robot whose group the controller works on
+  std::shared_ptr<Controller> controller;  // declared last: destroyed first
   MoveGroup* drive = nullptr;              // the one in use, of the same
   std::string why_no_controller;
   std::vector<double> ctrl;
-  bool chosen = false;  // by somebody, not by the configuration or for want of one
+  bool chosen = false;  // explicitly, rather than by the configuration or by default
 
-  // One tick.
+  // Runs one tick.
   void Run() {
     controller->Compute(ctrl);
     drive->SetCtrl(ctrl);
   }
-  // Position servos that are filtered begin as if they had been sent to `q` for long: without it
-  // they would begin where they were last, in another mode or at another place.
+  // Makes filtered position servos begin as if their target had been `q` for long: otherwise they
+  // would begin at their last target, in another mode or at another place.
   void SettleFilters(std::span<const double> q);
-  // Forgets what was commanded, and holds the group where it was put.
+  // Forgets the command, and holds the group in place.
   void Reset();
   // The group was teleported at this time of the scene: its actuators hold it there from now on.
   // Their forces are those of the old place until the engine computes them again.
@@ -81,8 +82,8 @@ struct GroupControl : SceneObserver {
     const Running running(*this);
     run(*this);
   }
-  // Puts a controller in that works on `group`, whose ports and actuators it gets. Returns what was
-  // there before, kept if it is running.
+  // Installs a controller that works on `group`, and gives it the group's ports and actuators.
+  // Returns the previous controller, which is kept if it is running.
   void Put(std::shared_ptr<Controller> next, std::shared_ptr<ControlledGroup> group,
            MoveGroup& its_drive);
 
@@ -102,7 +103,7 @@ struct GroupControl : SceneObserver {
   void Replace(std::shared_ptr<ControlledGroup> group, std::shared_ptr<Controller> next,
                MoveGroup* its_drive);
   // Counting references of each controller in every tick would cost more than the rest of the loop;
-  // what is replaced meanwhile is kept instead.
+  // replaced objects are kept instead.
   struct Replaced {
     std::shared_ptr<ControlledGroup> of;
     std::shared_ptr<Controller> controller;

@@ -1,4 +1,4 @@
-// Several robots made of one arm share its controller.
+// Tests that several robots made of one arm share its controller.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -35,7 +35,7 @@ class SharedArm : public ::testing::TestWithParam<bool> {
   Robot Second(const Scene& scene) const {
     return GetParam() ? Robot::Of(scene, "a") : AdHoc(scene, true);
   }
-  // What the motors push with after `robot` ran a tick.
+  // Returns the torques of the motors after `robot` ran a tick.
   static std::vector<double> Pushed(Robot& robot) {
     robot.Update();
     EXPECT_TRUE(robot.Step().ok());
@@ -145,10 +145,10 @@ TEST_P(SharedArm, StaysInItsModeWhenNoRobotIsLeft) {
   EXPECT_THAT(next.jnt_trq_cmd(), ElementsAreArray(gravity));
 }
 
-// A pointer on the flange: the tip of the robot that puts a controller in.
+// A pointer on the flange: the tip of the robot that installs a controller.
 class PointedArm : public SharedArm {
  protected:
-  // What chooses the controller, made before or after the other robot of the arm.
+  // Makes the robot that chooses the controller before or after the other robot of the arm.
   void Make(bool first_before) {
     scene.AddObject(pointer);
     const auto make_first = [&] {

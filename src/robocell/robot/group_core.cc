@@ -25,8 +25,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 int PositionsOf(int type) { return type == mjJNT_FREE ? 7 : type == mjJNT_BALL ? 4 : 1; }
 int VelocitiesOf(int type) { return type == mjJNT_FREE ? 6 : type == mjJNT_BALL ? 3 : 1; }
 
-// Where, among the group's positions, the hinge or slide is that an actuator drives; -1 when it
-// drives something else.
+// Returns the index, among the group's positions, of the hinge or slide that an actuator drives; -1
+// if it drives something else.
 int DrivenPosition(const mjModel* m, int actuator, const std::vector<int>& qpos_addresses) {
   if (!internal::ActsOnJoint(m, actuator)) return -1;
   const int joint = m->actuator_trnid[2 * actuator];
@@ -35,7 +35,7 @@ int DrivenPosition(const mjModel* m, int actuator, const std::vector<int>& qpos_
   return at == qpos_addresses.end() ? -1 : static_cast<int>(at - qpos_addresses.begin());
 }
 
-// Whether joints move a body.
+// Returns true if joints move a body.
 bool IsCarried(const mjModel* m, int body) {
   for (; body > 0; body = m->body_parentid[body]) {
     if (m->body_jntnum[body] > 0) return true;
@@ -211,7 +211,7 @@ void GroupCore::NoopCtrl(std::span<double> out) const {
   scene_.SyncPoses();
   const mjModel* m = model();
   mjData* d = data();
-  // After a teleport inside of a reset, lengths are those of before.
+  // After a teleport inside a reset, lengths are still the old ones.
   internal::Guarded("lengths of the actuators", d, [&] {
     mj_tendon(m, d);
     mj_transmission(m, d);
@@ -224,7 +224,7 @@ void GroupCore::NoopCtrl(std::span<double> out) const {
   }
 }
 
-// Whatever its control range is. Nothing when it is no position servo of one of the joints.
+// Ignores its control range. Unset if it is not a position servo of one of the joints.
 std::optional<double> GroupCore::RestingCtrlFor(size_t actuator, std::span<const double> q) const {
   const mjModel* m = model();
   const int id = actuator_ids_[actuator], joint = driven_[actuator];
@@ -301,7 +301,7 @@ void GroupCore::Integrate(std::span<double> q, std::span<const double> v) const 
   }
 }
 
-// The frame by reference: Bind may have to look it up again first.
+// Takes the frame by reference: Bind may have to look it up again first.
 Pose GroupCore::FramePose(FrameId& frame) const {
   Bind();
   scene_.SyncPoses();
@@ -319,7 +319,7 @@ Eigen::Vector3d GroupCore::gravity_in_base() const {
   const mjtNum* matrix = base_.is_site ? data()->site_xmat : data()->xmat;
   const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> rotation(matrix +
                                                                                 9 * base_.id);
-  // Not as a product of matrices, which is a call.
+  // Avoids a product of matrices, which would be a call.
   return rotation.transpose().lazyProduct(
       Eigen::Map<const Eigen::Vector3d>(internal::EffectiveGravity(model())));
 }

@@ -1,8 +1,8 @@
-// GroupCore: what all move groups share: joints, actuators and frames of one group, found by name
-// in the scene's present model, and the reading and writing of mjData. Groups hold one and forward
-// to it; it knows nothing of arms or grippers.
+// GroupCore: the common part of all move groups: joints, actuators and frames of one group, found
+// by name in the scene's present model, and reading and writing of mjData. Groups contain one and
+// forward to it; it knows nothing of arms or grippers.
 //
-// Members mean what move_group.h says of the functions of the same name. Errors begin with place().
+// Members mean the same as the functions of that name in move_group.h. Errors begin with place().
 #pragma once
 
 #include <optional>
@@ -23,7 +23,7 @@ struct FrameName {
   std::string name = {};  // full name
 };
 
-// What a group is made of, in full names.
+// The parts of a group, by full names.
 struct GroupNames {
   std::string robot = {};  // for messages; may be empty
   std::string group = {};
@@ -33,7 +33,7 @@ struct GroupNames {
   FrameName robot_base = {};
 };
 
-// A control that its actuator's ctrlrange cuts off.
+// A control that its actuator's ctrlrange clips.
 struct CutCtrl {
   size_t actuator = 0, joint = 0;  // of the group's
   double wanted = 0;
@@ -42,7 +42,7 @@ struct CutCtrl {
 
 class GroupCore {
  public:
-  // Holds the scene by inner(). NotFoundError when the scene lacks one of the names.
+  // Holds the scene by inner(). Throws NotFoundError if the scene lacks one of the names.
   GroupCore(const Scene& scene, GroupNames names);
 
   const GroupNames& names() const { return names_; }
@@ -52,7 +52,7 @@ class GroupCore {
   void RequireOpen() const {
     if (scene_.closed()) ThrowClosed();
   }
-  // Looks the names up again when the scene was rebuilt. Every public function calls it.
+  // Looks the names up again if the scene was rebuilt. Every public function calls it.
   void Bind() const {
     RequireOpen();
     if (scene_.now().generation != generation_) Resolve();
@@ -70,7 +70,7 @@ class GroupCore {
   void GetJointTorque(std::span<double> out) const;
   void GetCtrl(std::span<double> out) const;
   void SetJointPos(std::span<const double> q) const;
-  // Without computing what follows from it: poses are brought up to date when asked for.
+  // Writes without updating: poses are computed on demand.
   void WriteJointPos(std::span<const double> q) const;
   void SetJointVel(std::span<const double> v) const;
   void SetCtrl(std::span<const double> ctrl) const;
@@ -80,10 +80,10 @@ class GroupCore {
   std::vector<Interval> ctrl_limits() const;
   void NoopCtrl(std::span<double> out) const;
   void CtrlForJointPos(std::span<const double> q, std::span<double> ctrl) const;
-  // Servos with a filter before them begin where they have been sent to `q` for long.
+  // Makes filtered servos begin as if their target had been `q` for long.
   void SettleFilters(std::span<const double> q) const;
-  // The first one, from the actuator `from` on, that CtrlForJointPos cut off when it made `ctrl`
-  // for `q`. No allocation.
+  // Returns the first control, from the actuator `from` on, that CtrlForJointPos clipped when it
+  // made `ctrl` for `q`. No allocation.
   std::optional<CutCtrl> FindCutCtrl(std::span<const double> q, std::span<const double> ctrl,
                                      size_t from) const;
   void Integrate(std::span<double> q, std::span<const double> v) const;
@@ -92,11 +92,11 @@ class GroupCore {
   Pose root_frame_to_world() const { return FramePose(root_); }
   Pose leaf_frame_to_robot() const { return FramePose(base_).inverse() * FramePose(leaf_); }
   void Jacobian(Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out) const;
-  // The world's gravity in the axes of the robot base frame, m/s^2. Poses are brought up to date
-  // only where joints carry the base.
+  // Returns the world's gravity in the axes of the robot base frame, m/s^2. Brings poses up to date
+  // only if joints carry the base.
   Eigen::Vector3d gravity_in_base() const;
 
-  // "robot 'left' / group 'arm'".
+  // Returns "robot 'left' / group 'arm'".
   std::string place() const;
 
  private:
@@ -119,13 +119,13 @@ class GroupCore {
   void RequireFiniteValues(std::span<const double> values,
                            const std::vector<std::string>& element_names, const char* kind) const;
 
-  // What every tick needs, side by side.
+  // Members used by every tick, kept together.
   Scene scene_;
   mutable uint64_t generation_ = ~uint64_t{0};
   // One per number, in the order of joints and actuators.
   mutable Addresses qpos_addresses_, dof_addresses_, ctrl_addresses_;
   mutable std::vector<int> joint_ids_, actuator_ids_;
-  mutable std::vector<int> driven_;       // per actuator: which of the positions it drives, or -1
+  mutable std::vector<int> driven_;       // per actuator: index of the position it drives, or -1
   mutable std::vector<double> jacobian_;  // 6 x model nv, scratch
   mutable FrameId root_, leaf_, base_;
   mutable bool base_is_carried_ = false;  // by joints

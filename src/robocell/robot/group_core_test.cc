@@ -1,4 +1,4 @@
-// Reading and writing of groups, for joints and actuators of every kind.
+// Tests reading and writing of groups, for joints and actuators of every kind.
 #include "robocell/robot/group_core.h"
 
 #include <gtest/gtest.h>
@@ -116,7 +116,7 @@ TEST_F(OddGroup, JacobianIsThatOfTheEngineForEveryKindOfJoint) {
   }
 }
 
-// The force of an actuator with this control at the present lengths, by the engine.
+// Returns the engine's force of an actuator with this control at the present lengths.
 double ForceWith(Scene& scene, const char* actuator, double ctrl) {
   scene.SetActuatorCtrl(actuator, ctrl);
   scene.Forward();

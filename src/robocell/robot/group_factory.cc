@@ -19,7 +19,7 @@
 namespace robocell::internal {
 namespace {
 
-// "elbow ('push' on it is a motor)": what a joint has instead.
+// Describes what a joint has instead: "elbow ('push' on it is a motor)".
 std::string WithItsActuators(const mjModel* m, const std::string& joint) {
   const int id = FindId(m, mjOBJ_JOINT, joint);
   for (int a = 0; a < m->nactuator; ++a) {
@@ -151,7 +151,7 @@ class GroupMaker {
     return LastBody();
   }
 
-  // The gripper's own leaf, else that of the arm which carries it.
+  // Returns the gripper's own leaf, else that of the arm which carries it.
   FrameName TcpOfGripper() {
     if (config_.leaf) return names_.leaf;
     for (const auto& [name, group] : robot_.config.move_groups.entries()) {
@@ -161,7 +161,7 @@ class GroupMaker {
     return names_.leaf;
   }
 
-  // Whether the last joint of the gripper is behind that of the arm.
+  // Returns true if the last joint of the gripper comes after that of the arm.
   bool IsCarriedBy(const MoveGroupConfig& arm) const {
     if (arm.joints.empty() || names_.joints.empty()) return false;
     const int last = FindId(model(), mjOBJ_JOINT, robot_.prefix + arm.joints.names.back());

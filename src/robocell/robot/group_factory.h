@@ -1,5 +1,5 @@
 // Private to robot: makes the move groups of a robot from its record in the compiled scene. Errors
-// say where the robot's configuration stands in its file.
+// give the place in the robot's file.
 #pragma once
 
 #include <memory>
@@ -19,28 +19,30 @@ namespace robocell::internal {
 
 struct MadeGroup {
   std::shared_ptr<MoveGroup> group;
-  std::optional<ChainTip> tip = {};  // where an arm's chain ends; unset for the other kinds
+  std::optional<ChainTip> tip = {};  // the end of an arm's chain; unset for the other kinds
   std::string why_no_actuators = {};
   std::optional<Drives> drives = {};  // of an arm
-  std::string own_controller = {};    // of a group that is driven by this kind alone, or ""
+  std::string own_controller = {};    // of a group with a single possible controller, or ""
 };
 
-// The groups of RobotConfig.move_groups in their order, and a group "base" when none is configured.
+// Makes the groups of RobotConfig.move_groups in order, and a group "base" if none is configured.
 // An arm that names no actuators is driven by those found on its joints, of one kind: position
-// servos, velocity servos or motors (actuator_kind.h). Errors: those of the groups' constructors;
-// ArgumentError for an arm that has them on some of its joints only. They begin with the group's
-// place in the robot's file.
+// servos, velocity servos or motors (actuator_kind.h). Throws the errors of the groups'
+// constructors, and ArgumentError for an arm with such actuators on only some of its joints. Errors
+// begin with the group's place in the robot's file.
 std::vector<MadeGroup> MakeGroups(const Scene& scene, const RobotRecord& robot);
 
-// The base group of a robot whose configuration names none.
+// Makes the base group of a robot whose configuration names none.
 MadeGroup MakeImplicitBase(const Scene& scene, const RobotRecord& robot);
 
-// An arm over the given joints, driven by the actuators found on them, likewise, for robots without
-// a configuration. It gets none, and the log says why, unless each joint has one of the kind.
+// Makes an arm over the given joints, driven by the actuators found on them in the same way, for a
+// robot without a configuration. Unless each joint has one of the kind, it gets none, and the log
+// gives the reason.
 MadeGroup MakeAdHocArm(const Scene& scene, const RobotRecord& robot,
                        std::vector<std::string> joints, const ChainTip& tip);
 
-// What `f` returns. What it throws begins with the place of `field` in the file, unless it has one.
+// Returns the result of `f`. Its exceptions get the place of `field` in the file, unless they have
+// one.
 template <class F>
 auto Located(const RobotConfig& config, const std::string& field, F&& f) {
   const auto place = [&](const Error& error) {

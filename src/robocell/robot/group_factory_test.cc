@@ -1,4 +1,4 @@
-// What is wrong with a robot's groups is told with its line in the robot's file.
+// Tests that problems of a robot's groups are reported with their line in the robot's file.
 #include "robocell/robot/group_factory.h"
 
 #include <gmock/gmock.h>
@@ -32,7 +32,7 @@ class LocatedRobot : public ::testing::Test {
     folder_.Write("arm", kTwoJointArm);
     folder_.Write("gripper", kHand);
   }
-  // Of the two-joint arm with the two-finger gripper; `fields` begin in line 4.
+  // Makes the two-joint arm with the two-finger gripper; `fields` begin in line 4.
   Robot Make(const std::string& fields) {
     AtomicWrite(file_,
                 "name: arm\nmodel: arm.xml\n"

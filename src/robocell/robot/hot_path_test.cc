@@ -1,4 +1,4 @@
-// Code that runs every control tick allocates nothing.
+// Tests that the code of every control tick allocates nothing.
 #include <gtest/gtest.h>
 
 #include "robocell/robot/testing/robots.h"
@@ -45,7 +45,7 @@ TEST(HotPath, OfADrivenBaseOnTheWayAllocatesNothing) {
   ExpectNoAllocation(robot);
 }
 
-// Which looks for what was written to the model.
+// Forward checks for values written to the model.
 TEST(HotPath, OfForwardAllocatesNothing) {
   const Robot robot = RobotAlone(Rc7());
   const AllocationCount count;

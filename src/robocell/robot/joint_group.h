@@ -17,7 +17,7 @@ namespace robocell {
 // Interface of groups with limits, controls and the start of their servos; see GroupCore.
 class ServoGroup {
  public:
-  // joint_pos_limits(), without allocation.
+  // Writes joint_pos_limits() without allocation.
   virtual void GetJointPosLimits(std::span<Interval> out) const = 0;
   virtual std::optional<CutCtrl> FindCutCtrl(std::span<const double> q,
                                              std::span<const double> ctrl, size_t from) const = 0;

@@ -24,7 +24,7 @@ JointPositionController::JointPositionController(MoveGroup& group)
       within_(target_.size()),
       limits_(CheckedJointPosLimits(group)) {
   std::vector<double> ctrl(group.nu());
-  group.CtrlForJointPos(target_.get(), ctrl);  // says at once when the group has no servos
+  group.CtrlForJointPos(target_.get(), ctrl);  // throws at once if the group has no servos
 }
 
 void JointPositionController::SetTarget(std::span<const double> target) {
@@ -57,10 +57,10 @@ bool JointPositionController::GetSteadyTarget(std::span<const double> q, std::sp
 }
 
 void JointPositionController::Compute(std::span<double> ctrl) {
-  // The port is written to without a check.
+  // Writes into the port are not checked.
   RequireValues([&] { return group_.place(); }, "joint", target_.get(), target_size(),
                 group_.joint_names());
-  // Somebody may have written to the model.
+  // Other code may have written to the model.
   if (servos_) {
     servos_->GetJointPosLimits(limits_);
   } else {

@@ -13,8 +13,9 @@
 
 namespace robocell {
 
-// For a gripper the target is its opening (gripper_opening_controller.h); for every other group its
-// joint positions. ArgumentError when an actuator is no position servo of one of the joints.
+// The target of a gripper is its opening (gripper_opening_controller.h), that of every other group
+// its joint positions. Throws ArgumentError if an actuator is not a position servo of one of the
+// joints.
 std::unique_ptr<Controller> MakeJointPositionController(MoveGroup& group);
 
 class JointPositionController : public Controller {
@@ -41,17 +42,17 @@ class JointPositionController : public Controller {
   void Compute(std::span<double> ctrl) override;
 
  private:
-  // By SetTarget(), or by a number that was written into the port.
+  // Returns true after SetTarget(), or after a number was written into the port.
   bool IsCommanded(size_t joint) const { return commanded_ || target_[joint] != held_[joint]; }
   void TellCutCtrl(std::span<const double> ctrl);
 
   MoveGroup& group_;
-  const ServoGroup* servos_;  // the same, when it can say what its servos cut off
+  const ServoGroup* servos_;  // the same, if it can report clipped controls
   PortValues target_;
   std::vector<double> held_;  // the target without a command
   bool commanded_ = false;
   std::vector<double> within_;    // the target inside the limits, scratch
-  std::vector<Interval> limits_;  // of servos those of the last Compute(), else of the last reset
+  std::vector<Interval> limits_;  // for servos those of the last Compute(), else of the last reset
   BeyondLimits beyond_;
 };
 

@@ -1,4 +1,4 @@
-// The position port of arms and grippers: tracking, holding still, what a target may be.
+// Tests the position port of arms and grippers: tracking, holding still, valid targets.
 #include "robocell/robot/joint_position_controller.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ double LargestError(const std::vector<double>& a, const std::vector<double>& b) 
 class AnyArm : public ::testing::TestWithParam<RobotCase> {};
 INSTANTIATE_TEST_SUITE_P(Robots, AnyArm, ::testing::ValuesIn(AllRobots()), CaseName);
 
-// Home, or what is nearest to it well inside of the limits.
+// Returns home, or the nearest positions well inside the limits.
 std::vector<double> StartOf(const Robot& robot) {
   std::vector<double> q = robot.arm().joint_pos();
   const std::vector<Interval> limits = robot.joint_limits();
@@ -77,7 +77,7 @@ TEST(JointPosition, FollowsChangesOfTheModel) {
   Robot robot = RobotAlone(Rc7());
   Scene scene = robot.scene();
   robot.jnt_pos_cmd()[0] = 0.5;
-  scene.mutable_model()->actuator_gainprm[0] *= 2;  // joint1's servo: now half the control
+  scene.mutable_model()->actuator_gainprm[0] *= 2;  // joint1's servo: now needs half the control
   robot.Update();
   EXPECT_DOUBLE_EQ(robot.arm().ctrl()[0], 0.25);
 }

@@ -21,8 +21,8 @@ double DamperTorque(double linear, const mjtNum* high, double v) {
   return v * (linear + speed * (high[0] + speed * high[1]));
 }
 
-// Slope of a friction constraint of the engine per rad/s, while the joint keeps its speed:
-// stiffness of the constraint times how fast it brakes (mj_makeImpedance, mj_referenceConstraint).
+// Returns the slope of a friction constraint of the engine per rad/s at constant speed: stiffness
+// of the constraint times its braking rate (mj_makeImpedance, mj_referenceConstraint).
 double FrictionSlope(const mjModel* m, int dof) {
   const mjtNum *solref = m->dof_solref + mjNREF * dof, *solimp = m->dof_solimp + mjNIMP * dof;
   const auto impedance = [](double x) { return std::clamp<double>(x, mjMINIMP, mjMAXIMP); };
@@ -36,8 +36,8 @@ double FrictionSlope(const mjModel* m, int dof) {
   return 2 / (std::max<double>(most * time_constant, mjMINVAL) * compliance);
 }
 
-// The engine's friction grows with the speed until it is the loss: all of the loss would drive a
-// joint that creeps up to the speed at which friction is that large.
+// The engine's friction grows with the speed up to the loss: the full loss would accelerate a
+// creeping joint to the speed at which friction is that large.
 double FrictionTorque(const mjModel* m, int dof, double v) {
   const double loss = m->dof_frictionloss[dof];
   return loss == 0 ? 0 : std::clamp(v * FrictionSlope(m, dof), -loss, loss);

@@ -12,14 +12,14 @@
 namespace robocell::internal {
 namespace {
 
-// Of the constraints of joints that keep their speeds, of which friction alone touches these.
+// Returns the forces of constraints of joints at constant speeds, here of friction alone.
 std::vector<double> EngineFriction(const mjModel* m, mjData* d) {
   std::fill_n(d->qacc, m->nv, 0.0);
   mj_inverse(m, d);
   return {d->qfrc_constraint, d->qfrc_constraint + m->nv};
 }
 
-// Two hinges one after the other, with all that a joint and its actuator can resist with.
+// Two consecutive hinges, with every resistance that a joint and its actuator can have.
 constexpr const char* kStiffJoints = R"(<mujoco>
   <compiler angle="radian"/>
   <default><joint armature="0.05" damping="2 3 5" stiffness="20 5 3" springref="0.4" frictionloss="7"/>

@@ -39,7 +39,7 @@ void JointTorqueController::Reset() {
 }
 
 void JointTorqueController::Compute(std::span<double> ctrl) {
-  // The port is written to without a check.
+  // Writes into the port are not checked.
   RequireValues([&] { return arm_.place(); }, "joint", torque_.get(), target_size(),
                 arm_.joint_names());
   arm_.GetJointPos(q_);
@@ -47,7 +47,7 @@ void JointTorqueController::Compute(std::span<double> ctrl) {
   arm_.CtrlForJointTorque(torque_.get(), ctrl);
 }
 
-// The engine cuts off by itself.
+// The engine clips by itself.
 void JointTorqueController::TellStrained() {
   for (size_t i = arm_.FindStrained(torque_.get(), 0); i < torque_.size();
        i = arm_.FindStrained(torque_.get(), i + 1)) {

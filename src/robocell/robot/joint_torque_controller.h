@@ -1,6 +1,7 @@
-// The torque port: motors push with the torques that are commanded, and nothing else acts.
+// The torque port: motors apply exactly the commanded torques.
 //
-// Without a command it pushes with what held the arm against gravity when it was put in or reset.
+// Without a command it applies the torques that held the arm against gravity when it was installed
+// or reset.
 #pragma once
 
 #include <memory>
@@ -13,7 +14,7 @@
 
 namespace robocell::internal {
 
-// ArgumentError unless the group is an arm's.
+// Throws ArgumentError unless the group is an arm.
 std::unique_ptr<Controller> MakeJointTorqueController(MoveGroup& group);
 
 class JointTorqueController : public Controller {
@@ -33,11 +34,11 @@ class JointTorqueController : public Controller {
   std::span<double> command_port() override { return torque_.get(); }
   bool UsePort(std::span<double> port) override { return torque_.MoveTo(port); }
   void Reset() override;
-  // A torque beyond what a motor can do is cut off there, and told once when somebody commanded it.
+  // A torque beyond a motor's limit is clipped, and logged once if it was commanded.
   void Compute(std::span<double> ctrl) override;
 
  private:
-  // By SetTarget(), or by a number that was written into the port.
+  // Returns true after SetTarget(), or after a number was written into the port.
   bool IsCommanded(size_t joint) const { return commanded_ || torque_[joint] != held_[joint]; }
   void TellStrained();
 
@@ -49,8 +50,8 @@ class JointTorqueController : public Controller {
   BeyondLimits beyond_;
 };
 
-// The arm that a controller of torques or velocities was asked for; ArgumentError, beginning with
-// the group's place, for any other group.
+// Returns the arm that a controller of torques or velocities was requested for. Throws
+// ArgumentError, which begins with the group's place, for any other group.
 ArmGroup& RequireArm(MoveGroup& group, std::string_view controller);
 
 }  // namespace robocell::internal

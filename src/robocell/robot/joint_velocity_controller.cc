@@ -61,7 +61,7 @@ std::span<const double> JointVelocityController::Driven() {
 }
 
 void JointVelocityController::Compute(std::span<double> ctrl) {
-  // The port is written to without a check.
+  // Writes into the port are not checked.
   RequireValues([&] { return arm_.place(); }, "joint", velocity_.get(), target_size(),
                 arm_.joint_names());
   arm_.GetJointPos(q_);

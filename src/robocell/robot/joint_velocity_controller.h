@@ -16,7 +16,7 @@
 
 namespace robocell::internal {
 
-// ArgumentError unless the group is an arm's.
+// Throws ArgumentError unless the group is an arm.
 std::unique_ptr<Controller> MakeJointVelocityController(MoveGroup& group);
 
 class JointVelocityController : public Controller {
@@ -40,7 +40,7 @@ class JointVelocityController : public Controller {
   void Compute(std::span<double> ctrl) override;
 
  private:
-  // The present velocity targets of the joints.
+  // Returns the present velocity targets of the joints.
   std::span<const double> Driven();
 
   ArmGroup& arm_;

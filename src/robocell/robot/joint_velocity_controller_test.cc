@@ -1,4 +1,5 @@
-// Velocity mode of arms that resist: dampers, springs, friction, motors instead of servos, limits.
+// Tests velocity mode of arms with resistance: dampers, springs, friction, motors instead of
+// servos, limits.
 #include "robocell/robot/joint_velocity_controller.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +12,7 @@
 namespace robocell::internal {
 namespace {
 
-// An arm that turns about the vertical, then about a level axis, so that gravity pulls.
+// An arm that turns about the vertical, then about a level axis, so that gravity acts.
 std::string Arm(const std::string& joint, const std::string& actuator) {
   return R"(
   <compiler angle="radian" autolimits="true"/>
@@ -121,7 +122,7 @@ TEST_F(VelocityMode, MotorsPushNoHarderThanTheirControlAllows) {
   }
 }
 
-// Or what nothing resists would be pushed.
+// Otherwise joints without resistance would be pushed.
 TEST_F(VelocityMode, ReachesItWithoutDampersSpringsOrFrictionWhereTheSceneDisablesThem) {
   options.disable = {"spring", "damper", "frictionloss"};
   for (const char* joint :

@@ -1,4 +1,4 @@
-// Making robots: from their configuration in the scene, or ad hoc from two bodies.
+// Makes robots: from their configuration in the scene, or ad hoc from two bodies.
 #include <mujoco/mujoco.h>
 
 #include "robocell/mujoco/names.h"
@@ -12,8 +12,8 @@ namespace {
 
 constexpr const char* kDefaultControl = "joint_position";
 
-// A record for a robot that has none, or whose configuration is not to be used. What the scene
-// knows of where it stands is kept.
+// Returns a record for a robot without one, or whose configuration is not used. It keeps what the
+// scene knows of the robot's base.
 RobotRecord AdHocRecord(const Scene& scene, const std::string& prefix,
                         const std::string& base_body) {
   const mjModel* m = scene.model();

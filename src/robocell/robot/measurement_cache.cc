@@ -9,7 +9,7 @@
 namespace robocell::internal {
 namespace {
 
-// By generation, which no two models of a process share: the oldest goes first.
+// Keyed by generation, which no two models of a process share: the oldest entry goes first.
 using MeasurementName = std::pair<uint64_t, std::string>;
 constexpr size_t kMostMeasurements = 1024;
 

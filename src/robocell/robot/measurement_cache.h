@@ -1,5 +1,5 @@
-// Measurements of a model, made once for all scenes that share it: copies of an environment have one
-// model. Private to robot.
+// Measurements of a model, made once for all scenes that share it: copies of an environment have
+// one model. Private to robot.
 //
 //   const double reach = CachedMeasurement(*scene.compiled(), "reach from link0 to hand", [&] {
 //     return std::vector<double>{ApproximateReach(chain)};
@@ -14,8 +14,8 @@
 
 namespace robocell::internal {
 
-// Returns what `measure` returned for this model and this name before, or calls it. A model that is
-// not frozen may have been written to since, so that it is measured each time. Thread-safe.
+// Returns the earlier result of `measure` for this model and this name, or calls it. A model that
+// is not frozen may have been written to since, so it is measured each time. Thread-safe.
 std::vector<double> CachedMeasurement(const CompiledScene& compiled, const std::string& what,
                                       const std::function<std::vector<double>()>& measure);
 

@@ -38,11 +38,11 @@ class MoveGroup {
   virtual ~MoveGroup() = default;
 
   virtual const std::string& name() const = 0;  // as in RobotConfig.move_groups
-  // For messages: "robot 'left' / group 'arm'", or without the robot when the group knows of none.
+  // Returns the place for messages: "robot 'left' / group 'arm'", or without an unknown robot.
   virtual std::string place() const { return "group '" + name() + "'"; }
-  // ClosedError when its scene was closed. A group that knows of no scene is never closed.
+  // Throws ClosedError if its scene was closed. A group without a scene is never closed.
   virtual void RequireOpen() const {}
-  // Its scene; null for a group that knows of none.
+  // Returns its scene; null for a group without one.
   virtual const Scene* scene() const { return nullptr; }
   virtual MoveGroupKind kind() const = 0;
 
@@ -56,21 +56,20 @@ class MoveGroup {
   // State. `out` has nq(), nv(), nv() and nu() entries.
   virtual void GetJointPos(std::span<double> out) const = 0;
   virtual void GetJointVel(std::span<double> out) const = 0;
-  virtual void GetJointTorque(
-      std::span<double> out) const = 0;  // what the actuators apply, N or Nm
+  virtual void GetJointTorque(std::span<double> out) const = 0;  // forces of the actuators, N or Nm
   virtual void GetCtrl(std::span<double> out) const = 0;
   virtual void SetJointPos(std::span<const double> q) = 0;
   virtual void SetJointVel(std::span<const double> v) = 0;
-  virtual void SetCtrl(std::span<const double> ctrl) = 0;  // refuses NaN by actuator name
+  virtual void SetCtrl(std::span<const double> ctrl) = 0;  // rejects NaN by actuator name
 
-  virtual std::vector<Interval> joint_pos_limits() const = 0;  // +-infinity where there are none
+  virtual std::vector<Interval> joint_pos_limits() const = 0;  // +-infinity without a limit
   virtual std::vector<Interval> ctrl_limits() const = 0;
-  // The control that leaves the group where it is now.
+  // Computes the control that keeps the group in its present position.
   virtual void NoopCtrl(std::span<double> out) const = 0;
-  // The controls whose servos rest at the joint positions `q`, within the control limits.
-  // ArgumentError when an actuator is not a position servo. No allocation.
+  // Computes the controls whose servos rest at the joint positions `q`, within the control limits.
+  // Throws ArgumentError if an actuator is not a position servo. No allocation.
   virtual void CtrlForJointPos(std::span<const double> q, std::span<double> ctrl) const = 0;
-  // q moved by the velocity v (nv entries) for a unit of time.
+  // Moves q by the velocity v (nv entries) for a unit of time.
   virtual void Integrate(std::span<double> q, std::span<const double> v) const = 0;
 
   // Frames.
@@ -80,10 +79,10 @@ class MoveGroup {
   Pose leaf_frame_to_root() const {
     return root_frame_to_world().inverse() * leaf_frame_to_world();
   }
-  // 6 x nv at the leaf, world axes, linear rows first.
+  // Writes the 6 x nv Jacobian at the leaf, world axes, linear rows first.
   virtual void Jacobian(Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out) const = 0;
 
-  // Conveniences that allocate.
+  // Convenience functions that allocate.
   std::vector<double> joint_pos() const;
   std::vector<double> joint_vel() const;
   std::vector<double> joint_torque() const;
@@ -91,35 +90,36 @@ class MoveGroup {
   std::vector<double> noop_ctrl() const;
 };
 
-// joint_pos_limits() of a group, as whoever keeps to them may use them: one rising interval for each
-// of its nq() positions. ArgumentError with the group's place for anything else, which groups of the
-// user's own may give: a missing one would be a joint without limits.
+// Returns joint_pos_limits() of a group in a checked form: one rising interval for each of its nq()
+// positions. Throws ArgumentError with the group's place for anything else, which a user's own
+// group may return: a missing limit would mean a joint without limits.
 std::vector<Interval> CheckedJointPosLimits(const MoveGroup& group);
 
-// A gripper: `opening` is 0 closed ... 1 open whatever the raw control means.
+// A gripper: `opening` is 0 (closed) to 1 (open), whatever the raw control means.
 class GripperGroup : public MoveGroup {
  public:
-  // Measured, from the finger distance.
+  // Returns the measured opening, from the finger distance.
   virtual double opening() const = 0;
-  // Commands the actuator; clamps to 0..1, refuses NaN. The robot's controller takes it over.
+  // Commands the actuator; clamps to 0..1, rejects NaN. The robot's controller adopts it.
   virtual void SetOpening(double opening) = 0;
   void Open() { SetOpening(1); }
   void Close() { SetOpening(0); }
-  // Control of the first actuator; the others have the same unless CtrlForOpening says otherwise.
+  // Returns the control of the first actuator; the others have the same unless CtrlForOpening
+  // differs.
   virtual double ctrl_for_opening(double opening) const = 0;
-  // Control of each actuator (nu values).
+  // Computes the control of each actuator (nu values).
   virtual void CtrlForOpening(double opening, std::span<double> ctrl) const;
-  // Free distance between the fingers, metres; its range is {closed, open}, measured once when not
-  // configured.
+  // Returns the free distance between the fingers, metres; its range is {closed, open}, measured
+  // once if not configured.
   virtual double inter_finger_dist() const = 0;
   virtual Interval inter_finger_dist_range() const = 0;
   virtual bool is_open() const = 0;
-  // Whether both fingers touch `body` or parts of it (a full name); if empty, any one body that can
-  // move and is not the robot. Contacts are those of the last step.
+  // Returns true if both fingers touch `body` or parts of it (a full name); if empty, any one
+  // movable body outside the robot. Contacts are those of the last step.
   virtual bool is_grasping(const std::string& body = "") const = 0;
 };
 
-// How fast a driven base moves at most, m/s and rad/s.
+// The largest speeds of a driven base, m/s and rad/s.
 struct BaseSpeeds {
   double linear = 0.5, angular = 2;
   bool operator==(const BaseSpeeds&) const = default;
@@ -128,26 +128,27 @@ struct BaseSpeeds {
 // The base that the robot stands on.
 class BaseGroup : public MoveGroup {
  public:
-  // Pose of the pedestal's bottom, of the mocap, free, planar or driven body, or else of the
-  // robot's root.
+  // Returns the pose of the pedestal's bottom, of the mocap, free, planar or driven body, or else
+  // of the robot's root.
   virtual Pose pose() const = 0;
-  // Puts the base there at once and stops it: a teleport, which carries nothing that the robot
-  // holds; the log says so. An ArgumentError for a fixed base, and for a pose outside a planar
-  // base's plane.
+  // Puts the base there at once and stops it: a teleport, which does not carry an object that the
+  // robot holds; that is logged. Throws ArgumentError for a fixed base, and for a pose outside a
+  // planar base's plane.
   virtual void SetPose(const Pose& pose_in_world) = 0;
-  // Whether the base can move by itself: free, planar and driven bases.
+  // Returns true if the base can move by itself: free, planar and driven bases.
   virtual bool is_mobile() const = 0;
 
-  // Whether the base moves to a target by itself, as BaseKind::kDriven does. The functions below
-  // are ArgumentErrors for other bases.
+  // Returns true if the base moves to a target by itself, like BaseKind::kDriven. The functions
+  // below throw ArgumentError for other bases.
   virtual bool is_driven() const { return false; }
-  // Target of the driven base. Robot::Update() moves the base there within max_speeds() and with
-  // what the robot holds. A reset and SetPose() put the target where the base is.
+  // Returns the target of the driven base. Robot::Update() moves the base there within
+  // max_speeds(), together with an object that the robot holds. A reset and SetPose() set the
+  // target to the pose of the base.
   virtual Pose target() const;
   virtual void SetTarget(const Pose& pose_in_world);
-  // At first those of the robot's BaseConfig.
+  // Returns the speeds; initially those of the robot's BaseConfig.
   virtual BaseSpeeds max_speeds() const;
-  virtual void SetMaxSpeeds(const BaseSpeeds& speeds);  // above 0
+  virtual void SetMaxSpeeds(const BaseSpeeds& speeds);  // must be above 0
 };
 
 }  // namespace robocell

@@ -1,4 +1,4 @@
-// Groups and controllers of the user's own kind.
+// Tests a user's own groups and controllers.
 #include "robocell/robot/move_group.h"
 
 #include <gtest/gtest.h>
@@ -86,7 +86,7 @@ TEST(OwnGroup, ThatTakesTheArmsPlaceKeepsItsKinematics) {
   EXPECT_EQ(robot.n_joints(), 6);
   EXPECT_EQ(robot.jnt_pos_msr().size(), 6u);
   ExpectThrow<NotFoundError>([&] { robot.FkFrame(); }, "group 'arm' has no chain");
-  EXPECT_EQ(arm->nq(), 7);  // what was replaced can still be used by those who keep it
+  EXPECT_EQ(arm->nq(), 7);  // a kept reference to a replaced group stays usable
 }
 
 TEST(OwnGroup, OfKindGripperOrBaseMustBeOne) {
@@ -120,7 +120,7 @@ class WristGripper : public JointGroupOf<GripperGroup> {
 TEST(OwnGroup, CanBeAGripperAndTakesOpenings) {
   Robot robot = RobotAlone(Rc7());
   GroupNames names = WristNames();
-  GroupNames arm{.robot = "rc7",  // without the wrist, which is to be the gripper
+  GroupNames arm{.robot = "rc7",  // without the wrist, which becomes the gripper
                  .group = "arm",
                  .joints = robot.joint_names(),
                  .actuators = robot.arm().actuator_names(),
@@ -151,7 +151,7 @@ TEST(OwnGroup, ThatIsSharedKeepsTheRobotAlive) {
   EXPECT_EQ(arm->joint_pos(), Rc7().home.at("arm"));
 }
 
-// An arm that puts another in its place while it is asked where it is.
+// An arm that replaces itself while its position is read.
 class FickleArm : public JointGroup {
  public:
   explicit FickleArm(const Robot& robot)

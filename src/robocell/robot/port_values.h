@@ -14,8 +14,8 @@ class PortValues {
   PortValues(const PortValues&) = delete;
   PortValues& operator=(const PortValues&) = delete;
 
-  // Takes the numbers along to `port`, which has as many and outlives their use there; with an
-  // empty one back to a place of their own.
+  // Moves the numbers to `port`, which has as many and outlives their use there; with an empty
+  // port, back to a place of their own.
   bool MoveTo(std::span<double> port) {
     const std::span<double> to = port.empty() ? std::span<double>(own_) : port;
     if (to.data() != at_.data()) std::copy(at_.begin(), at_.end(), to.begin());

@@ -11,8 +11,8 @@ namespace {
 constexpr double kPlannedBraking = 0.7;
 constexpr double kNothing = 1e-12;  // m or rad; rounding
 
-// The velocity after a tick, with `way` still to go. Changes by at most the acceleration, so that
-// its length is never above both the old one's and `speed`.
+// Returns the velocity after a tick, with `way` still to go. It changes by at most the
+// acceleration, so that its length never exceeds both the old one and `speed`.
 Eigen::Vector3d NextVelocity(const Eigen::Vector3d& velocity, const Eigen::Vector3d& way,
                              double speed, double acceleration, double seconds) {
   const double distance = way.norm() < kNothing ? 0 : way.norm();

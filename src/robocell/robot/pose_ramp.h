@@ -1,11 +1,11 @@
 // Private to robot: a pose that moves to a goal along a straight line and the shortest arc, with
-// limits of speed and acceleration. Pure numbers: it knows of no engine.
+// limits of speed and acceleration. Pure arithmetic without the engine.
 //
 //   PoseRamp ramp(start);
 //   for (;;) ramp.Advance(goal, {.linear_speed = 0.5, ...}, seconds);
 //
-// It brakes in time and ends exactly at the goal. Metres, radians, seconds; axes of the frame that
-// the poses are in. No allocation.
+// It brakes in time and ends exactly at the goal. Metres, radians, seconds; axes of the poses'
+// reference frame. No allocation.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,15 +24,15 @@ class PoseRamp {
   PoseRamp() { Start(Pose()); }
   explicit PoseRamp(const Pose& at) { Start(at); }
 
-  // Puts it there, at rest.
+  // Places it there, at rest.
   void Start(const Pose& at);
-  // The goal may be another one each time; the velocity turns to it within the limits.
+  // The goal may differ each time; the velocity turns to it within the limits.
   void Advance(const Pose& goal, const Limits& limits, double seconds);
 
   const Pose& pose() const { return pose_; }
   const Eigen::Vector3d& linear_velocity() const { return linear_; }
   const Eigen::Vector3d& angular_velocity() const { return angular_; }
-  // How much the velocities changed in the last tick, by its length.
+  // Returns the changes of the velocities in the last tick, divided by its length.
   const Eigen::Vector3d& linear_acceleration() const { return linear_change_; }
   const Eigen::Vector3d& angular_acceleration() const { return angular_change_; }
 

@@ -13,7 +13,7 @@ constexpr PoseRamp::Limits kLimits{0.5, 2, 5, 20};
 constexpr double kTick = 0.002;
 constexpr double kRounding = 1e-9;
 
-// The pose after `ticks`, each of which keeps the limits and agrees with its velocities.
+// Computes the pose after `ticks`, each of which keeps the limits and agrees with its velocities.
 void Follow(PoseRamp& ramp, const Pose& goal, int ticks, double seconds = kTick) {
   for (int i = 0; i < ticks; ++i) {
     const Pose before = ramp.pose();

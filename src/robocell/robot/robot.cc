@@ -1,4 +1,4 @@
-// Robot: what handles do; making them is in make_robot.cc, Apply in apply.cc.
+// Robot: the functions of handles; make_robot.cc makes robots, apply.cc has Apply.
 #include "robocell/robot/robot.h"
 
 #include <fmt/format.h>
@@ -17,7 +17,7 @@
 namespace robocell {
 namespace {
 
-// A gripper that is no GripperGroup could not be used as one.
+// A gripper that is not a GripperGroup could not be used as one.
 void RequireInterface(const MoveGroup* group) {
   if (!group) throw ArgumentError("a robot's group cannot be null");
   const std::string place = "group '" + group->name() + "'";
@@ -107,13 +107,13 @@ Controller& Robot::controller(const std::string& group) const {
 }
 
 std::shared_ptr<Controller> Robot::shared_controller(const std::string& group) const {
-  struct Kept {  // from the last to go to the first
+  struct Kept {  // ordered from the last to be destroyed to the first
     Robot robot;
     std::shared_ptr<internal::GroupSlot> slot;
     std::shared_ptr<internal::ControlledGroup> of;
     std::shared_ptr<Controller> controller;
   };
-  controller(group);  // or why there is none
+  controller(group);  // throws with the reason if there is none
   internal::GroupSlot& slot = open().Require(group);
   const auto kept = std::make_shared<Kept>(
       Kept{*this, slot.shared_from_this(), slot.control->of, slot.control->controller});
@@ -282,7 +282,7 @@ IkResult Robot::Ik(const Pose& tcp_in_robot_base, IkOptions options) const {
 }
 
 LockedJoints Robot::LockGroups(std::span<const std::string> groups) const {
-  if (groups.empty()) return {};  // before each inverse kinematics of one pose
+  if (groups.empty()) return {};  // called before the inverse kinematics of each pose
   std::vector<std::string> in_chain;
   const std::vector<std::string>& of_chain = chain().joint_names();
   for (const std::string& name : groups) {

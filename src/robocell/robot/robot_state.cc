@@ -32,8 +32,9 @@ class Reading {
   bool& flag_;
 };
 
-// The controller goes on as what it takes over from. Returns where it sends position servos for
-// that, so that they push as before; nothing for other modes, and groups that are no arms.
+// Makes the controller continue from the one that it replaces. Returns the targets at which
+// position servos apply the same force as before; empty for other modes, and for groups other than
+// arms.
 std::vector<double> TakeOver(const internal::ControlledGroup& group, Controller& controller) {
   const auto* drive = dynamic_cast<const ArmGroup*>(group.drives.of(controller.mode()));
   const MoveGroup& arm = *group.group;
@@ -48,13 +49,13 @@ std::vector<double> TakeOver(const internal::ControlledGroup& group, Controller&
   return servos;
 }
 
-// Takes over the forces at the present place. After a teleport without a step they may still be
-// those of the old place.
+// Adopts the forces at the present place. After a teleport without a step they may still be those
+// of the old place.
 void BringForces(Scene scene, const internal::GroupControl& control) {
   if (control.may_have_forces_of_before(scene.time())) scene.Forward();
 }
 
-// The actuators that the model of an arm may have for a mode.
+// Names the actuators that the model of an arm may have for a mode.
 std::string ActuatorsFor(CtrlMode mode) {
   const std::string servos = std::string(internal::ActuatorWord(CtrlMode::kPosition)) + "s";
   return mode == CtrlMode::kPosition
@@ -62,7 +63,7 @@ std::string ActuatorsFor(CtrlMode mode) {
              : fmt::format("{}s or {}", internal::ActuatorWord(mode), servos);
 }
 
-// A message about a place without its "place: ", which the reader has in front of it already.
+// Returns a message about a place without its "place: ", which already precedes it.
 std::string WithoutPlace(const std::string& text, const std::string& place) {
   return text.starts_with(place + ": ") ? text.substr(place.size() + 2) : text;
 }
@@ -89,9 +90,9 @@ void Robot::State::OnReset() {
   ForControlled([&](internal::GroupControl& control) {
     try {
       control.Reset();
-      // The key that was restored holds servos only.
+      // The restored key only holds servos.
       if (control.controller->mode() != CtrlMode::kPosition) control.Run();
-    } catch (...) {  // no reason not to reset the other groups
+    } catch (...) {  // reset the other groups anyway
       if (!failed) failed = std::current_exception();
     }
   });
@@ -124,7 +125,7 @@ void Robot::State::OnBodyPut(int body, const Pose& pose_in_world) {
 }
 
 // A robot made of an object's bodies is lost when that object is removed, until one with the same
-// names is there again.
+// names exists again.
 void Robot::State::OnRebuild() {
   lost.clear();
   try {
@@ -160,7 +161,7 @@ void Robot::State::ForChains(Visit&& visit) {
     if (!control.controller || control.of == slot->own) continue;
     try {
       visit(*control.of);
-    } catch (const NotFoundError&) {  // its robot is gone, or lost its tool
+    } catch (const NotFoundError&) {  // its robot was removed, or lost its tool
       PutInstead(*slot, internal::PortController(control.controller->mode()));
     }
   }
@@ -186,7 +187,7 @@ void Robot::State::FindBodies() {
   FindCollisionGeoms();
 }
 
-// The pedestal is no part of the model that the configuration speaks of: it always counts.
+// The pedestal does not belong to the configuration's model: it always counts.
 void Robot::State::FindCollisionGeoms() {
   collision_geoms = geoms;
   if (record.config.collision_geoms.empty()) return;
@@ -231,7 +232,7 @@ internal::FtReading& Robot::State::RequireFtSensor(const std::string& name) {
 
 void Robot::State::AddGroup(internal::MadeGroup made, const std::string& controller,
                             bool must_be_driven) {
-  if (reading_) {  // the ports it is writing to would be gone
+  if (reading_) {  // the ports it is writing to would be destroyed
     throw Error(place() + ": its groups cannot change while the arm's state is read; replace '" +
                 made.group->name() +
                 "' outside of the arm's joint_pos, joint_vel and joint_torque");
@@ -282,7 +283,7 @@ void Robot::State::AddGroup(internal::MadeGroup made, const std::string& control
 void Robot::State::Drive(internal::GroupSlot& slot, const std::string& controller,
                          bool configured) {
   const CtrlMode wanted = ControllerMode(controller, place(slot));
-  if (configured) RequireDrive(slot, wanted);  // or why it cannot, whoever drives it now
+  if (configured) RequireDrive(slot, wanted);  // throws if it cannot, whatever drives it now
   const std::string& key = slot.own->control_key();
   if (const auto known = FindControl(key)) {
     slot.control = known;
@@ -385,7 +386,7 @@ internal::GroupSlot* Robot::State::CarrierOf(const internal::GroupSlot& gripper)
 
 internal::GroupSlot* Robot::State::GripperOf(const internal::GroupSlot& arm) const {
   const std::vector<internal::GroupSlot*> grippers = OfKind(MoveGroupKind::kGripper);
-  // Nothing to choose: whatever it hangs on, and without asking groups of the user's own.
+  // There is no choice, whatever it hangs on, and a user's own groups are not called.
   if (grippers.size() == 1 && OfKind(MoveGroupKind::kArm).size() == 1) return grippers[0];
   for (internal::GroupSlot* gripper : grippers) {
     if (Carries(arm, *gripper)) return gripper;
@@ -498,7 +499,7 @@ void Robot::State::Use(internal::GroupSlot& slot, std::shared_ptr<Controller> co
     std::vector<double> servos;
     if (switched) servos = TakeOver(*slot.own, *controller);
     control.Put(std::move(controller), slot.own, drive);
-    // At once, so that nothing falls in a step before the next Update().
+    // Runs at once, so that nothing falls in a step before the next Update().
     if (switched) control.Guarded([](internal::GroupControl& c) { c.Run(); });
     if (!servos.empty()) control.SettleFilters(servos);
   } catch (...) {

@@ -1,4 +1,4 @@
-// Private to robot: what all handles to one robot share.
+// Private to robot: the state that all handles to one robot share.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ namespace robocell::internal {
 // One of the robot's groups. Slots are replaced with their groups.
 struct GroupSlot : std::enable_shared_from_this<GroupSlot> {
   std::shared_ptr<ControlledGroup> own;
-  std::shared_ptr<GroupControl> control;  // not of this group alone, and perhaps by another's
+  std::shared_ptr<GroupControl> control;  // may be shared, and work on the group of another robot
 };
 
 struct FtReading {
@@ -41,29 +41,30 @@ class Robot::State : public SceneObserver, public internal::BodyPutObserver {
   void OnResetDone() override;
   void OnForward() override;
   void OnRebuild() override;
-  // Whoever puts the robot's base elsewhere, its group's pose too, is warned about what it holds.
+  // Warns about a held object when any code moves the robot's base, including its group.
   void OnBodyPut(int body, const Pose& pose_in_world) override;
-  // ClosedError after the scene was closed.
+  // Throws ClosedError after the scene was closed.
   void RequireOpen() const {
     if (scene.closed()) ThrowClosed();
   }
 
-  // Adds the group or takes the place of the one of that name. Where its actuators are driven by a
-  // control already, it shares that; else they go on in the mode that they are in, by `controller`
-  // if that is its mode. A group that this cannot drive gets none; with `must_be_driven`, when the
+  // Adds the group or replaces the one of that name. If a control already drives its actuators, it
+  // shares that; else they stay in their present mode, driven by `controller` if that has this
+  // mode. A group that this cannot drive gets no controller; with `must_be_driven`, if the
   // configuration names `controller`, that is an error.
   void AddGroup(internal::MadeGroup made, const std::string& controller, bool must_be_driven);
   internal::GroupSlot* Find(const std::string& name);
-  // The first of the kind; of grippers the one that goes with the first arm, see GripperOf().
+  // Returns the first group of the kind; for grippers that of the first arm, see GripperOf().
   internal::GroupSlot* FindKind(MoveGroupKind kind) { return first_[static_cast<size_t>(kind)]; }
-  // The gripper that goes with an arm: the first that hangs on the arm's last link, in the order of
-  // the file; where it carries none the first that no other arm carries. Null for none.
+  // Returns an arm's gripper: the first one that hangs on the arm's last link, in the order of the
+  // file; without such a gripper the first one that no other arm carries. Null for none.
   internal::GroupSlot* GripperOf(const internal::GroupSlot& arm) const;
-  // NotFoundError with the alternatives.
+  // Throws NotFoundError with the alternatives.
   internal::GroupSlot& Require(const std::string& name);
   internal::GroupSlot& RequireKind(MoveGroupKind kind);
   Controller& RequireController(internal::GroupSlot& slot);
-  // The group that has the actuators of a mode; ArgumentError says why there is none.
+  // Returns the group that has the actuators of a mode. Throws ArgumentError with the reason if
+  // there is none.
   MoveGroup& RequireDrive(internal::GroupSlot& slot, CtrlMode mode);
   // Calls `run` with the control of each slot that has a controller. A controller may replace
   // itself, its group or others.
@@ -74,31 +75,31 @@ class Robot::State : public SceneObserver, public internal::BodyPutObserver {
       if (controls_[i]->controller) controls_[i]->Guarded(run);
     }
   }
-  // A controller of that kind and mode that goes on as the one that it is to replace: servos that
-  // hold the arm against gravity go on holding it.
+  // Returns a controller of that kind and mode that continues from the one that it replaces: servos
+  // that hold the arm against gravity still hold it.
   std::unique_ptr<Controller> Successor(internal::GroupSlot& slot, const std::string& kind,
                                         CtrlMode mode);
-  // Puts a controller of the slot's group in, and switches to what it drives without a jump of the
-  // forces. Where that fails, all is as it was.
+  // Installs a controller of the slot's group, and switches to its actuators without a jump of the
+  // forces. A failure changes nothing.
   void Use(internal::GroupSlot& slot, std::shared_ptr<Controller> controller);
   const Chain& RequireChain(internal::GroupSlot& slot);
 
   internal::FtReading& RequireFtSensor(const std::string& name);
   std::vector<std::string> ft_sensor_names() const;
 
-  // Weighs what hangs on the chains where it is now.
+  // Weighs the bodies that hang on the chains at their present positions.
   void RefreshChains();
-  // State of the arm into the ports, and readings of the force-torque sensors.
+  // Reads the state of the arm into the ports, and the force-torque sensors.
   void ReadPorts();
-  // Logs, the first time, that a teleport puts the arm beyond its limits.
+  // Logs the first teleport that puts the arm beyond its limits.
   void TellBeyondLimits(const ArmGroup& arm, std::span<const double> q);
-  // ClosedError when its bodies were removed with an object of the scene.
+  // Throws ClosedError if its bodies were removed with an object of the scene.
   void RequireBodies() const {
     if (!lost.empty()) ThrowLost();
   }
   std::vector<std::string> group_names() const;
   void AppendGroups(std::vector<std::shared_ptr<MoveGroup>>& out) const;
-  // "scene 'pick' / robot 'left'".
+  // Returns "scene 'pick' / robot 'left'".
   std::string place() const { return "scene '" + scene.name() + "' / robot '" + record.name + "'"; }
   std::string place(const internal::GroupSlot& slot) const {
     return place() + " / group '" + slot.own->group->name() + "'";
@@ -106,12 +107,12 @@ class Robot::State : public SceneObserver, public internal::BodyPutObserver {
 
   bool is_of_chain() const { return !tip_body.empty(); }
 
-  // Data of every tick, side by side.
+  // Data of every tick, kept together.
   Scene scene;
   std::vector<std::shared_ptr<internal::GroupSlot>> slots;
   std::vector<double> pos, vel, trq;  // the arm's measurement ports
   std::vector<internal::FtReading> ft_sensors;
-  std::string lost;  // why it could not follow when the scene was compiled anew
+  std::string lost;  // why it could not follow a rebuild
   bool paused = false, told_beyond_limits = false;
 
  private:
@@ -128,12 +129,12 @@ class Robot::State : public SceneObserver, public internal::BodyPutObserver {
   std::optional<double> reach;
 
  private:
-  // Slots that are replaced meanwhile are kept, as controllers are (GroupControl).
+  // Replaced slots are kept during a loop, like controllers (GroupControl).
   struct Running {
     explicit Running(State& s) : state(s) { ++state.running_; }
     ~Running() {
       if (--state.running_ > 0 || state.replaced_.empty()) return;
-      const auto going = std::exchange(state.replaced_, {});  // they may replace others as they go
+      const auto going = std::exchange(state.replaced_, {});  // destructors may replace others
     }
     Running(const Running&) = delete;
     Running& operator=(const Running&) = delete;
@@ -146,19 +147,19 @@ class Robot::State : public SceneObserver, public internal::BodyPutObserver {
 
   [[noreturn]] void ThrowClosed() const;
   [[noreturn]] void ThrowLost() const;
-  // Gives a new slot its control; ArgumentError when `controller` cannot drive its group, or an arm
-  // of other joints drives some of its actuators.
+  // Gives a new slot its control. Throws ArgumentError if `controller` cannot drive its group, or
+  // if an arm of other joints drives some of its actuators.
   void Drive(internal::GroupSlot& slot, const std::string& controller, bool configured);
   // Returns the control of the actuators of that key; null without one.
   std::shared_ptr<internal::GroupControl> FindControl(const std::string& key) const;
-  // ArgumentError when the group's actuators are not all its own to drive.
+  // Throws ArgumentError if other controls drive some of the group's actuators.
   void RequireUndriven(const internal::GroupSlot& slot) const;
-  // A controller of the slot's group in the place of one of the same mode, driven to the same.
+  // Replaces the slot's controller by another one of the same mode with the same command.
   void PutInstead(internal::GroupSlot& slot, const std::string& controller);
   // Reads the chain with everything attached to it: at its present place if it was refreshed, else
   // at the reference.
   void ReadChainAgain(internal::ControlledGroup& group) const;
-  // Calls `visit` with each group whose chain is asked: the slots' own, and those that drive their
+  // Calls `visit` with each group whose chain is used: the slots' own, and those that drive their
   // actuators.
   template <class Visit>
   void ForChains(Visit&& visit);
@@ -168,11 +169,11 @@ class Robot::State : public SceneObserver, public internal::BodyPutObserver {
   void FindFtSensors();
   void ListKinds();
   std::vector<internal::GroupSlot*> OfKind(MoveGroupKind kind) const;
-  // The body that the arm's last joint moves; -1 when it has no joints of the model.
+  // Returns the body that the arm's last joint moves; -1 if it has no joints of the model.
   int LastLink(const internal::GroupSlot& arm) const;
   // Returns true if one of the gripper's joints hangs on the arm's last link.
   bool Carries(const internal::GroupSlot& arm, const internal::GroupSlot& gripper) const;
-  // The first arm that carries it; null for none.
+  // Returns the first arm that carries it; null for none.
   internal::GroupSlot* CarrierOf(const internal::GroupSlot& gripper) const;
 
   std::array<internal::GroupSlot*, 4> first_ = {};  // see FindKind()

@@ -1,4 +1,4 @@
-// Handles of every kind when objects of their scene come and go.
+// Tests handles of every kind when objects of their scene are added and removed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -97,7 +97,7 @@ TEST(Rebuild, TargetsAndControlModesStay) {
   EXPECT_EQ(a.ctrl_mode(), CtrlMode::kPosition);
 }
 
-// The commands of each kind of robot are the pose that the hook leaves, and it stays there.
+// Each kind of robot is commanded to the pose that the hook sets, and stays there.
 TEST(Rebuild, AfterLaterResetsRobotsHoldThePoseOfTheHook) {
   Scene scene = Scene::Build(TwoRobots());
   Robot a = Robot::Of(scene, "a");
@@ -105,7 +105,7 @@ TEST(Rebuild, AfterLaterResetsRobotsHoldThePoseOfTheHook) {
       Robot::FromScene(scene, "base_link", "link7", {.prefix = "b_", .tool = {.tcp_site = "tcp"}});
   const std::vector<double> elsewhere(7, 0.1), pose{0.4, 0.3, -0.2, 1.1, 0.5, -0.6, 0.7};
   scene.AddResetHook([&](ResetContext&) {
-    for (Robot* robot : {&a, &b}) robot->arm().SetJointPos(pose);  // which commands nothing
+    for (Robot* robot : {&a, &b}) robot->arm().SetJointPos(pose);  // not a command
   });
   const auto expect_held = [&](const char* when) {
     SCOPED_TRACE(when);
@@ -126,7 +126,7 @@ TEST(Rebuild, AfterLaterResetsRobotsHoldThePoseOfTheHook) {
   expect_held("removed");
 }
 
-// The mode is in the model; it stays when nobody holds the robot any more.
+// The mode belongs to the model; it stays without any handle to the robot.
 TEST(Rebuild, AControlModeStaysWithoutAHandle) {
   Scene scene = Scene::Build(TwoRobots());
   const auto tip = RobotOptions{.prefix = "b_", .tool = {.tcp_site = "tcp"}};

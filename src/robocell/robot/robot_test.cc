@@ -1,4 +1,4 @@
-// Robots as handles: making and finding them, what they share, their groups, ports and life time.
+// Tests robots as handles: making and finding them, shared state, groups, ports and life time.
 #include "robocell/robot/robot.h"
 
 #include <gmock/gmock.h>
@@ -270,7 +270,7 @@ TEST(Robot, MadeFromTwoBodiesGoesWithItsHandle) {
   EXPECT_NE(make().jnt_pos_cmd()[0], 1);
 }
 
-// The two-joint arm with its second servo made a motor.
+// Returns the two-joint arm with a motor instead of its second servo.
 std::string ArmWithOneServo() {
   std::string model = kTwoJointArm;
   const std::string servo = R"(<position name="servo2" joint="elbow" kp="50" kv="5"/>)";
@@ -339,7 +339,7 @@ TEST(Robot, ResetReseedsTargetsFromThePoseThatAHookLeaves) {
   EXPECT_EQ(robot.arm().joint_pos(), Rc7().home.at("arm"));
 }
 
-// Counts its resets, and throws at each when it has something to say.
+// Counts its resets, and throws a given text at each.
 class ThrowsAtReset : public Controller {
  public:
   ThrowsAtReset(const MoveGroup& group, int* resets, std::string text)
@@ -377,7 +377,7 @@ TEST(Robot, AGroupThatThrowsAtAResetStopsNoOther) {
   EXPECT_EQ(right.jnt_pos_cmd()[0], right.arm().joint_pos()[0]);
 }
 
-// qpos of every step of a motion of arm and gripper.
+// Returns qpos of every step of a motion of arm and gripper.
 std::vector<double> Trajectory(Robot robot, uint64_t seed) {
   Scene scene = robot.scene();
   scene.Reset({.seed = seed});

@@ -59,9 +59,9 @@ struct ScratchRobot::State {
   std::string remedy;
   std::shared_ptr<CompiledScene> compiled;
   mjModel model;  // shares the arrays of the scene's; contact margin and filters are its own
-  std::vector<int> contype, conaffinity;  // as objects of the pool were at the last update
+  std::vector<int> contype, conaffinity;  // of objects of the pool at the last update
   DataPtr data;
-  std::vector<char> is_robot, counts;  // per geom; `counts`: it is not overlooked
+  std::vector<char> is_robot, counts;  // per geom; `counts`: it is not ignored
   std::vector<char> is_held;           // per geom
   std::vector<int> arm;                // addresses in qpos
   std::set<std::pair<int, int>> always_touching;
@@ -98,7 +98,7 @@ bool ScratchRobot::State::FindContacts() {
 
 void ScratchRobot::State::PairBoxes() {
   boxes.clear();
-  if (model.opt.o_margin == 0) return;  // contacts of boxes that overlap are right
+  if (model.opt.o_margin == 0) return;  // contacts of overlapping boxes are correct
   if ((model.opt.disableflags & (mjDSBL_CONTACT | mjDSBL_CONSTRAINT)) != 0) return;
   for (const int own : robot.collision_geom_ids()) PairBox(own);
   for (int g = 0; g < model.ngeom; ++g) {
@@ -132,10 +132,10 @@ ScratchRobot::ScratchRobot(const Robot& robot, double horizon, std::string_view 
     : state_(std::make_unique<State>(robot, remedy)) {
   State& s = *state_;
   mjModel* m = &s.model;
-  // Contacts are reported from this distance on, whatever the geoms ask for.
+  // Contacts are reported up to this distance, whatever margins the geoms have.
   m->opt.enableflags |= mjENBL_OVERRIDE;
   m->opt.o_margin = horizon;
-  // Several contacts of two geoms that are apart may leave out the nearest points.
+  // Several contacts of two separate geoms may leave out the nearest points.
   m->opt.disableflags |= mjDSBL_MULTICCD;
   s.is_robot.assign(m->ngeom, 0);
   s.counts.assign(m->ngeom, 1);
@@ -159,7 +159,7 @@ void ScratchRobot::Update() {
   mju_copy(s.data->mocap_pos, from->mocap_pos, 3 * s.model.nmocap);
   mju_copy(s.data->mocap_quat, from->mocap_quat, 4 * s.model.nmocap);
   std::ranges::fill(s.is_held, 0);
-  s.CopyFilters();  // objects of the pool may collide now, or no longer
+  s.CopyFilters();  // objects of the pool may have been added or removed
   s.PairBoxes();
   s.FindContacts();
   s.always_touching.clear();
@@ -195,7 +195,7 @@ bool ScratchRobot::FindTouches() {
     if (a < 0 || b < 0 || !s.counts[a] || !s.counts[b]) continue;
     const bool a_own = s.is_robot[a] || s.is_held[a], b_own = s.is_robot[b] || s.is_held[b];
     if (!a_own && !b_own) continue;
-    if (a_own && b_own && (s.is_held[a] || s.is_held[b])) continue;  // the hand with what it holds
+    if (a_own && b_own && (s.is_held[a] || s.is_held[b])) continue;  // the hand and its held object
     const double distance = s.data->contact[c].dist;
     const bool itself = a_own && b_own;
     if (itself && (distance >= 0 || s.always_touching.contains({a, b}))) continue;

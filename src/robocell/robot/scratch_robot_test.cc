@@ -1,4 +1,4 @@
-// What a robot is near, with the engine's distance of each two geoms as the oracle.
+// Tests the geoms near a robot, with the engine's distance of each pair of geoms as the oracle.
 #include "robocell/robot/scratch_robot.h"
 
 #include <gtest/gtest.h>
@@ -51,13 +51,13 @@ std::map<Pair, double> Found(ScratchRobot& scratch) {
   return nearest;
 }
 
-// Compares with the engine wherever the two are apart. How often there was something to compare.
+// Compares with the engine wherever the two are separate. Returns the number of comparisons.
 int Compare(const Robot& robot, ScratchRobot& scratch, int thing) {
   const std::map<Pair, double> found = Found(scratch);
   int compared = 0;
   for (const int own : robot.collision_geom_ids()) {
     const mjModel* m = scratch.model();
-    // The engine looks for no contacts of what no joint moves with what stands still.
+    // The engine finds no contacts between fixed bodies.
     if (m->body_dofnum[m->body_weldid[m->geom_bodyid[own]]] == 0) continue;
     if ((m->geom_contype[own] | m->geom_conaffinity[own]) == 0) continue;  // only drawn
     auto* data = const_cast<mjData*>(scratch.data());                      // which is only read
@@ -73,7 +73,7 @@ int Compare(const Robot& robot, ScratchRobot& scratch, int thing) {
   return compared;
 }
 
-// The same in many places.
+// Compares in many places.
 int CompareAnywhere(const Robot& robot, ScratchRobot& scratch, int thing) {
   Rng rng = Rng::Stream(1, "scratch robot");
   JointVector q(robot.n_joints());
@@ -100,7 +100,7 @@ TEST(ScratchRobot, DistancesAreThoseOfTheNearestPoints) {
   }
 }
 
-// It could not collide with anything yet when the copy was made.
+// When the copy was made, it could not collide with anything.
 TEST(ScratchRobot, DistancesOfAnObjectOfThePoolAreRightOnceItIsThere) {
   SceneSpec spec = SceneWith({.name = "rc7", .config = Rc7()});
   SceneObject box = BoxObject("box", {0.55, 0, 0.45});
@@ -121,7 +121,7 @@ TEST(ScratchRobot, DistancesOfAnObjectOfThePoolAreRightOnceItIsThere) {
   for (const ScratchRobot::Touch& touch : scratch.touches()) EXPECT_NE(touch.other_geom, geom);
 }
 
-// Not where they were parked either, nor half of them.
+// They are not at their parking places either, nor only half of them.
 TEST(ScratchRobot, ObjectsOfThePoolAreAsTheyWereAtTheLastUpdate) {
   SceneSpec spec = SceneWith({.name = "rc7", .config = Rc7()});
   SceneObject box = BoxObject("box", {0.55, 0, 0.45});

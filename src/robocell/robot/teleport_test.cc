@@ -1,4 +1,4 @@
-// An arm that is put elsewhere stays there, whoever commands it then.
+// Tests that a teleported arm stays in place, whatever drives it afterwards.
 #include <gtest/gtest.h>
 
 #include <vector>

@@ -1,4 +1,4 @@
-// A robot whose model names nothing does what the same robot does with names.
+// Tests that a robot whose model names nothing behaves like the same robot with names.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -53,7 +53,7 @@ std::string Replaced(std::string text, const char* from, const char* to) {
 
 class UnnamedRobot : public ::testing::Test {
  protected:
-  // The robot of a model; `grip` is its gripper's actuator, `fingers` what is said of them.
+  // Makes the robot of a model; `grip` is its gripper's actuator, `fingers` its configured fingers.
   Robot Make(const std::string& name, const std::string& xml, const char* grip,
              const char* fingers) {
     const std::string fields = Replaced(Replaced(kFields, "GRIP", grip), "FINGERS", fingers);

@@ -1,4 +1,4 @@
-// Finds what of a robot is not used: groups, where one arm and its gripper are driven (environments,
+// Finds unused parts of a robot: groups, where one arm and its gripper are driven (environments,
 // pick tasks), and actuators that no group commands.
 #pragma once
 
@@ -9,14 +9,14 @@
 
 namespace robocell::internal {
 
-// Says which groups of kind arm and gripper are used, its first arm and the gripper of that
-// (Robot::gripper_of()), and which are not: "arm 'left' and gripper 'lgrip' are used; 'right' and
+// Lists the used groups of kind arm and gripper, which are its first arm and that arm's gripper
+// (Robot::gripper_of()), and the unused ones: "arm 'left' and gripper 'lgrip' are used; 'right' and
 // 'rgrip' hold still". "" for a robot without others.
 std::string TellUnusedGroups(const Robot& robot);
 
-// The actuators that belong to no move group, so that nothing will ever command them: mostly a group
-// was forgotten in the robot's file. Names without the robot's prefix. Those of other parts of the scene do not count, nor those
-// that were added for the robot's controllers.
+// Returns the actuators that belong to no move group, so that nothing will ever command them;
+// usually a group is missing in the robot's file. Names are without the robot's prefix. Actuators
+// of other parts of the scene do not count, nor those that were added for the robot's controllers.
 std::vector<std::string> IdleActuators(const Robot& robot);
 
 }  // namespace robocell::internal

@@ -1,4 +1,4 @@
-// Which gripper goes with which arm, and what is said of those that are not used.
+// Tests which gripper belongs to which arm, and the messages about unused groups.
 #include "robocell/robot/unused_groups.h"
 
 #include <gtest/gtest.h>

@@ -14,9 +14,10 @@
 namespace robocell::internal {
 namespace {
 
-// A measured finger distance may differ this much from the configured one, metres.
+// The allowed difference between the measured and the configured finger distance, metres.
 constexpr double kDistanceTolerance = 0.005;
-// A configured reach may be so much larger than the measured one, which is within a percent or two.
+// The allowed ratio of the configured reach to the measured one, which is accurate to a percent or
+// two.
 constexpr double kMostReach = 1.1;
 
 void ValidateDistance(const ActuatedGripper& gripper, const GripperDistance& said,
@@ -32,7 +33,7 @@ void ValidateDistance(const ActuatedGripper& gripper, const GripperDistance& sai
                              measured.closed, measured.open, said.closed, said.open));
 }
 
-// `failed` gets what says that a gripper cannot be measured as it is configured.
+// `failed` receives the reason why a gripper cannot be measured as configured.
 template <class Failed>
 void ValidateGrippers(const Robot& robot, Problems& problems, const Failed& failed) {
   Problems::Scope groups(problems, "move_groups");
@@ -56,7 +57,7 @@ bool HasArm(const Robot& robot) {
   });
 }
 
-// A box so wide that the arm ends above it: metres that were meant as centimetres.
+// A box so wide that the arm ends above it: centimetres given as metres.
 void ValidateBaseSize(const Robot& robot, Problems& problems) {
   const std::optional<Vec3>& size = robot.config().base.size;
   if (!size || !HasArm(robot)) return;
@@ -68,7 +69,7 @@ void ValidateBaseSize(const Robot& robot, Problems& problems) {
                              (*size)[0], (*size)[1], (*size)[2], reach));
 }
 
-// Farther than the TCP gets: centimetres, or somebody else's robot.
+// A reach beyond that of the TCP: centimetres, or the value of another robot.
 void ValidateReachField(const Robot& robot, Problems& problems) {
   const std::optional<double>& said = robot.config().reach;
   if (!said || !HasArm(robot)) return;
@@ -79,7 +80,7 @@ void ValidateReachField(const Robot& robot, Problems& problems) {
                                       measured, *said));
 }
 
-// The controllers that drive this arm to joint positions.
+// Lists the controllers that drive this arm to joint positions.
 std::string PositionControls(const Robot& robot, const std::string& arm) {
   const mjModel* m = robot.scene().model();
   bool servos = true;
@@ -114,7 +115,7 @@ bool ValidateControllers(const Robot& robot, Problems& problems) {
   return problems.list().size() == before;
 }
 
-// Pose controllers go their own way to where a joint target puts the leaf.
+// Pose controllers move on a path of their own to the pose of a joint target.
 void ValidateTakesJointPositions(const Robot& robot, Problems& problems) {
   if (!HasArm(robot)) return;
   const std::string arm = robot.arm().name();

@@ -1,5 +1,5 @@
-// What a robot's file says although its model does otherwise: valid by itself, and found by trying
-// the robot in a copy of the simulation. Asked by `robocell check` and before every run.
+// Checks a robot's file against its model: settings that are valid by themselves, tried with the
+// robot in a copy of the simulation. `robocell check` and every run call it.
 //
 //   Problems problems(config.locations);
 //   ValidateConfig(robot, problems);            // move_groups.gripper.distance, base.size
@@ -15,16 +15,16 @@ namespace robocell::internal {
 // Takes up to a second per gripper.
 void ValidateConfig(const Robot& robot, Problems& problems);
 
-// Adds each gripper whose `distance` is not what its fingers do. Grippers that cannot be measured
-// are left alone: what the file says is all that is known.
+// Adds each gripper whose `distance` differs from that of its fingers. Grippers that cannot be
+// measured are skipped: the file is the only source.
 void ValidateDistances(const Robot& robot, Problems& problems);
 
 // Adds each arm and gripper that no controller can drive: motors, where a run sends joint positions
-// and openings. False when there is one.
+// and openings. Returns false if there is one.
 bool ValidateControllers(const Robot& robot, Problems& problems);
 
-// Adds the first arm when its controller takes something else than joint positions, which the
-// scripted expert sends. Other experts may command other things. Arms have controllers.
+// Adds the first arm if its controller does not take joint positions, which the scripted expert
+// sends. Other experts may send other commands. Arms have controllers.
 void ValidateTakesJointPositions(const Robot& robot, Problems& problems);
 
 }  // namespace robocell::internal

@@ -12,7 +12,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// What is wrong with a configuration; "" when nothing is.
+// Returns the problem of a configuration; "" if it is valid.
 std::string Wrong(const RobotConfig& config) {
   Problems problems(config.locations);
   ValidateConfig(RobotAlone(config), problems);
@@ -47,7 +47,7 @@ TEST(ValidateConfig, AGripperThatCannotBeMeasuredAsItIsConfiguredIsTold) {
   EXPECT_THAT(Wrong(config), HasSubstr("open and closed are swapped"));
 }
 
-// What is noticed first is the gripper, which is measured.
+// The first check measures the gripper.
 TEST(ValidateConfig, MeasuringAGripperNamesTheGainThatItFailsBy) {
   RobotConfig config = Rc7();
   config.edits.push_back({.actuator = ElementRef{.name = "gripper"}, .kp = 5e9});
@@ -84,7 +84,7 @@ TEST(ValidateConfig, AReachThatTheArmDoesNotHaveIsTold) {
   const double measured = RobotAlone(config).reach();
   config.reach = measured;
   EXPECT_EQ(Wrong(config), "");
-  config.reach = 0.5;  // less than it has: only that is to be used
+  config.reach = 0.5;  // less than the real one: only that may be used
   EXPECT_EQ(Wrong(config), "");
   config.reach = 9;
   EXPECT_THAT(Wrong(config),

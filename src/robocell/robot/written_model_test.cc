@@ -1,5 +1,5 @@
-// What is written to a scene's model is what its robots reckon with: from the next Forward() or
-// reset on, limits of a position command at once.
+// Tests that robots use the values written to a scene's model: from the next Forward() or reset on,
+// and limits of a position command at once.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -115,7 +115,7 @@ TEST_F(WrittenModel, IsWeighedWithTheGripperWhereItWasRefreshed) {
 TEST_F(WrittenModel, IsWeighedAsRefreshedWhileObjectsComeAndGo) {
   const std::vector<double> at_the_reference = Torques();
   std::vector<double> fingers(robot.gripper().nq());
-  fingers[0] = 0.03;  // one of them: together they keep their centre of mass
+  fingers[0] = 0.03;  // only one of them: together they keep their centre of mass
   robot.gripper().SetJointPos(fingers);
   robot.RefreshToolInertia();
   const std::vector<double> refreshed = Torques();

@@ -1,4 +1,4 @@
-// Simulations that go wrong while they are recorded: unstable models, states poisoned with NaN,
+// Tests simulations that fail while they are recorded: unstable models, states poisoned with NaN,
 // scenes too crowded for the engine's buffers.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Pair;
 
-// Nothing to do.
+// A task without a goal.
 class NoTask : public Task {
  public:
   void Begin(const Scene&) override {}
@@ -40,7 +40,7 @@ class NoTask : public Task {
   std::vector<std::string> objects() const override { return {}; }
 };
 
-// Commands nothing; does something to the scene before its third action.
+// Sends no commands; changes the scene before its third action.
 class Standing : public Expert {
  public:
   explicit Standing(std::function<void(Scene)> spoil = {}) : spoil_(std::move(spoil)) {}
@@ -175,7 +175,7 @@ TEST_F(DivergenceTest, APoisonedStateIsForgottenByTheNextAttemptOfTheSameRunner)
   }
 }
 
-// Boxes on top of each other in a world that has room for some of their contacts only.
+// Boxes on top of each other in a world with space for only some of their contacts.
 class Crowd : public DivergenceTest {
  protected:
   internal::RolloutResult Rollout(const std::string& memory) {
@@ -208,7 +208,7 @@ TEST_F(Crowd, TooLargeForTheEnginesBuffersIsCountedInTheRecord) {
   ExpectTimesIncrease(episode);
 }
 
-// With a little more room the contacts fit, but not what is computed from them.
+// With a little more memory the contacts fit, but not the results computed from them.
 TEST_F(Crowd, ThatTheEngineCannotComputeIsAnErrorThatSaysWhatToDo) {
   const std::string said = ExpectThrow<EngineError>([&] { Rollout("5000K"); }, "scene 'test'");
   EXPECT_THAT(said, HasSubstr("increase <size memory"));

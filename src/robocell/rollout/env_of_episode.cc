@@ -70,7 +70,7 @@ void ForEachModelOfEnv(EnvConfig& config, F&& f) {
     f(config.alternative_combined_robot_mjcf, directory);
 }
 
-// Files that are not there are not simulated, like those of robots in a combined model.
+// Missing files are not simulated, like those of robots in a combined model.
 std::string PortableOrOwnName(const std::string& name, const std::string& directory) {
   try {
     const std::string path = assets::Resolve(name, directory);
@@ -82,7 +82,7 @@ std::string PortableOrOwnName(const std::string& name, const std::string& direct
   }
 }
 
-// Writes the numbers of a pose in the form that is the same pose and nearest to another one.
+// Writes the numbers of a pose as the equivalent pose that is nearest to another one.
 void AlignPose(const Feature& feature, std::span<const double> with, std::span<double> pose) {
   const std::vector<std::string>& names = feature.column.names;
   if (!names.empty() && names.back() == "qw") {
@@ -96,7 +96,7 @@ void AlignPose(const Feature& feature, std::span<const double> with, std::span<d
   }
 }
 
-// Columns of the features, row by row, as the vectors of an environment have them.
+// Returns columns of the features, row by row, in the layout of an environment's vectors.
 std::vector<double> RowsOf(const Episode& episode, const FeatureSchema& features) {
   const auto rows = static_cast<size_t>(episode.rows()),
              width = static_cast<size_t>(features.size());
@@ -110,7 +110,7 @@ std::vector<double> RowsOf(const Episode& episode, const FeatureSchema& features
                                 PlaceOfEpisode(episode), feature.column.name,
                                 column.size() / std::max<size_t>(rows, 1), size));
     }
-    all.resize(rows * width);  // now that the number of rows is known to be true
+    all.resize(rows * width);  // after the number of rows was checked
     for (size_t row = 0; row < rows; ++row)
       std::copy_n(column.begin() + static_cast<std::ptrdiff_t>(row * size), size,
                   all.begin() + static_cast<std::ptrdiff_t>(row * width + begin));
@@ -119,7 +119,7 @@ std::vector<double> RowsOf(const Episode& episode, const FeatureSchema& features
   return all;
 }
 
-// Files of the code here that the episode was not recorded with.
+// Returns the local code files that differ from those of the episode.
 std::vector<std::string> CodeDifferences(const EnvConfig& config, const Episode& episode) {
   std::set<std::string> hashes;
   if (const auto code = EnvironmentOf(episode).Find("code")) {
@@ -166,7 +166,7 @@ class ActionReplay {
     for (int64_t row = 0; row < episode_.rows(); ++row) {
       const auto at = static_cast<size_t>(row);
       const EnvStep step = env_.Step(std::span(actions_).subspan(at * width, width), options_.poll);
-      // An episode that diverged has nothing to show after its last action.
+      // An episode that diverged shows nothing after its last action.
       const bool is_shown = (at + 1) * SeenWidth() < seen_.size();
       if (step.reason != EndReason::kDiverged && is_shown && !CompareObservation(row + 1))
         return report_;

@@ -36,7 +36,7 @@ EnvStep StepTo(Env& env, const Eigen::Vector3d& tcp, double gripper) {
 
 class EnvOfEpisodeTest : public ::testing::Test {
  protected:
-  // Three steps above the cube.
+  // Records three steps above the cube.
   Episode Record(const EnvConfig& config) const {
     Env env(config);
     EnvRecorder recorder(env, folder.path());
@@ -45,7 +45,7 @@ class EnvOfEpisodeTest : public ::testing::Test {
     recorder.Close();
     return Dataset(folder.path()).Open(recorder.episodes().front());
   }
-  // The same episode with one number of a column changed.
+  // Returns the same episode with one number of a column changed.
   Episode Changed(const Episode& from, const std::string& column, size_t number, double by) const {
     EpisodeSchema schema;
     std::vector<std::pair<ColumnId, std::vector<double>>> doubles;
@@ -79,7 +79,7 @@ class EnvOfEpisodeTest : public ::testing::Test {
         writer.Commit({.end_reason = from.end_reason(), .results_json = from.results_json()}));
   }
 
-  // The same episode with another episode.json, whose hash is right.
+  // Returns the same episode with another episode.json, whose hash is correct.
   template <class F>
   Episode Edited(const Episode& from, F&& edit) const {
     const std::filesystem::path to = folder / ("edited" + std::to_string(++count));
@@ -91,13 +91,13 @@ class EnvOfEpisodeTest : public ::testing::Test {
     return Episode(to);
   }
 
-  // The same episode whose steps.h5 has a row less of one column.
+  // Returns the same episode with one row less of a column in steps.h5.
   Episode WithShortColumn(const Episode& from, const std::string& column) const {
     return WithRows(from, from.rows(), [&](const ColumnInfo& info) {
       return info.rows - (info.spec.name == column ? 1 : 0);
     });
   }
-  // The same episode with `steps_rows` rows, whose columns have as many as `rows_of` says.
+  // Returns the same episode with `steps_rows` rows, whose columns have the lengths of `rows_of`.
   template <class F>
   Episode WithRows(const Episode& from, int64_t steps_rows, F&& rows_of) const {
     return Edited(from, [&](nlohmann::ordered_json& json) {
@@ -274,7 +274,7 @@ TEST_F(EnvOfEpisodeTest, NamesTheFieldThatIsNotAsItWasWritten) {
   };
   ExpectThrow<IoError>([&] { EnvOfEpisode(edited("/metadata/environment/config", 7)); },
                        "episode.json': 'metadata.environment.config' is 7, not a text; the "
-                       "episode was edited or is of another program");
+                       "episode was edited or comes from another program");
   ExpectThrow<IoError>([&] { EnvOfEpisode(edited("/metadata/environment/config", "robots: 3")); },
                        "'metadata.environment.config' is \"robots: 3\", not what robocell writes");
   ExpectThrow<IoError>([&] { EnvOfEpisode(edited("/metadata/scene_spec", false)); },

@@ -39,11 +39,11 @@ constexpr std::array kEndReasons = {EndReason::kDiverged, EndReason::kCollision,
                                     EndReason::kIkFailed, EndReason::kArrived,
                                     EndReason::kSettled,  EndReason::kTimeout};
 
-// Of videos. Steps that end at arrivals have no rate: their frames are played as if they had that
-// of the configuration.
+// The frame rate of videos. Steps that end at arrivals have no fixed rate: their frames play at the
+// rate of the configuration.
 Ratio RateOfRows(const EnvConfig& config) { return RatioOf(config.sim.frequency); }
 
-// What a stream shows.
+// The frame that a stream shows.
 struct ShownFrame {
   std::vector<uint8_t> rgb;
   std::vector<uint16_t> depth, bodies;
@@ -60,7 +60,7 @@ class FrameColumns {
                             [](const EnvFrame& f) { return !f.segmentation.empty(); }))
       schema.SetSegmentLabels(internal::SegmentLabelsOf(env.scene()));
   }
-  // Reads what is shown now.
+  // Reads the current frames.
   void Take(const Env& env, std::vector<ShownFrame>& out) const {
     out.resize(streams_.size());
     for (size_t i = 0; i < streams_.size(); ++i) {
@@ -125,14 +125,14 @@ class FrameColumns {
   std::vector<Stream> streams_;
 };
 
-// What is the same in all episodes of one scene; hashing models takes a while.
+// The constant description of all episodes of one scene; hashing models takes a while.
 struct SceneDescription {
   uint64_t generation = 0;
   PortableScene portable;
   std::string config;  // the environment's, as YAML with portable names
 };
 
-// One episode while it is recorded.
+// An episode that is being recorded.
 class EnvEpisode {
  public:
   EnvEpisode(const Env& env, const fs::path& dataset, const std::string& id,
@@ -167,7 +167,7 @@ class EnvEpisode {
     for (const auto& [name, files] : scene.portable.models) writer_->AddModel(name, files);
   }
 
-  // A step begins.
+  // Begins a step.
   void Begin(std::span<const double> action) {
     if (env_.scene().generation() != generation_) {
       throw Error(fmt::format(
@@ -187,7 +187,7 @@ class EnvEpisode {
     begun_.times.push_back(data->time);
     begun_.ctrl.insert(begun_.ctrl.end(), data->ctrl, data->ctrl + nu_);
   }
-  // It ends; so the row before it was not the last one.
+  // Ends the step, which shows that the previous row was not the last one.
   void End(const EnvStep& step) {
     const std::span<const double> commands = features_.ReadActions();
     begun_.commands.assign(commands.begin(), commands.end());
@@ -208,7 +208,7 @@ class EnvEpisode {
   }
   int rows() const { return rows_; }
 
-  // Of an episode with rows; the last one is written with what the episode ended with.
+  // Commits an episode that has rows; the last row is written with the end of the episode.
   void Commit(const EnvEpisodeEnd& end) {
     const bool diverged = ended_.reason == EndReason::kDiverged;
     internal::RowOutcome& last = ended_.outcome;
@@ -236,7 +236,7 @@ class EnvEpisode {
     EndReason reason = EndReason::kTimeout;
   };
 
-  // What the last action led to, which has no row of its own.
+  // Returns the observation after the last action, which has no row of its own.
   std::string FinalObservation() const {
     Json final = Json::object();
     std::span<const double> rest = after_;
@@ -331,8 +331,8 @@ class EnvEpisode {
   std::optional<FrameColumns> frames_;
   std::optional<EpisodeWriter> writer_;
 
-  // The row that has begun, and the last one that ended. It is not written before the next one has
-  // ended too: steps that an error ends are no rows.
+  // The row that has begun, and the last one that ended. A row is not written before the next one
+  // has ended too: a step that an error ends is not a row.
   Row begun_, ended_;
   std::vector<double> after_;
   std::string divergence_;
@@ -341,7 +341,7 @@ class EnvEpisode {
   int64_t ticks_ = 0;
 };
 
-// The number after the highest of "<prefix>-000017".
+// Returns the number after the highest of "<prefix>-000017".
 int64_t NextNumber(const fs::path& dataset, const std::string& prefix) {
   int64_t next = 0;
   for (const std::string& name : FolderNames(dataset)) {
@@ -354,7 +354,7 @@ int64_t NextNumber(const fs::path& dataset, const std::string& prefix) {
   return next;
 }
 
-// Episodes of a dataset are of one environment.
+// All episodes of a dataset belong to one environment.
 void RequireSameEnv(const fs::path& dataset, const Env& env) {
   const Dataset all(dataset);
   if (all.size() == 0 || !IsOfEnv(all.At(0))) return;
@@ -445,7 +445,7 @@ struct EnvRecorder::State : public EnvObserver {
     if (episode) Try([&] { episode->End(step); });
   }
 
-  // An episode that cannot be written is none; the environment goes on with the next reset.
+  // An episode that cannot be written is discarded; the environment goes on with the next reset.
   template <class F>
   void Try(F&& f) {
     try {

@@ -42,7 +42,7 @@ std::vector<double> GoingTo(const Eigen::Vector3d& tcp, double gripper = 1) {
   return action;
 }
 
-// Three steps above the cube.
+// Takes three steps above the cube.
 void ActOut(Env& env) {
   for (const double z : {0.3, 0.2, 0.1}) env.Step(GoingTo({0.45, 0, z}));
 }
@@ -51,7 +51,7 @@ std::vector<double> NumbersOf(std::span<const double> numbers) {
   return {numbers.begin(), numbers.end()};
 }
 
-// What a dataset must be, whatever was recorded: whole, and the same again to the bit.
+// Checks what holds for every dataset: it is complete and replays to the bit.
 void ExpectSound(const fs::path& dataset, size_t episodes) {
   const VerifyResult report = Verify(dataset);
   EXPECT_THAT(report.problems, IsEmpty());
@@ -124,7 +124,7 @@ TEST(EnvRecorders, RecordWhatWasShownAskedAndDone) {
     EXPECT_EQ(final.at(name).get<std::vector<double>>(), last) << name;
     for (std::vector<double>& row : seen) row.erase(row.begin(), row.begin() + feature.size());
   }
-  // What generated episodes have is there too.
+  // The columns of generated episodes are there too.
   EXPECT_EQ(episode.Read<double>("robots/robot/arm/qpos"),
             episode.Read<double>("observation/robot/joints"));
   EXPECT_TRUE(episode.features().Has("objects/cube/pose"));
@@ -145,7 +145,7 @@ TEST(EnvRecorders, AfterSavingOrDiscardingTheyWaitForAReset) {
   ActOut(env);
   EXPECT_EQ(recorder.rows(), 0);
   const EnvState state = env.state();
-  env.SetState(state);  // begins one like a reset
+  env.SetState(state);  // begins an episode like a reset
   ActOut(env);
   recorder.Discard();
   env.Reset();
@@ -347,7 +347,7 @@ TEST(EnvRecorders, CountOnAndKeepToTheirOwn) {
   }
 }
 
-// A recorder in a process of its own, killed in the middle of an episode.
+// Kills a recorder in a process of its own in the middle of an episode.
 TEST(EnvRecorders, RemoveWhatAKilledOneOfTheirPrefixLeft) {
   const TempDir folder;
   for (const char* prefix : {"episode", "episode-left"}) {
@@ -370,7 +370,7 @@ TEST(EnvRecorders, RemoveWhatAKilledOneOfTheirPrefixLeft) {
   ASSERT_EQ(UnfinishedIn(folder.path()).size(), 1u) << "the other prefix's stays";
   env.Reset({.seed = 5});
   env.Step(GoingTo({0.45, 0, 0.3}));
-  // One that writes keeps what it writes.
+  // An active recorder keeps its files.
   EnvRecorder left(other, folder.path(), {.prefix = "episode-left"});
   EXPECT_EQ(Verify(folder.path()).being_written.size(), 1u);
   EXPECT_EQ(UnfinishedIn(folder.path()).size(), 1u);

@@ -17,7 +17,7 @@ std::vector<SegmentLabel> SegmentLabelsOf(const Scene& scene) {
     if (is_free) labels[id].owner = owner;
     return is_free;
   };
-  // A robot in the model of another one has its base, and begins at its own root.
+  // A robot in the model of another one has that robot's base, and begins at its own root.
   for (const RobotRecord& robot : scene.compiled()->robots()) {
     const std::string owner = "robots/" + robot.name;
     if (!own(robot.base_body, owner)) own(robot.root_body, owner);
@@ -27,7 +27,7 @@ std::vector<SegmentLabel> SegmentLabelsOf(const Scene& scene) {
   for (int b = 0; b < model->nbody; ++b) {
     const char* name = mj_id2name(model, mjOBJ_BODY, b);
     labels[b].name = name ? name : "";
-    // Parents come first. What is mounted on a robot is its own, or an object's.
+    // Parents come first. A body mounted on a robot belongs to that robot, or to an object.
     if (b > 0 && labels[b].owner.empty()) labels[b].owner = labels[model->body_parentid[b]].owner;
   }
   return labels;

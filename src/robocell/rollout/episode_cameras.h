@@ -17,14 +17,14 @@ namespace robocell::internal {
 
 class EpisodeCameras {
  public:
-  // `renderer` is shared by all episodes of a process; it must outlive this object. `rate` is how
-  // many rows there are per second.
+  // `renderer` is shared by all episodes of a process and must outlive this object. `rate`: rows
+  // per second.
   EpisodeCameras(EpisodeSchema& schema, const Scene& scene, const CameraSystemConfig& config,
                  Renderer* renderer, const Ratio& rate);
-  // Draws one frame per kind of image of the present state, and puts them with an extrinsics row
-  // per stream.
+  // Draws one frame per kind of image of the present state, and writes them with a row of
+  // extrinsics per stream.
   void PutFrames(EpisodeWriter& writer);
-  // Those that were put last.
+  // Returns the images that were written last.
   const CellImages& images() const { return images_; }
 
  private:

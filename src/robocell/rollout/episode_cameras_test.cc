@@ -16,7 +16,7 @@
 namespace robocell::internal {
 namespace {
 
-constexpr double kHalfMillimetre = 0.5e-3 + 1e-6;  // and the rounding of a float
+constexpr double kHalfMillimetre = 0.5e-3 + 1e-6;  // with the rounding of a float
 
 // A start of the demo, whose wrist camera also takes depth.
 class EpisodeCamerasTest : public ::testing::Test {
@@ -31,7 +31,7 @@ class EpisodeCamerasTest : public ::testing::Test {
     renderer = MakeRenderer();
   }
 
-  // Two rows, between which the arm moves.
+  // Records two rows, between which the arm moves.
   Episode Record() {
     EpisodeSchema schema;
     const ColumnId time = schema.AddColumn({.name = "time", .units = "s"});

@@ -16,7 +16,7 @@
 namespace robocell::internal {
 namespace {
 
-// "rad" when all are the same, else all in their order.
+// Returns "rad" when all units are equal, else all in order.
 std::string OneOrAll(const std::vector<std::string>& units) {
   const bool same =
       std::adjacent_find(units.begin(), units.end(), std::not_equal_to<>()) == units.end();

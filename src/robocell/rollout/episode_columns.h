@@ -1,5 +1,6 @@
-// The columns of a recorded episode, row by row: everything but the images. See docs/data.md for the
-// list. Row i holds the state before action i; the action and its outcome are added to the same row.
+// Writes the columns of a recorded episode row by row: everything but the images. docs/data.md
+// lists them. Row i holds the state before action i; the action and its outcome are added to the
+// same row.
 #pragma once
 
 #include <span>
@@ -14,11 +15,11 @@
 
 namespace robocell::internal {
 
-// Features of floating point numbers as columns.
+// Writes features of floating point numbers as columns.
 class FeatureColumns {
  public:
   FeatureColumns(EpisodeSchema& schema, const FeatureSchema& features);
-  // The numbers of all features, one after another.
+  // Writes the numbers of all features, one after another.
   void Put(EpisodeWriter& writer, std::span<const double> numbers) const;
 
  private:
@@ -29,7 +30,7 @@ class FeatureColumns {
   std::vector<Column> columns_;
 };
 
-// What an action led to.
+// The outcome of an action.
 struct RowOutcome {
   double reward = 0, progress = 0;
   int subtask = 0;
@@ -39,22 +40,25 @@ struct RowOutcome {
   int warnings = 0;        // of the engine, since the start of the episode
 };
 
-// What is said about a row, and the control table.
+// Writes the labels of rows, and the control table.
 class OutcomeColumns {
  public:
-  // `subtasks`: of the task; without any there is no such column.
+  // `subtasks`: those of the task; without any there is no such column.
   OutcomeColumns(EpisodeSchema& schema, Scene scene, std::vector<std::string> phases,
                  std::vector<std::string> subtasks);
-  // The labels among the columns.
+  // Returns the labels among the columns.
   const FeatureSchema& labels() const { return labels_; }
-  // Engine warnings since this object was made: those of the start's making are not the episode's.
+  // Returns the engine warnings since this object was made; those of making the start do not belong
+  // to the episode.
   EngineWarnings warnings() const { return ReadWarnings(scene_.data()) - warnings_before_; }
-  // ArgumentError for what an expert or a task may not say. PutPhase and PutOutcome check it too.
+  // Throws ArgumentError for an invalid phase of an expert or a task. PutPhase and PutOutcome check
+  // it too.
   void RequirePhase(int phase) const;
   void RequireOutcome(const RowOutcome& outcome) const;
   void PutPhase(EpisodeWriter& writer, int phase);
   void PutOutcome(EpisodeWriter& writer, const RowOutcome& outcome);
-  // The control table: one row per control tick, what acts on the engine from `time` on.
+  // Writes a row of the control table: the controls of one tick, which act on the engine from
+  // `time` on.
   void PutControl(EpisodeWriter& writer, double time, std::span<const double> ctrl);
 
  private:

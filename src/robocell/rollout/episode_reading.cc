@@ -45,7 +45,7 @@ EpisodeJson EpisodeJson::At(const std::string& key) const {
   if (!value_->is_object()) ThrowNot("an object");
   if (std::optional<EpisodeJson> found = Find(key)) return *std::move(found);
   throw IoError(
-      fmt::format("'{}': '{}' has no field '{}'; the episode was edited or is of another "
+      fmt::format("'{}': '{}' has no field '{}'; the episode was edited or comes from another "
                   "program",
                   file_, path_, key));
 }
@@ -80,7 +80,7 @@ void EpisodeJson::ThrowNot(const std::string& what, const std::string& detail) c
   std::string shown = value_->dump(-1, ' ', true);
   if (shown.size() > kMostOfValue) shown = shown.substr(0, kMostOfValue) + "...";
   throw IoError(
-      fmt::format("'{}': '{}' is {}, not {}{}{}; the episode was edited or is of another "
+      fmt::format("'{}': '{}' is {}, not {}{}{}; the episode was edited or comes from another "
                   "program",
                   file_, path_, shown, what, detail.empty() ? "" : ": ", detail));
 }

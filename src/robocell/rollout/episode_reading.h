@@ -1,5 +1,5 @@
-// Private to rollout: reads episodes that anybody may have edited. What is missing, or of another
-// type or length, is an IoError that names file and field.
+// Private to rollout: reads episodes that anybody may have edited. A missing field, or one of
+// another type or length, is an IoError that names file and field.
 //
 //   const EpisodeJson metadata = EpisodeJson::Metadata(episode);
 //   const std::string name = metadata.At("environment").At("name").AsText();
@@ -19,7 +19,7 @@
 
 namespace robocell::internal {
 
-// A value of episode.json and its place.
+// A value of episode.json with its path in the file.
 class EpisodeJson {
  public:
   static EpisodeJson Metadata(const Episode& episode);
@@ -27,16 +27,16 @@ class EpisodeJson {
   static EpisodeJson Versions(const Episode& episode);
 
   const nlohmann::json& value() const { return *value_; }
-  // The field of an object; IoError if there is none.
+  // Returns the field of an object. Throws IoError if there is none.
   EpisodeJson At(const std::string& key) const;
-  // Unset if there is none, or if this is no object.
+  // Returns the field; unset if there is none, or if this is not an object.
   std::optional<EpisodeJson> Find(const std::string& key) const;
-  // The values of a list.
+  // Returns the values of a list.
   std::vector<EpisodeJson> Items() const;
   std::string AsText() const;
   bool AsBool() const;
   std::vector<double> AsNumbers() const;
-  // A spec in the YAML that ToYaml writes.
+  // Parses a spec from the YAML that ToYaml writes.
   template <class Spec>
   Spec AsSpec() const {
     const std::string text = AsText();
@@ -46,7 +46,7 @@ class EpisodeJson {
       ThrowNot("what robocell writes there", error.what());
     }
   }
-  // IoError: it is not `what`.
+  // Throws IoError: the value is not `what`.
   [[noreturn]] void ThrowNot(const std::string& what, const std::string& detail = "") const;
 
  private:
@@ -56,10 +56,10 @@ class EpisodeJson {
   std::shared_ptr<const nlohmann::json> value_;
 };
 
-// IoError unless a column has as many rows as the episode.
+// Throws IoError unless a column has as many rows as the episode.
 void RequireRowOfEachStep(const Episode& episode, const std::string& column);
 
-// The numbers of a column of the steps, row by row.
+// Returns the numbers of a column of the steps, row by row.
 template <class T>
 std::vector<T> ReadSteps(const Episode& episode, const std::string& column) {
   RequireRowOfEachStep(episode, column);

@@ -26,7 +26,7 @@ class Attempts {
 
   struct Found {
     internal::EpisodeLook look;
-    std::optional<Episode> episode = {};  // of a whole one
+    std::optional<Episode> episode = {};  // if it is complete
     EarlierAttempts earlier = {};         // its own
   };
   Found Look(const PlanItem& item, int attempt);
@@ -35,17 +35,17 @@ class Attempts {
   std::string WhyNotOurs(const Episode& episode);
   const RunConfig& run_;
   std::optional<internal::RunOrigin>
-      origin_;  // once there is an episode: it asks for the run's models
+      origin_;  // made for the first episode: it needs the run's models
 };
 
-// Repair may set episodes of other models aside: verify knows them by dataset.json.
+// Repair may set episodes of other models aside: verify recognises them by dataset.json.
 internal::EpisodeLook InTheWay(const fs::path& folder, const std::string& what,
                                std::string_view advice = internal::kLeftAlone) {
   return {.state = internal::EpisodeState::kBroken,
           .problem = fmt::format("'{}' is {}: {}", folder.string(), what, advice)};
 }
 
-// "" when it is the run's own.
+// Returns "" for an episode of this run, else why it is not.
 std::string Attempts::WhyNotOurs(const Episode& episode) {
   constexpr size_t kMost = 3;
   if (!origin_) origin_.emplace(run_);

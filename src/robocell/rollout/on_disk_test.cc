@@ -28,7 +28,7 @@ class OnDiskTest : public ::testing::Test {
     run.output = folder.path().string();
     run.max_attempts = 3;
   }
-  // An episode of the run, after attempts that were refused or failed.
+  // Writes an episode of the run, after attempts that were refused or failed.
   void Write(const std::string& id, bool success, const EarlierAttempts& earlier = {}) const {
     WriteOf(run, id, success, {{kEarlierAttempts, nlohmann::json::parse(ToJson(earlier))}});
   }
@@ -93,7 +93,7 @@ TEST_F(OnDiskTest, KeptFailuresAreCompleteWithTheLastAttempt) {
   EXPECT_FALSE(LookForItem(run, item).success);
 }
 
-// Such as one that repair moved away.
+// For example one that repair moved away.
 TEST_F(OnDiskTest, AFailureThatIsMissingBeforeTheSuccessIsToBeMadeAgain) {
   run.keep = Keep::kAll;
   Write("e_a02", true, {{"mug", false, "dropped"}, {"mug", true, "too far"}});

@@ -13,7 +13,7 @@ namespace robocell {
 
 namespace {
 
-// Far more than anybody makes: a slip of the keyboard must not fill the memory.
+// Far more than any real run: a typing error must not exhaust the memory.
 constexpr int64_t kMostEpisodes = 10'000'000;
 
 int TotalEpisodes(const RunConfig& run, size_t scenes) {
@@ -80,7 +80,7 @@ std::string RunIdentity(const RunConfig& run) {
   identity.episodes.reset();
   identity.episodes_per_scene = 1;
   identity.scenes.houses = {};
-  identity.imports = {};  // what the modules hold counts (run_inputs.h)
+  identity.imports = {};  // the contents of the modules count (run_inputs.h)
   return ToYaml(identity);
 }
 

@@ -53,7 +53,7 @@ std::string Manifest(const RunConfig& run, const RunInputs& inputs) {
   return manifest.dump(2) + "\n";
 }
 
-// Throws Json::exception for a manifest of another making.
+// Throws Json::exception for a manifest in another format.
 RunInputs InputsIn(const std::string& manifest) {
   const Json json = Json::parse(manifest);
   return {
@@ -64,18 +64,18 @@ void CreateFolder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) ThrowIoError("create the dataset's folder", folder, error.value());
-  // Whether it can be written shows only when one tries.
+  // Only an attempt shows whether the folder can be written.
   fs::remove(MakeTempDirectory(folder, "probe"), error);
 }
 
-// What is there for the run's own sake, or was left behind by an interrupted write.
+// Returns true for an entry that the run itself made or that an interrupted write left behind.
 bool IsOfNoAccount(const std::string& name) {
   return IsTemporaryName(name) || name == kManifestFile || name == kLogsFolder ||
          name == kModelsFolder || name == kQuarantineFolder || name.starts_with(kLockFile) ||
          IsReportFile(name);
 }
 
-// The first name of anything else; "" when there is nothing.
+// Returns the name of the first other entry; "" if there is none.
 std::string FirstEntry(const fs::path& folder) {
   std::vector<std::string> names;
   std::error_code error;
@@ -87,19 +87,19 @@ std::string FirstEntry(const fs::path& folder) {
   return names.empty() ? "" : *std::min_element(names.begin(), names.end());
 }
 
-// What of the manifest is different now; nothing when it is the same run.
+// Returns the differences from the manifest; empty for the same run.
 std::vector<std::string> Changes(const std::string& manifest, const RunInputs& inputs) {
   try {
     return Differences(InputsIn(manifest), inputs);
   } catch (const Json::exception& error) {
-    return {std::string("dataset.json is of another making; without it, the episodes "
-                        "themselves are asked: ") +
+    return {std::string("dataset.json has an unknown form; without it, the episodes "
+                        "themselves are compared: ") +
             error.what()};
   }
 }
 
-// Where a value was given; of a list the option of the command line that replaced one of its
-// numbers, if any did. "" for one that was not.
+// Returns where a value was given; for a list, the option of the command line that replaced one of
+// its numbers, if any did. "" for a default.
 std::string PlaceOf(const RunConfig& run, const std::string& field) {
   for (int i = 0;; ++i) {
     const auto number = run.locations.Exactly(fmt::format("{}[{}]", field, i));
@@ -108,12 +108,13 @@ std::string PlaceOf(const RunConfig& run, const std::string& field) {
   }
 }
 
-// "run.yaml:4:30: task.base_distance: ..." for a difference of a field that stands in the file.
+// Adds the place to a difference of a field that stands in the file: "run.yaml:4:30:
+// task.base_distance: ...".
 std::string InFile(const RunConfig& run, const std::string& difference) {
   return WithPlace(PlaceOf(run, difference.substr(0, difference.find(": "))), difference);
 }
 
-// The folder of the dataset is where it says in the file.
+// Names the place in the file that sets the dataset's folder.
 [[noreturn]] void ThrowOfOutput(const RunConfig& run, const std::string& problem) {
   throw SpecError(WithPlace(run.locations.At("output"), "run '" + run.run + "': " + problem));
 }
@@ -141,8 +142,8 @@ void RequireOutput(const RunConfig& run) {
                     run.run + "`");
 }
 
-// Whether the dataset has to be begun, for the first time or anew. SpecError when it must not be:
-// episodes of other inputs or foreign things are there. The folder must exist.
+// Returns true if the dataset has to be begun, for the first time or anew. Throws SpecError if it
+// must not be, because it has episodes of other inputs or foreign entries. The folder must exist.
 bool MustBegin(const RunConfig& run, const RunInputs& inputs) {
   const std::string entry = FirstEntry(run.output);  // first: the manifest is older than episodes
   if (const std::optional<std::string> manifest = ReadManifest(run.output)) {
@@ -160,7 +161,7 @@ bool MustBegin(const RunConfig& run, const RunInputs& inputs) {
                        run.output, entry));
 }
 
-// Unset when somebody is at it.
+// Returns the lock; unset while another process holds it.
 std::optional<DatasetLock> TryAlone(const fs::path& dataset, bool last_try) {
   try {
     return DatasetLock::Alone(dataset);
@@ -170,8 +171,9 @@ std::optional<DatasetLock> TryAlone(const fs::path& dataset, bool last_try) {
   }
 }
 
-// False when somebody else has just written it, or has swept our half away: whoever generates
-// removes what the dead left, and single files do not tell the dead from the living.
+// Returns false if another process has just written the manifest, or has removed our unfinished
+// one: generators remove the leftovers of dead processes, and single files do not show whether
+// their process lives.
 bool TryWriteManifest(const RunConfig& run, const RunInputs& inputs, bool last_try) {
   try {
     WriteManifest(run.output, Manifest(run, inputs));
@@ -182,8 +184,8 @@ bool TryWriteManifest(const RunConfig& run, const RunInputs& inputs, bool last_t
   }
 }
 
-// A new manifest is the same whoever writes it. One that replaces another is written under the
-// lock, so that nobody makes an episode meanwhile; another shard may be at it too.
+// Every process writes the same new manifest. One that replaces another is written under the lock,
+// so that no episode is made meanwhile; another shard may be writing it too.
 void WriteManifestIfDue(const RunConfig& run, const RunInputs& inputs) {
   for (int patience = kLockTries; MustBegin(run, inputs); --patience) {
     if (!ReadManifest(run.output)) {
@@ -196,8 +198,8 @@ void WriteManifestIfDue(const RunConfig& run, const RunInputs& inputs) {
   }
 }
 
-// The folders in the dataset that keep an episode's models; none of one that cannot be read, which
-// is told elsewhere.
+// Returns the folders in the dataset that keep an episode's models; none for an unreadable episode,
+// which is reported elsewhere.
 std::vector<std::string> ModelFoldersOf(const fs::path& episode) {
   std::vector<std::string> folders;
   try {
@@ -209,8 +211,8 @@ std::vector<std::string> ModelFoldersOf(const fs::path& episode) {
   return folders;
 }
 
-// Episodes bring their models when they are committed. What the dataset lost of them since is
-// copied into it again.
+// Episodes bring their models when they are committed. This copies models that the dataset has lost
+// since.
 void RestoreModels(const RunConfig& run) {
   std::map<std::string, std::string> missing;  // folder in the dataset -> path of the model
   for (const std::string& model : ModelsOf(run)) {

@@ -37,7 +37,7 @@ RunConfig Demo(const std::filesystem::path& output) {
   return run;
 }
 
-// As if an episode were there.
+// Imitates the presence of an episode.
 void Occupy(const RunConfig& run) {
   std::filesystem::create_directory(std::filesystem::path(run.output) / "s0000_e0000");
 }
@@ -87,7 +87,7 @@ TEST(PrepareDataset, IsTheSameManifestWhoeverMakesIt) {
   EXPECT_EQ(ReadManifest(folder / "a"), ReadManifest(folder / "b"));
 }
 
-// Several commands begin at once, and the quickest tidies up what the dead left.
+// Several commands begin at once, and the quickest removes leftovers of dead processes.
 TEST(PrepareDataset, IsNotDisturbedByWhoeverTidiesUp) {
   TempDir folder;
   RunConfig run = Demo(folder / "out");
@@ -155,7 +155,7 @@ TEST(PrepareDataset, LeavesOtherFoldersAlone) {
   EXPECT_FALSE(ReadManifest(folder.path()));
 }
 
-// What an interrupted process leaves is no reason to stop.
+// Leftovers of an interrupted process are no reason to stop.
 TEST(PrepareDataset, OverlooksUnfinishedWrites) {
   TempDir folder;
   MakeTempDirectory(folder.path(), "s0000_e0000");
@@ -220,7 +220,7 @@ TEST(PrepareDataset, NamesAChangedVersion) {
   ExpectThrow<SpecError>([&] { PrepareDataset(run); }, "mujoco: 3.9.0 then, 4.0.0 now");
 }
 
-// What is wrong with the run leaves nothing behind, so that the corrected file begins afresh.
+// A mistake in the run leaves nothing behind, so that the corrected file begins afresh.
 TEST(PrepareDataset, ChecksTheRunFirst) {
   TempDir folder;
   RunConfig run = Demo(folder / "out");

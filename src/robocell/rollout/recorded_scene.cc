@@ -37,8 +37,8 @@ std::set<std::string> HashesIn(const fs::path& folder) {
   return hashes;
 }
 
-// A dataset from elsewhere must not reach for files of this machine: what its models name is kept
-// beside them, or is the very same file.
+// A foreign dataset must not reach for files of this machine: files that its models name are kept
+// beside them, or are identical to the local file.
 void RequireSelfContained(const std::string& episode, const fs::path& folder,
                           const fs::path& model) {
   std::optional<std::set<std::string>> kept;
@@ -70,7 +70,7 @@ class Models {
         dataset_(fs::absolute(episode.folder()).lexically_normal().parent_path()),
         kept_(episode.models()) {}
 
-  // The file behind a name in the episode's spec.
+  // Returns the file behind a name in the episode's spec.
   std::string Find(const std::string& name) const {
     const auto it = kept_.find(name);
     if (it == kept_.end()) return NotKept(name);
@@ -87,7 +87,8 @@ class Models {
   }
 
  private:
-  // Recorded before models were kept: a name that every machine knows.
+  // Resolves a model of an episode older than the model store: a name that is valid on every
+  // machine.
   std::string NotKept(const std::string& name) const {
     if (!fs::path(name).is_absolute() && name.find("..") == std::string::npos) return name;
     throw SpecError(fmt::format(

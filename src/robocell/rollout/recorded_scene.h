@@ -1,5 +1,5 @@
-// The scene an episode was made in, such that it can be built anywhere: the spec names its models
-// as every machine knows them, and the dataset keeps their files (data/model_store.h).
+// The scene of an episode in a form that can be built anywhere: the spec's model names are valid on
+// every machine, and the dataset keeps the files (data/model_store.h).
 //
 //   const PortableScene portable = MakePortable(scene.spec());   // recording
 //   Scene scene = Scene::Build(RecordedScene(episode));          // replaying
@@ -17,30 +17,30 @@
 namespace robocell {
 
 struct PortableScene {
-  // Models are named "rc7" when they are built in, "menagerie:ufactory_xarm7/xarm7.xml" when they
-  // are of the Menagerie, else by where the dataset keeps them.
+  // Built-in models are named like "rc7", those of the Menagerie like
+  // "menagerie:ufactory_xarm7/xarm7.xml", others by their path in the dataset.
   SceneSpec spec;
   std::map<std::string, FileSet> models;  // by these names
 };
 
-// NotFoundError for models that are not there.
+// Throws NotFoundError for missing models.
 PortableScene MakePortable(const SceneSpec& scene);
 
-// With the models that the dataset keeps. Models that are not there, as when an episode was taken
-// out of its dataset, are looked for by their names; SpecError when those are other ones than were
-// recorded, NotFoundError when there are none. ArgumentError when the episode's metadata has no
-// scene_spec: only generated episodes have it.
+// Returns the scene with the models that the dataset keeps. Models that are missing there, for
+// example because the episode was taken out of its dataset, are looked up by name. Throws SpecError
+// if they differ from the recorded ones, NotFoundError if there are none, and ArgumentError if the
+// episode's metadata has no scene_spec, which only generated episodes have.
 SceneSpec RecordedScene(const Episode& episode);
 
-// How the engine solved an episode's contacts, kept in the metadata of the episode as
-// `engine: {jacobian: dense, solver: newton, guards: [sparse_newton]}`, and put back when the
-// episode's scene is built again.
+// Returns how the engine solved an episode's contacts. The episode's metadata keeps it as `engine:
+// {jacobian: dense, solver: newton, guards: [sparse_newton]}`, and building the episode's scene
+// restores it.
 nlohmann::json EngineRecord(const Scene& scene);
 
-// Makes the scene of an episode solve as it was recorded, whatever engine it is built with: with a
-// dense Jacobian when a guard or a user made it dense, a sparse one when a user made it sparse, and
-// without the guard when the episode is older than it. What the scene's own options say stays.
-// SpecError, which begins with `place`, when the metadata's `engine` is not as it is written.
+// Makes the scene of an episode solve its contacts as recorded, whatever engine it is built with:
+// with a dense Jacobian if a guard or a user made it dense, a sparse one if a user made it sparse,
+// and without the guard if the episode is older than the guard. The scene's own options take
+// precedence. Throws SpecError, which begins with `place`, if the metadata's `engine` is malformed.
 void RestoreEngine(const nlohmann::json& metadata, SceneSpec& scene, const std::string& place);
 
 }  // namespace robocell

@@ -31,7 +31,7 @@ using ::testing::StartsWith;
 
 const fs::path kModels = fs::path(SourceDir()) / "models";
 
-// The built-in robot as a user's own, on a user's own table.
+// A copy of the built-in robot as a user's own robot, on a user's own table.
 RunConfig OwnRun(const fs::path& folder) {
   fs::create_directories(folder);
   fs::copy(kModels / "robots/rc7", folder / "robot", fs::copy_options::recursive);
@@ -44,7 +44,7 @@ RunConfig OwnRun(const fs::path& folder) {
   return run;
 }
 
-// One episode, in `folder`/out.
+// Records one episode in `folder`/out.
 Episode Record(const RunConfig& run) {
   PrepareDataset(run);
   EXPECT_TRUE(Runner(run).Run(MakePlan(run)[0]).success);
@@ -74,7 +74,7 @@ TEST_F(RecordedSceneTest, TheSceneNamesNoPathOfTheMachine) {
   const auto metadata = nlohmann::json::parse(episode.metadata_json());
   EXPECT_THAT(metadata["scene_spec"].get<std::string>(), Not(HasSubstr(temp.path().string())));
   EXPECT_THAT(episode.run_json(), Not(HasSubstr(temp.path().string())));
-  // The text alone builds, from the dataset's folder on.
+  // The text alone is enough to build the scene from the dataset's folder.
   const auto spec = ParseYaml<SceneSpec>(metadata["scene_spec"].get<std::string>(), "scene_spec",
                                          machine / "out");
   EXPECT_NO_THROW(Scene::Build(spec));
@@ -176,7 +176,7 @@ TEST_F(RecordedSceneTest, VerifyNamesModelsThatAreDamagedOrMissing) {
   EXPECT_TRUE(Verify(dataset).ok()) << Verify(dataset).Text();
 }
 
-// The asset folder is named after the mesh, and in another file.
+// The mesh names the asset folder, and is in another file.
 TEST_F(RecordedSceneTest, AMeshOfAnIncludedFileIsKeptAndItsChangeIsSeen) {
   RunConfig run = OwnRun(machine);
   const fs::path table = machine / "table.xml";
@@ -241,7 +241,7 @@ TEST(EngineRecord, IsRestoredWithAnyEngine) {
   EXPECT_EQ(Restored(R"({"engine": {"jacobian": "dense", "guards": ["sparse_newton"]}})"),
             JacobianKind::kDense);
   EXPECT_EQ(Restored(R"({"engine": {"jacobian": "auto", "guards": []}})"), std::nullopt);
-  // The user wrote this into the model.
+  // The user set this in the model.
   EXPECT_EQ(Restored(R"({"engine": {"jacobian": "sparse", "guards": []}})"), JacobianKind::kSparse);
   EXPECT_EQ(Restored(R"({"engine": {"jacobian": "dense", "guards": []}})"), JacobianKind::kDense);
   // An episode that is older than the guard.

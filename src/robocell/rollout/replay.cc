@@ -31,13 +31,13 @@ using Json = nlohmann::json;
 
 const std::string kTicks(kControlTickColumn);
 
-// The value that is not there differs from every other, and from none of its kind.
+// A missing value differs from every number, but not from another missing value.
 bool Differ(double a, double b, double tolerance) {
   if (std::isnan(a) || std::isnan(b)) return std::isnan(a) != std::isnan(b);
   return std::abs(a - b) > tolerance;
 }
 
-// A recorded column and how to read the same from the simulation.
+// A recorded column and how to read it from the simulation.
 struct Quantity {
   std::string column;
   std::vector<double> recorded;  // all rows
@@ -51,8 +51,9 @@ struct Quantity {
   }
 };
 
-// Of one value of a column, from the units of the column: one for all, one for each, or one for the
-// translation and one for the rotation of a pose or twist. Nothing for what has none.
+// Returns the unit of one value of a column, from the column's units: one for all values, one for
+// each, or one for the translation and one for the rotation of a pose or twist. "" for a value
+// without a unit.
 std::string UnitOfValue(const std::string& units, size_t i, size_t count) {
   std::vector<std::string> parts;
   for (size_t from = 0; from <= units.size();) {
@@ -162,7 +163,7 @@ class Replay {
     if (ctrl_.size() != nu() * times_.size())
       ThrowUnfit(fmt::format("its scene has {} controls, {} were recorded", nu(),
                              ctrl_.size() / std::max<size_t>(times_.size(), 1)));
-    // The last row may have ended early, in a divergence.
+    // A divergence may have ended the last row early.
     const int64_t per_row = rates_.control_ticks(), rows = episode_.rows();
     if (std::ranges::is_sorted(first_ticks_) && first_ticks_.end()[-2] < ticks() &&
         (Has(kTicks) || ticks() <= rows * per_row))
@@ -175,7 +176,8 @@ class Replay {
                               episode_.folder().string(), ticks(), rows, per_row));
   }
 
-  // Of each row, and where the last one ends. Steps of environments take as long as they need.
+  // Returns the first tick of each row, and the end of the last row. Steps of environments take as
+  // long as they need.
   std::vector<int64_t> FirstTicks() const {
     std::vector<int64_t> first;
     if (Has(kTicks)) {
@@ -189,7 +191,7 @@ class Replay {
     return first;
   }
 
-  // What an environment drew for the objects of this episode.
+  // Applies the variations that the environment drew for the objects of this episode.
   void VaryObjects() {
     const auto environment = internal::EpisodeJson::Metadata(episode_).Find("environment");
     const auto variations = environment ? environment->Find("variations") : std::nullopt;
@@ -208,7 +210,8 @@ class Replay {
     quantities_.push_back(std::move(quantity));
   }
 
-  // Positions or velocities of a robot's groups, by the joints' names where each has one value.
+  // Adds positions or velocities of a robot's groups, by the joints' names where each joint has one
+  // value.
   void AddRobot(const Robot& robot, const std::string& kind) {
     for (const std::string& group : robot.group_names()) {
       const std::string column = fmt::format("robots/{}/{}/{}", robot.name(), group, kind);
@@ -253,7 +256,7 @@ class Replay {
          .now = {}});
   }
 
-  // False when something differs.
+  // Returns false if something differs.
   bool CompareRow(int64_t row) {
     for (Quantity& quantity : quantities_) {
       quantity.read(quantity.now);
@@ -287,7 +290,7 @@ class Replay {
                 scene_.data()->ctrl);
     const StepResult step = scene_.StepN(rates_.sim_steps());
     ++report_.ticks;
-    // A recorded divergence ends the record with this very tick.
+    // A recorded divergence ends the record with exactly this tick.
     if (!step.ok() && report_.ticks < ticks())
       Differs(row, "the replay " + step.message, "control/time", times_[tick], scene_.time());
   }
@@ -309,7 +312,7 @@ class Replay {
   Rates rates_;
   ReplayOptions options_;
   std::vector<double> times_, ctrl_;
-  std::vector<int64_t> first_ticks_;  // of each row, and where the last one ends
+  std::vector<int64_t> first_ticks_;  // of each row, and the end of the last row
   std::vector<Quantity> quantities_;
   ReplayResult report_;
 };

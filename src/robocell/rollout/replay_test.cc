@@ -24,8 +24,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-// The scripted expert, with a hand in the game: before action `row` it does something that no
-// record tells.
+// The scripted expert, except that before action `row` it does something that no record contains.
 class Meddling : public Expert {
  public:
   using Deed = std::function<void(Scene)>;

@@ -19,7 +19,7 @@
 namespace robocell::internal {
 namespace {
 
-// Everything that is recorded of one rollout.
+// Records one rollout.
 class Recording {
  public:
   Recording(const RunConfig& run, const EpisodeStart& start, const std::vector<Robot>& robots,
@@ -69,13 +69,13 @@ class Recording {
     const StageClock::Stage stage(clock_, times_.rendering);
     cameras_.PutFrames(*writer_);
   }
-  // What PutState recorded.
+  // Returns what PutState recorded.
   CellRow row() const { return {features_.observed(), features_.state(), cameras_.images()}; }
   void PutControl(const mjModel* model, const mjData* data) {
     const StageClock::Stage stage(clock_, times_.writing);
     outcome_.PutControl(*writer_, data->time, {data->ctrl, static_cast<size_t>(model->nu)});
   }
-  // Which `task` judged.
+  // Writes an outcome that `task` judged.
   void PutOutcome(const RowOutcome& outcome, const Task& task) {
     const StageClock::Stage stage(clock_, times_.writing);
     commanded_.Put(*writer_, features_.ReadActions());
@@ -87,7 +87,7 @@ class Recording {
     const StageClock::Stage stage(clock_, times_.writing);
     writer_->Commit(summary);
   }
-  // For what is not recording, but stands still while this records.
+  // Returns the clock for other stages, which stop while this one records.
   StageClock& clock() { return clock_; }
   EngineWarnings warnings() const { return outcome_.warnings(); }
 
@@ -131,8 +131,8 @@ std::string Metadata(const RunConfig& run, const EpisodeStart& start, const Port
   return meta.dump();
 }
 
-// Why a rollout that ended without success did so. Commands that could not be followed say more
-// than the time that ran out over them.
+// Returns why a rollout ended without success. Commands that could not be followed explain more
+// than the timeout that they cause.
 std::string WhyFailed(const RolloutResult& result, const Task& task, const Expert& expert,
                       bool truncated) {
   if (!expert.failure().empty() && !truncated) return expert.failure();
@@ -141,7 +141,7 @@ std::string WhyFailed(const RolloutResult& result, const Task& task, const Exper
   return internal::CallHook(task, "why_not_done", [&] { return task.why_not_done(); });
 }
 
-// Also for the log: a failure that is not kept leaves no record.
+// Logs it too: a failure that is not kept leaves no record.
 void NoteDivergence(const StepResult& step, const std::string& episode, RolloutResult& result) {
   result.failure = "diverged";
   result.divergence = step.message;
@@ -189,7 +189,7 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
                      : TaskVerdict();
     terminated = internal::CallHook(expert, "done", [&] { return expert.done(); }) ||
                  !outcome.ok() || (verdict.success && expert.ends_at_success());
-    // What an expert calls a failure is no demonstration, whatever the task sees in it.
+    // An expert's failure is not a demonstration, whatever the task's verdict.
     const bool gave_up = terminated && !internal::CallHook(expert, "failure", [&] {
                                           return expert.failure();
                                         }).empty();

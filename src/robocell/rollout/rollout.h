@@ -1,5 +1,5 @@
-// Rollout: one attempt, recorded: expert and stepper from a start state to success, failure or the
-// last step.
+// Rollout: one recorded attempt: expert and stepper act from a start state until success, failure
+// or the last step.
 #pragma once
 
 #include <filesystem>
@@ -16,10 +16,10 @@
 
 namespace robocell::internal {
 
-// Seconds; none counts twice.
+// Seconds by stage; no second counts twice.
 struct RolloutTimes {
   double acting = 0;     // expert, simulation and task
-  double rendering = 0;  // with the encoders that are waited for
+  double rendering = 0;  // with the time spent waiting for encoders
   double writing = 0;    // rows and control ticks, and committing
 };
 
@@ -28,8 +28,9 @@ struct RolloutResult {
   bool stopped = false;  // by the stop request; nothing was kept
   bool committed = false;
   std::string failure;     // why it did not succeed; "" on success
-  std::string divergence;  // when it diverged: at what time, and which joint showed it
-  // Actions whose pose command had no IK solution, by "robot/group"; the group kept its target.
+  std::string divergence;  // if it diverged: at what time, and which joint showed it
+  // Number of actions whose pose command had no IK solution, by "robot/group"; the group kept its
+  // target.
   std::map<std::string, int> ik_failures;
   int rows = 0;
   RolloutTimes times;
@@ -38,14 +39,14 @@ struct RolloutResult {
 struct RolloutOptions {
   std::filesystem::path dataset;
   std::string episode_id;
-  std::string metadata_json;  // what is known before the rollout: seeds, attempt, identity
+  std::string metadata_json;  // known before the rollout: seeds, attempt, identity
   bool keep_failures = false;
-  Renderer* renderer = nullptr;  // needed when the run has streams
+  Renderer* renderer = nullptr;  // required if the run has streams
   StopRequest stop = {};
-  std::function<void()> before_commit = {};  // what it throws leaves nothing on the disk
+  std::function<void()> before_commit = {};  // an exception leaves nothing on the disk
 };
 
-// Commits the episode when it succeeded, or failed and failures are kept; else nothing stays on the
+// Commits the episode if it succeeded, or failed and failures are kept; else nothing stays on the
 // disk.
 RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expert, Rng& rng,
                          const RolloutOptions& options);

@@ -25,7 +25,7 @@ using ::testing::IsEmpty;
 using ::testing::Pair;
 using ::testing::StartsWith;
 
-// Sends the arm somewhere every second action, and holds still between.
+// Sends the arm to a new position every second action, and holds it still between.
 class Commanding : public Expert {
  public:
   Commanding(Pose leaf_in_robot, int actions) : leaf_(leaf_in_robot), left_(actions) {}
@@ -87,7 +87,7 @@ TEST_F(RolloutTest, CommandsThatAreFollowedAreNoFailures) {
   EXPECT_THAT(Episode(folder / "e").Read<uint8_t>("ik_failed"), Each(0));
 }
 
-// A task that is content with anything.
+// A task that accepts every state.
 class Content : public Task {
  public:
   void Begin(const Scene&) override {}

@@ -25,7 +25,7 @@ std::string MostOften(const RefusalCounts& reasons) {
   return text;
 }
 
-// The scene of an episode and all that is bound to it.
+// The scene of an episode and everything bound to it.
 struct Running {
   Running(const RunConfig& run, EpisodeStart from, Renderer* renderer)
       : start(std::move(from)),

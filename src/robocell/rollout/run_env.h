@@ -1,6 +1,6 @@
-// RunEnv: the cell of a run, to be acted in step by step from outside: the starts of its sampler, its
-// rates, cameras and task. What it shows is what an episode of the run records, row by row, and
-// actions are those that it records.
+// RunEnv: the cell of a run as an environment that the caller steps: the starts of its sampler, its
+// rates, cameras and task. Its observations are what an episode of the run records, row by row, and
+// its actions are those that an episode records.
 //
 //   RunEnv env(run);
 //   env.Reset(0);                                   // start number 0 of the run's seed
@@ -10,9 +10,9 @@
 //     done = step.terminated || step.truncated;
 //   }
 //
-// Start i is that of item i of the run's plan: generation, evaluation and this begin alike. Errors:
-// those of a Runner; Error when Act comes before Reset or after the end of an episode. One thread at
-// a time.
+// Start i belongs to item i of the run's plan: generation, evaluation and RunEnv begin alike.
+// Throws the errors of a Runner, and Error if Act comes before Reset or after the end of an
+// episode. Use it from one thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -39,21 +39,21 @@ struct RunStep {
 
 class RunEnv {
  public:
-  // SpecError for a run that is not right.
+  // Throws SpecError for an invalid run.
   explicit RunEnv(RunConfig run);
   ~RunEnv();
   RunEnv(RunEnv&&) noexcept;
 
   const RunConfig& run() const;
-  // To start `index`: its first attempt from `first_attempt` on that is accepted. An episode names
-  // the attempt that it is of, `attempt` of its metadata. Error with the reasons when none of
-  // max_attempts is.
+  // Resets to start `index`: the first accepted attempt from `first_attempt` on. An episode names
+  // its attempt as `attempt` in its metadata. Throws Error with the reasons if max_attempts
+  // attempts are refused.
   void Reset(int index, int first_attempt = 0, const StopRequest& stop = {});
-  // What is recorded of the present state; images are drawn by the first call in a state.
+  // Returns the recorded features of the present state; the first call in a state draws the images.
   CellRow Row();
   RunStep Act(const std::map<std::string, std::vector<double>>& actions);
 
-  // Of the present episode.
+  // Returns the schema of the present episode.
   const FeatureSchema& observed() const;
   const FeatureSchema& commanded() const;
   const EpisodeStart& start() const;

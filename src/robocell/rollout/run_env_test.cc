@@ -20,7 +20,7 @@ RunConfig WithoutImages(const TempDir& folder) {
   return run;
 }
 
-// The oracle is an episode of the run: its rows come again when its actions are given.
+// The oracle is an episode of the run: its actions reproduce its rows.
 TEST(RunEnv, TheActionsOfAnEpisodeGiveItsRows) {
   const TempDir folder;
   const RunConfig run = WithoutImages(folder);

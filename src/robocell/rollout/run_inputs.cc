@@ -33,7 +33,7 @@ using Texts = std::map<std::string, std::string>;
 
 namespace fs = std::filesystem;
 
-// What defines the run's task, expert, scenes, sampler and features, when a user wrote them.
+// Returns the user's code that defines the run's task, expert, scenes, sampler and features.
 internal::UserCode CodeOf(const RunConfig& run, bool with_expert) {
   internal::UserCode code;
   const std::shared_ptr<const TaskKind> task = FindTaskKind(run.task.kind());
@@ -46,8 +46,8 @@ internal::UserCode CodeOf(const RunConfig& run, bool with_expert) {
   return code;
 }
 
-// Names begin with the folder of the model, so they are the same on every machine. Files that would
-// have the same name are numbered in the order in which the run uses them.
+// Names begin with the model's folder, so they are the same on every machine. Files with equal
+// names are numbered in the order in which the run uses them.
 std::map<std::string, fs::path> FilesOf(const RunConfig& run) {
   std::map<std::string, fs::path> named;
   const auto add = [&](const std::string& name, const fs::path& file) {
@@ -67,11 +67,10 @@ std::map<std::string, fs::path> FilesOf(const RunConfig& run) {
   return named;
 }
 
-// "assets/hand.stl" of "rc7/assets/hand.stl".
+// Returns "assets/hand.stl" for "rc7/assets/hand.stl".
 std::string WithinItsFolder(const std::string& name) { return name.substr(name.find('/') + 1); }
 
-// A model that was moved to a folder of another name is the same: of each pair of files that are
-// so, both go.
+// A model in a renamed folder is still the same: drops each pair of files that differ only by that.
 void DropMoved(Texts& then, Texts& now) {
   std::map<std::pair<std::string, std::string>, std::vector<std::string>> gone;
   for (const auto& [name, hash] : then) {
@@ -87,7 +86,7 @@ void DropMoved(Texts& then, Texts& now) {
   }
 }
 
-// The leaves of a tree by their dotted paths; a list of plain values is one leaf.
+// Collects the leaves of a tree by their dotted paths; a list of plain values is one leaf.
 void Flatten(const YAML::Node& node, const std::string& path, Texts& out) {
   if (node.IsMap()) {
     for (const auto& entry : node) {
@@ -112,12 +111,12 @@ Texts Leaves(const std::string& identity) {
   try {
     Flatten(YAML::Load(identity), "", leaves);
   } catch (const YAML::Exception&) {
-    leaves["identity"] = identity;  // not ours: all of it differs
+    leaves["identity"] = identity;  // in another format: all of it differs
   }
   return leaves;
 }
 
-// Calls f(key, old, new) where they differ, in the order of the keys; null for what is not there.
+// Calls f(key, old, new) where they differ, in the order of the keys; null for a missing value.
 template <class F>
 void ForEachDifference(const Texts& then, const Texts& now, F&& f) {
   Texts keys = then;
@@ -134,7 +133,7 @@ constexpr size_t kShownFiles = 3;
 bool IsUnchanged(const std::filesystem::path& path, const std::string& hash) {
   try {
     return HashOfFile(path) == hash;
-  } catch (const IoError&) {  // it is gone
+  } catch (const IoError&) {  // the file is gone
     return false;
   }
 }
@@ -183,7 +182,7 @@ std::vector<std::string> Differences(const RunInputs& then, const RunInputs& now
     lines.push_back(
         fmt::format("{}: {} then, {} now", key, a ? *a : "not set", b ? *b : "not set"));
   };
-  if (then.identity != now.identity)  // parsing takes milliseconds, and is asked of every episode
+  if (then.identity != now.identity)  // parsing takes milliseconds, for every episode
     ForEachDifference(Leaves(then.identity), Leaves(now.identity), both);
   ForEachDifference(then.versions, now.versions, both);
   Texts files_then = then.files, files_now = now.files;

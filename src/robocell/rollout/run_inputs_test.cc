@@ -89,7 +89,7 @@ TEST(RunInputs, AChangedMeshAndANewVersionAreNamed) {
                   "model file rc7/rc7.xml: new since then"));
 }
 
-// Where a dataset with its run and models lies is no part of what it is.
+// The path of a dataset with its run and models does not belong to its inputs.
 TEST(RunInputs, AreTheSameInAFolderOfAnotherName) {
   TempDir temp;
   RunConfig run = DemoRun();
@@ -107,7 +107,7 @@ TEST(RunInputs, AreTheSameInAFolderOfAnotherName) {
                           "model file moved/rc7.xml: new since then"));
 }
 
-// The same bytes, and yet other meshes.
+// The bytes are the same, but the meshes have swapped places.
 TEST(RunInputs, SwappedFilesAreDifferent) {
   RunInputs then{.identity = "", .versions = {}, .files = {{"a/x.stl", "1"}, {"a/y.stl", "2"}}};
   RunInputs now{.identity = "", .versions = {}, .files = {{"b/x.stl", "2"}, {"b/y.stl", "1"}}};
@@ -147,8 +147,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-// A run whose robot is the user's own: a copy that a test may edit or move, with the dataset beside
-// it.
+// A run with a user's own robot: a copy that a test may edit or move, with the dataset beside it.
 class RunFilesWatchTest : public ::testing::Test {
  protected:
   RunFilesWatchTest() : run_(OwnRun(temp_ / "cell")) {}
@@ -185,7 +184,7 @@ TEST_F(RunFilesWatchTest, AChangedOrRemovedFileIsNamedWithTheNextStep) {
   EXPECT_NO_THROW(watch.RequireUnchanged(run_)) << "what it holds counts, not when it was written";
 }
 
-// At any time: before an item, while its start is sampled and compiled, and while it is acted.
+// At any time: before an item, while its start is sampled and compiled, and while the expert acts.
 TEST_F(RunFilesWatchTest, ARunnerKeepsNothingOfAModelThatChanged) {
   const std::vector<PlanItem> plan = MakePlan(run_);
   bool edits = false;
@@ -207,7 +206,7 @@ TEST_F(RunFilesWatchTest, ARunnerKeepsNothingOfAModelThatChanged) {
   EXPECT_TRUE(Verify(run_.output).ok());
 }
 
-// What earlier versions made of it.
+// The dataset as earlier versions wrote it.
 TEST_F(RunFilesWatchTest, VerifyNamesEpisodesOfAModelThatChanged) {
   const std::vector<PlanItem> plan = MakePlan(run_);
   Runner(run_).Run(plan[0]);
@@ -233,7 +232,7 @@ TEST_F(RunFilesWatchTest, VerifyNamesEpisodesOfAModelThatChanged) {
   EXPECT_TRUE(Verify(run_.output).ok());
 }
 
-// With what the dataset keeps of its model or without.
+// With and without the dataset's copy of its model.
 TEST_F(RunFilesWatchTest, AnEpisodeThatWasCopiedFromARunOfAnotherModelDoesNotCount) {
   const std::vector<PlanItem> plan = MakePlan(run_);
   Runner(run_).Run(plan[0]);

@@ -59,7 +59,7 @@ std::optional<std::vector<std::string>> RunOrigin::ChangesSince(const Episode& e
 
 namespace {
 
-// Unset for a folder that holds other things.
+// Returns the dataset; unset for a folder with other contents.
 std::optional<Dataset> DatasetIn(const std::string& folder) {
   try {
     return Dataset(folder);

@@ -1,12 +1,12 @@
-// Was an episode made from what its run is made from? The one place that compares them: fields,
-// versions and models. Somebody may edit a model while the run goes on: the models that the
-// dataset was begun with are its own all the same.
+// Checks whether an episode was made from the present inputs of its run. This is the one place that
+// compares fields, versions and models. A model may be edited while the run goes on: the models
+// that the dataset was begun with still belong to it.
 //
 //   RunOrigin origin(run);
 //   const auto changes = origin.ChangesSince(episode);
 //   if (changes && changes->empty()) ...  // one of the run's own
 //
-// Models are looked for and hashed when an episode names them, each once: a run may have hundreds.
+// Models are looked up and hashed when an episode names them, each once: a run may have hundreds.
 #pragma once
 
 #include <map>
@@ -23,9 +23,9 @@ namespace robocell::internal {
 
 class RunOrigin {
  public:
-  explicit RunOrigin(const RunConfig& run);  // which must outlive it
+  explicit RunOrigin(const RunConfig& run);  // must outlive this object
 
-  // The differences, as in Differences(). Unset for an episode that no run made. A model is
+  // Returns the differences, as in Differences(); unset for an episode that no run made. A model is
   // identified by its file's name and content. Models that the run does not list are ignored, and
   // so are those of the user's own tasks, whose sampler may bring others of the same name.
   std::optional<std::vector<std::string>> ChangesSince(const Episode& episode);
@@ -35,12 +35,13 @@ class RunOrigin {
   std::set<std::string>& StoredPathsOf(const std::string& name);
   const RunConfig& run_;
   RunInputs now_;                           // no files
-  std::optional<PathsByName> models_ = {};  // here
+  std::optional<PathsByName> models_ = {};  // on this machine
   PathsByName stored_ = {};                 // where a dataset keeps them
 };
 
-// For a dataset whose dataset.json was lost: what the episodes in the run's dataset were made with that is different now, as RunOrigin says
-// it; nothing when the manifest can be written again. Unset when there are no generated episodes.
+// For a dataset whose dataset.json was lost: returns how the inputs of its episodes differ from
+// those of the run, in the texts of RunOrigin; empty if the manifest can be written again. Unset if
+// there are no generated episodes.
 std::optional<std::vector<std::string>> ChangesSinceEpisodes(const RunConfig& run);
 
 }  // namespace robocell::internal

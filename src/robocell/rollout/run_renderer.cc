@@ -17,13 +17,13 @@ using Json = nlohmann::json;
 
 constexpr const char* kOpen = "auto";
 
-// The name in "soft: AVX2"; "" for another text.
+// Returns the name in "soft: AVX2"; "" for another text.
 std::string NameIn(const std::string& description) {
   const size_t colon = description.find(": ");
   return colon == std::string::npos ? "" : description.substr(0, colon);
 }
 
-// Of the first episode that has images; "" where none has.
+// Returns the back end of the first episode that has images; "" if none has.
 std::string BackendOfEpisodes(const std::filesystem::path& dataset) {
   try {
     for (const Episode& episode : Dataset(dataset)) {
@@ -36,7 +36,7 @@ std::string BackendOfEpisodes(const std::filesystem::path& dataset) {
   return "";
 }
 
-// "" where the manifest says nothing about it.
+// Returns the back end in the manifest; "" if it names none.
 std::string StoredBackend(const RunConfig& run) {
   if (run.output.empty()) return "";
   const std::optional<std::string> manifest = ReadManifest(run.output);

@@ -1,5 +1,5 @@
-// The renderer of a run's images. A run that leaves the back end open ("auto") draws with the one
-// that its dataset was begun with, on every machine, so that a dataset has images of one making.
+// The renderer of a run's images. A run with the back end "auto" uses the one that its dataset was
+// begun with, on every machine, so that all images of a dataset have one renderer.
 #pragma once
 
 #include <filesystem>
@@ -11,14 +11,15 @@
 
 namespace robocell::internal {
 
-// The name of the back end: what the run says, else what its dataset was begun with, else "auto".
+// Returns the name of the back end: the run's own, else that of its dataset, else "auto".
 std::string BackendOf(const RunConfig& run);
 
-// What a dataset is begun with. Of one that has episodes it is the back end that drew these.
-// "" for runs without cameras.
+// Returns the back end to begin a dataset with. For a dataset with episodes it is the one that drew
+// their images. "" for runs without cameras.
 std::string BackendToBeginWith(const RunConfig& run);
 
-// Throws Error when the dataset's back end does not work here. Other errors are MakeRenderer's.
+// Throws Error if the dataset's back end does not work here. Other errors are those of
+// MakeRenderer.
 std::unique_ptr<Renderer> MakeRendererOf(const RunConfig& run, const Visibility& visibility = {});
 
 }  // namespace robocell::internal

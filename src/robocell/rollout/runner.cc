@@ -29,7 +29,7 @@ double Seconds(std::chrono::steady_clock::time_point since) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - since).count();
 }
 
-// Whether a run calls code that does not come with robocell.
+// Returns true if a run calls code that is not part of robocell.
 bool HasUsersCode(const RunConfig& run, const RunnerParts& parts) {
   return parts.sampler || parts.expert || !run.sampler.empty() || !run.features.names.empty() ||
          !FindTaskKind(run.task.kind())->is_built_in() || !ExpertKindOf(run)->is_built_in();
@@ -40,20 +40,20 @@ bool HasUsersCode(const RunConfig& run, const RunnerParts& parts) {
 struct Runner::State {
   RunConfig run;
   RunnerParts parts;
-  bool own_sampler = false;     // of the user's, who alone knows what the task is
+  bool own_sampler = false;     // of the user: only it knows the task's object
   bool has_users_code = false;  // among task, sampler, expert and features
   std::shared_ptr<TaskSampler> sampler;
   std::unique_ptr<Renderer> renderer;
   std::optional<std::string> checked_manifest;
   RunFilesWatch models;
-  bool stale_sampler = false;  // it may remember scenes of models that were changed
+  bool stale_sampler = false;  // may remember scenes of changed models
 
   Renderer* EnsureRenderer() {
     if (!renderer && !run.cameras.streams.empty()) renderer = internal::MakeRendererOf(run);
     return renderer.get();
   }
   std::optional<std::string> advice;
-  // From where the robot would reach; "" for a task of the user's own. Found out once.
+  // Advises from where the robot would reach; "" for a user's own task. Computed once.
   const std::string& Advice();
   DatasetLock Enter();
   void RequireUnchangedModels();
@@ -61,20 +61,22 @@ struct Runner::State {
                                    const EarlierAttempts& earlier, const StopRequest& stop);
   void Attempt(const PlanItem& item, int attempt, const StopRequest& stop, EarlierAttempts& earlier,
                ItemResult& result);
-  // The same; an exception of a user's own code is a failure, unless it is the last of a row. With
-  // Keep::kFirst, in evaluations, one of an accepted start goes on: no other start takes its place.
+  // Likewise, but an exception of a user's own code is a failure, unless it is the last of a row.
+  // With Keep::kFirst, in evaluations, an exception of an accepted start is rethrown: no other
+  // start takes its place.
   void TryAttempt(const PlanItem& item, int attempt, const StopRequest& stop,
                   EarlierAttempts& earlier, ItemResult& result);
-  // Of the exception that is being handled; "" for one of others.
+  // Returns the text of the exception being handled; "" if it is not from a user's code.
   std::string WhatUsersCodeRaised() const;
   bool has_samplers_hooks() const { return own_sampler || !run.sampler.empty(); }
   int raised = 0;               // in a row
   bool start_accepted = false;  // in the present attempt
 };
 
-// The right to write into the dataset, as long as it is the one that the run was checked against.
+// Returns the lock for writing into the dataset, as long as it is the one that the run was checked
+// against.
 DatasetLock Runner::State::Enter() {
-  if (!checked_manifest) {  // before anything is written, a lock included
+  if (!checked_manifest) {  // before anything is written, including a lock
     const std::optional<std::string> before = ReadManifest(run.output);
     models = RunFilesWatch(RequireSameRun(run));
     checked_manifest = before;
@@ -153,7 +155,7 @@ const RunConfig& Runner::run() const { return state_->run; }
 
 namespace {
 
-// An attempt that was not decided: neither accepted nor refused, neither success nor failure.
+// Removes an undecided attempt: neither accepted nor refused, neither success nor failure.
 void Drop(ItemResult& result) {
   result.stopped = true;
   ++result.undecided;
@@ -165,14 +167,14 @@ int MostFrequent(const std::map<std::string, int>& counts) {
   return most;
 }
 
-// What an episode is about, as its sampler said; "" when it did not.
+// Returns the kind of object that the episode's sampler named; "" if it named none.
 std::string ObjectKindOf(const Episode& episode) {
   const auto kinds =
       nlohmann::json::parse(episode.metadata_json()).value("object_kinds", nlohmann::json::array());
   return kinds.empty() ? "" : kinds.front().get<std::string>();
 }
 
-// An attempt that an earlier process kept counts like one of now: a report is about the item.
+// An attempt that an earlier process kept counts like a new one: the report is about the item.
 void AddKept(ItemResult& result, const Episode& episode, EarlierAttempts& earlier) {
   result.object_kind = ObjectKindOf(episode);
   result.committed = true;
@@ -189,7 +191,7 @@ void AddKept(ItemResult& result, const Episode& episode, EarlierAttempts& earlie
   earlier.push_back({result.object_kind, false, episode.end_reason()});
 }
 
-// Sums up a rollout.
+// Adds a rollout to the sums.
 void AddTo(ItemResult& result, const internal::RolloutResult& rollout) {
   if (rollout.stopped) return Drop(result);
   ++result.attempts;
@@ -246,7 +248,7 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopRequest
       run, *sample.start, *expert, expert_rng, Options(item, attempt, earlier, stop));
   AddTo(result, rollout);
   if (result.stopped) return;
-  if (!rollout.committed) RequireUnchangedModels();  // what failed counts too
+  if (!rollout.committed) RequireUnchangedModels();  // failures count too
   if (!rollout.success) earlier.push_back({sample.object_kind(), false, rollout.failure});
   count_redrawn();
   count_kind();

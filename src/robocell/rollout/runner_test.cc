@@ -27,7 +27,7 @@ using ::testing::AnyOf;
 using ::testing::ElementsAre;
 using ::testing::Pair;
 
-// A run file of the examples without cameras: what they cost is not what is tested here.
+// Loads a run file of the examples without its cameras, whose cost is not tested here.
 RunConfig Blind(const std::string& file, const std::filesystem::path& output) {
   RunConfig run = RunConfig::Load(SourceDir() + "/examples/" + file);
   run.cameras.streams = {};
@@ -63,7 +63,8 @@ class Refusing : public TaskSampler {
   }
 };
 
-// At least nine of ten accepted starts succeed. Of twenty: tests/integration/test_pick_dataset.py.
+// Checks that at least nine of ten accepted starts succeed. For twenty:
+// tests/integration/test_pick_dataset.py.
 void ExpectGoodRun(const RunConfig& run, int episodes) {
   Runner runner(run);
   int accepted = 0, attempts = 0;
@@ -144,7 +145,7 @@ TEST(Runner, WhatAHookDoesWronglyEndsTheAttempt) {
   }
 }
 
-// In evaluations another start may be an easier one.
+// In evaluations another start may be easier.
 TEST(Runner, NoOtherStartTakesThePlaceOfTheFirst) {
   TempDir folder;
   RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
@@ -307,7 +308,7 @@ TEST(Runner, AStopLeavesNothingHalfDone) {
   EXPECT_EQ(Dataset(run.output).size(), 0u);
 }
 
-// Set while the expert acts: the rollout ends at the next tick.
+// The stop is requested while the expert acts: the rollout ends at the next tick.
 TEST(Runner, AStopInTheMiddleOfARolloutIsObeyed) {
   TempDir folder;
   const RunConfig run = Blind("demo.yaml", folder / "out");
@@ -328,7 +329,7 @@ TEST(Runner, AStopInTheMiddleOfARolloutIsObeyed) {
   }
 }
 
-// Asked again and again while the start is sampled: no attempt is counted as refused.
+// The sampler polls while the start is sampled: no attempt is counted as refused.
 TEST(Runner, AStopWhileSamplingIsObeyed) {
   TempDir folder;
   const RunConfig run = Blind("demo.yaml", folder / "out");

@@ -1,11 +1,11 @@
-// StageClock: how long each stage of a piece of work takes. Stages nest: while an inner one runs,
-// the outer one stands still, so that no second counts twice.
+// StageClock: measures how long each stage of some work takes. Stages nest: the outer one stops
+// while an inner one runs, so that no second counts twice.
 //
 //   StageClock clock;
 //   StageClock::Stage acting(clock, times.acting);
 //   { StageClock::Stage writing(clock, times.writing); Write(); }   // not counted as acting
 //
-// One thread.
+// Use it from one thread.
 #pragma once
 
 #include <chrono>
@@ -15,7 +15,7 @@ namespace robocell::internal {
 template <class Clock>
 class BasicStageClock {
  public:
-  // Adds to `total` (seconds) what passes until it goes out of scope, less the stages within.
+  // Adds the time until it goes out of scope to `total` (seconds), less that of the stages within.
   class Stage {
    public:
     Stage(BasicStageClock& clock, double& total) : clock_(clock), outer_(clock.SwitchTo(&total)) {}
@@ -29,7 +29,7 @@ class BasicStageClock {
   };
 
  private:
-  // Returns the stage that ran until now.
+  // Starts a stage and returns the one that ran until now.
   double* SwitchTo(double* total) {
     const auto now = Clock::now();
     if (running_) *running_ += std::chrono::duration<double>(now - since_).count();

@@ -5,7 +5,7 @@
 namespace robocell::internal {
 namespace {
 
-// A clock that is moved by hand.
+// A clock that the test advances.
 struct HandClock {
   using duration = std::chrono::duration<double>;
   using time_point = std::chrono::time_point<HandClock, duration>;

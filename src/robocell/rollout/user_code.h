@@ -1,5 +1,5 @@
-// UserCode: the files that define tasks, features and other kinds that a user wrote, sources and
-// plugins. Datasets remember their hashes, and nothing is repeated with other code.
+// UserCode: the files that define a user's own tasks, features and other kinds: sources and
+// plugins. Datasets store their hashes, and nothing is repeated with other code.
 #pragma once
 
 #include <filesystem>
@@ -15,23 +15,23 @@ namespace robocell::internal {
 class UserCode {
  public:
   void Add(const std::vector<std::string>& files);
-  // A kind's files, and the plugin that registered it.
+  // Adds a kind's files, and the plugin that registered it.
   template <class Kind>
   void AddKind(const Kind& kind) {
     Add(kind.CodeFiles());
     const std::string plugin = PluginOf(kind);
     if (!plugin.empty()) Add({plugin});
   }
-  // Each once, in the order in which they were added.
+  // Returns each file once, in the order of adding.
   const std::vector<std::filesystem::path>& files() const { return files_; }
-  // Those whose content has none of these SHA-256.
+  // Returns the files whose content has none of these SHA-256 hashes.
   std::vector<std::string> Unknown(const std::set<std::string>& hashes) const;
 
  private:
   std::vector<std::filesystem::path> files_;
 };
 
-// The code of an environment's task and of the features that it observes.
+// Returns the code of an environment's task and of the features that it observes.
 UserCode CodeOf(const EnvConfig& config);
 
 }  // namespace robocell::internal

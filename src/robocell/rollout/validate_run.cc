@@ -38,9 +38,9 @@
 namespace robocell {
 namespace {
 
-// Whether the image streams of a run can be recorded: by their fields, and on this machine.
+// Checks whether the image streams of a run can be recorded: by their fields, and on this machine.
 
-// What throws becomes a problem of the field, or of the whole stream.
+// Turns an exception into a problem of the field, or of the whole stream.
 template <class F>
 void Try(Problems& problems, const char* field, F&& check) {
   try {
@@ -54,7 +54,8 @@ void Try(Problems& problems, const char* field, F&& check) {
   }
 }
 
-// Names and sizes as the episode's writer wants them; what ValidateFields has told is left out.
+// Checks names and sizes by the rules of the episode's writer; problems that ValidateFields reports
+// are left out.
 void ValidateVideo(const CameraSystemConfig& cameras, const CameraConfig& stream,
                    Problems& problems) {
   if (!stream.name.empty() && !internal::ValidFileName(stream.name))
@@ -76,8 +77,8 @@ std::string FailingStreams(const RunConfig& run) {
                      count, count == 1 ? "" : "s");
 }
 
-// One that makes images with nothing in them: OpenGL in software takes 0.2 s to prepare for a
-// model's textures, and is asked only whether it works.
+// Returns a renderer of empty images: software OpenGL takes 0.2 s to prepare for a model's
+// textures, and this check only asks whether it works.
 std::unique_ptr<Renderer> RendererFor(const RunConfig& run) {
   try {
     FfmpegVersion();
@@ -89,7 +90,7 @@ std::unique_ptr<Renderer> RendererFor(const RunConfig& run) {
   }
 }
 
-// What a spec may say but an episode cannot hold: adds problems at cameras.streams[i].
+// Adds problems at cameras.streams[i] for values that a spec may have but an episode cannot hold.
 void ValidateStreams(const RunConfig& run, Problems& problems) {
   Problems::Scope cameras(problems, "cameras.streams");
   for (size_t i = 0; i < run.cameras.streams.size(); ++i) {
@@ -102,9 +103,9 @@ void ValidateStreams(const RunConfig& run, Problems& problems) {
   }
 }
 
-// Draws one image of each stream, with the settings of the run. IoError without an encoder, Error
-// without OpenGL, each saying who needs it; what cannot be drawn becomes a problem of its stream.
-// Nothing without streams. `scene` must have the streams' cameras.
+// Draws one image of each stream with the settings of the run. Throws IoError without an encoder
+// and Error without OpenGL, each naming what needs it; a stream that cannot be drawn becomes a
+// problem. Does nothing without streams. `scene` must have the streams' cameras.
 void ValidateStreamsHere(const RunConfig& run, const Scene& scene, Problems& problems) {
   if (run.cameras.streams.empty()) return;
   const std::unique_ptr<Renderer> renderer = RendererFor(run);
@@ -149,7 +150,7 @@ void ValidateSampler(const RunConfig& run, Problems& problems) {
   }
 }
 
-// Problems of the fields alone.
+// Returns the problems of the fields alone.
 Problems FieldProblems(const RunConfig& run) {
   Problems problems(run.locations);
   ValidateFields(run, problems);
@@ -167,14 +168,14 @@ Problems FieldProblems(const RunConfig& run) {
 
 std::string Title(const RunConfig& run) { return "run '" + run.run + "'"; }
 
-// The checks that need a compiled scene: the first of the run, with its robot and one object of
-// each kind.
+// The checks that need a compiled scene: the first scene of the run, with its robot and one object
+// of each kind.
 class SceneValidator {
  public:
   SceneValidator(const RunConfig& run, const RunDemands& demands, Problems& problems)
       : run_(run), demands_(demands), problems_(problems) {}
 
-  // Warnings of the scene.
+  // Returns the warnings of the scene.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
   void Run() {
@@ -193,28 +194,28 @@ class SceneValidator {
     ValidateCameras(*scene);
     std::optional<Robot> robot;
     if (!Try("robot", [&] { robot = Robot::Of(*scene, run_.robot.config.name); })) return;
-    // What cannot be measured is reported once.
+    // A robot that cannot be measured is reported once.
     if (ValidateRobotItself(*robot)) ValidateForTask(*scene, *robot);
     if (problems_.empty()) ValidateStarts(bases);
     if (demands_.on_this_machine && problems_.empty()) ValidateStreamsHere(run_, *scene, problems_);
   }
 
  private:
-  // Runs a check; what it throws becomes a problem of the field.
+  // Runs a check and turns its exception into a problem of the field.
   template <class F>
   bool Try(const char* field, F&& check) {
     try {
       check();
       return true;
     } catch (const IoError&) {
-      throw;  // of the disk, not of the spec
+      throw;  // an error of the disk, not of the spec
     } catch (const Error& error) {
       problems_.AddAt(field, error.what());
       return false;
     }
   }
 
-  // Every scene has to have a place for objects, and one that stays; all that have none are told.
+  // Every scene must have a fixed support for objects; reports all scenes that have none.
   bool ValidateSupports(const std::vector<SceneSpec>& bases) {
     bool good = true;
     std::set<std::string> checked;
@@ -290,19 +291,19 @@ class SceneValidator {
   std::vector<std::string> warnings_;
 };
 
-// What a check throws becomes a problem of the robot.
+// Turns an exception of a check into a problem of the robot.
 template <class F>
 void AsProblem(Problems& problems, const F& check) {
   try {
     check();
   } catch (const IoError&) {
-    throw;  // of the disk, not of the spec
+    throw;  // an error of the disk, not of the spec
   } catch (const Error& error) {
     problems.Add(error.what());
   }
 }
 
-// Names of joints and sensors become paths in steps.h5: not every name can.
+// Names of joints and sensors become paths in steps.h5, which restricts them.
 void RequireRecordable(const Robot& robot) {
   EpisodeSchema schema;
   const internal::OutcomeColumns outcome(schema, robot.scene(), {}, {});
@@ -324,7 +325,7 @@ std::vector<std::string> ValidateRun(const RunConfig& run, const RunDemands& dem
 
 bool ValidateRobot(const Robot& robot, Problems& problems) {
   const size_t before = problems.list().size();
-  // Records ask the controllers, and would say the same of them again.
+  // Recording uses the controllers, and would report the same problems again.
   if (internal::ValidateControllers(robot, problems))
     AsProblem(problems, [&] { RequireRecordable(robot); });
   AsProblem(problems, [&] { internal::ValidateConfig(robot, problems); });

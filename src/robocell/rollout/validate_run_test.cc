@@ -191,7 +191,7 @@ TEST(ValidateRun, StreamsThatNoFileCanHoldAreToldWithoutAModel) {
               HasSubstr("(cameras.streams[1]): camera 'exo': size 20000x240 px is not between "
                         "2x2 and 16384x16384"));
   run = Demo();
-  run.cameras.resolution = {3, 0};  // told once
+  run.cameras.resolution = {3, 0};  // reported once
   EXPECT_THAT(ExpectThrow<SpecError>([&] { ValidateRunFields(run); }, "must be greater than 0"),
               Not(HasSubstr("16384")));
 }
@@ -212,7 +212,7 @@ TEST(ValidateRun, DistancesOutOfReachAreToldWithTheReach) {
   EXPECT_THAT(text, HasSubstr("of which 95 % is used"));
   EXPECT_NO_THROW(ValidateRun(run, {.scripted_expert = false, .on_this_machine = false}))
       << "a sampler of the user's own may mean something else by it";
-  // What is told as the most there is, is accepted: it is not rounded up.
+  // The reported maximum is accepted: it is not rounded up.
   const size_t at = text.find("goes beyond ") + 12;
   (*run.start.base_distance)[1] = std::stod(text.substr(at));
   EXPECT_NO_THROW(ValidateRun(run)) << (*run.start.base_distance)[1];
@@ -236,7 +236,7 @@ TEST(ValidateRun, ALiftThatNoArmHasIsRefused) {
   EXPECT_THAT(ValidateRun(run), IsEmpty());
 }
 
-// A run file beside a robot file: rc7's with other lines.
+// A run file beside a robot file: that of rc7 with other lines.
 class ValidateRobotFile : public ::testing::Test {
  protected:
   RunConfig WithRobot(const std::string& from, const std::string& to) {
@@ -250,7 +250,7 @@ class ValidateRobotFile : public ::testing::Test {
     AtomicWrite(folder_ / "run.yaml", "run: r\nrobot: robot.yaml\noutput: out\n");
     return RunConfig::Load((folder_ / "run.yaml").string());
   }
-  // Where the text stands in the robot's file: "robot.yaml:7:15".
+  // Returns where the text stands in the robot's file: "robot.yaml:7:15".
   std::string PlaceOf(const std::string& text) const {
     const std::string file = ReadFile((folder_ / "robot.yaml").string());
     const size_t at = file.find(text), line = file.rfind('\n', at) + 1;

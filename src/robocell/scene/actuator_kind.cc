@@ -14,7 +14,7 @@
 namespace robocell::internal {
 namespace {
 
-// The parameters of an actuator that determine how it drives.
+// The parameters of an actuator that determine its force.
 struct DriveLaw {
   int gain_type, bias_type, dynamics, inputs;
   double gain;
@@ -22,7 +22,7 @@ struct DriveLaw {
   bool moves;  // has a gear
 };
 
-// Frames and ball joints are turned about any of their axes, all else has one.
+// Frames and ball joints can be turned about any of their axes, all other joints have one axis.
 bool HasGear(const double* gears, bool several_axes) {
   return std::any_of(gears, gears + (several_axes ? 6 : 1), [](double g) { return g != 0; });
 }
@@ -85,7 +85,7 @@ std::string DescribeLaw(const DriveLaw& law) {
 }
 
 // Returns true if it was added for another mode of an arm (control_modes.h), which is switched off:
-// it is called so and comes after what the model has on the joint.
+// it has the name of the mode and comes after the model's own actuators on the joint.
 bool IsAdded(const std::vector<JointActuator>& actuators, size_t i) {
   const JointActuator& actuator = actuators[i];
   const auto here = actuators.begin() + static_cast<std::ptrdiff_t>(i);
@@ -94,7 +94,7 @@ bool IsAdded(const std::vector<JointActuator>& actuators, size_t i) {
                      [&](const JointActuator& other) { return other.joint == actuator.joint; });
 }
 
-// The first of the model's own actuators of a kind on each joint.
+// Finds the first of the model's own actuators of a kind on each joint.
 ArmDrive FindOfKind(CtrlMode kind, const std::vector<std::string>& joints,
                     const std::vector<JointActuator>& actuators) {
   ArmDrive drive{.kind = kind, .names = std::vector<std::string>(joints.size())};

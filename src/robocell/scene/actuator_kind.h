@@ -1,13 +1,13 @@
-// Determines the kind of an actuator by the force that it makes of its control, in models that are
-// being written and in compiled ones. No other code does this.
+// Determines the kind of an actuator by its force as a function of its control, in models under
+// construction and in compiled ones. No other code does this.
 //
 // A kind is named by the mode that an arm of such actuators is in (ctrl_mode.h). With force =
 // gain * ctrl + a + b * length + c * velocity (XML reference, actuator/general):
 //   kPosition  position servo: b < 0; its control may be filtered, and scaled (grippers, 0..255)
 //   kVelocity  velocity servo: gain = -c > 0, a = b = 0
 //   kTorque    motor: no a, b, c
-// All others have no kind: servos that integrate their control, dampers, muscles, several inputs,
-// and those whose gear is 0, which push nothing.
+// All others have no kind: servos that integrate their control, dampers, muscles, actuators with
+// several inputs, and those with gear 0, which push nothing.
 #pragma once
 
 #include <optional>
@@ -25,8 +25,8 @@ namespace robocell::internal {
 std::optional<CtrlMode> ActuatorKind(const mjModel* model, int actuator);
 std::optional<CtrlMode> ActuatorKind(const mjsActuator* actuator);
 
-// The kind of an actuator whose activation is its control, whatever filter or integrator precedes
-// it.
+// Returns the kind of an actuator whose activation is its control, whatever filter or integrator
+// precedes it.
 std::optional<CtrlMode> ActuatorForceKind(const mjModel* model, int actuator);
 
 inline bool IsPositionServo(const mjModel* model, int actuator) {
@@ -40,13 +40,14 @@ inline bool IsPositionServo(const mjsActuator* actuator) {
 // mujoco/actuators.h).
 bool ActsOnJoint(const mjsActuator* actuator);
 
-// "a motor", "a servo that integrates its control", "without effect, as its gear is 0"
+// Describes an actuator: "a motor", "a servo that integrates its control", "without effect, as its
+// gear is 0".
 std::string DescribeActuator(const mjModel* model, int actuator);
 std::string DescribeActuator(const mjsActuator* actuator);
-// "position servo", "velocity servo", "motor"
+// Returns "position servo", "velocity servo" or "motor".
 const char* ActuatorWord(CtrlMode kind);
 
-// Actuators that act on joints, in the model's order, with full names.
+// The actuators that act on joints, in the model's order, with full names.
 struct JointActuator {
   std::string joint, name;
   std::optional<CtrlMode> kind = {};
@@ -54,10 +55,10 @@ struct JointActuator {
 std::vector<JointActuator> JointActuators(const mjModel* model);
 std::vector<JointActuator> JointActuators(const mjSpec* spec);
 
-// What drives the joints of an arm that names no actuators: those of one kind, the first on each
-// joint; "" where a joint has none of it. The kind that drives most of them; of several position
-// before velocity before torque; no kind where none drives any. What was added for other modes
-// (control_modes.h) does not count.
+// The actuators that drive the joints of an arm which names none: those of one kind, the first on
+// each joint; "" for a joint without one. It is the kind that drives most joints; among equals,
+// position precedes velocity and torque; no kind if none drives any joint. Actuators added for
+// other modes (control_modes.h) do not count.
 struct ArmDrive {
   std::optional<CtrlMode> kind = {};
   std::vector<std::string> names = {};  // one per joint

@@ -1,5 +1,5 @@
-// Compares the kinds of actuators with the engine's forces; models that are being written agree
-// with compiled ones.
+// Compares the kinds of actuators with the engine's forces; models under construction agree with
+// compiled ones.
 #include "robocell/scene/actuator_kind.h"
 
 #include <gmock/gmock.h>

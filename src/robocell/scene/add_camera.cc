@@ -24,7 +24,7 @@ bool NameIsTaken(const CameraSpec& camera, const mjSpec* spec, const std::string
   return true;
 }
 
-// The only camera of the model, with a name; null and an entry in the log without.
+// Returns the only camera of the model, with a name; null and an entry in the log without one.
 mjsElement* OnlyCamera(const Part& model, mjsBody* root, CompileLog& log) {
   const std::vector<mjsElement*> cameras = BodyElements(root, mjOBJ_CAMERA, true);
   if (cameras.size() == 1) {

@@ -1,4 +1,4 @@
-// Private to scene: a camera on a body.
+// Private to scene: adds a camera to a body.
 #pragma once
 
 #include "robocell/scene/compile_log.h"
@@ -8,12 +8,12 @@
 
 namespace robocell::internal {
 
-// `placement` holds the full pose, in its body, of the camera or of its model's root. A relative
-// path of a model starts at `directory`.
+// `placement` is the full pose, in its body, of the camera or of its model's root. Relative model
+// paths start at `directory`.
 void AddCamera(const CameraSpec& camera, const Placement& placement, const std::string& directory,
                const SimOptions& options, const std::string& place, CompileLog& log);
 
-// Sets the vertical field of view, degrees; warns of an angle that was meant in radians.
+// Sets the vertical field of view, degrees; warns of an angle that is probably in radians.
 void SetFovy(mjsCamera* camera, double fovy, const std::string& place, CompileLog& log);
 
 }  // namespace robocell::internal

@@ -1,4 +1,4 @@
-// Cameras of scenes and robots, and what makes a scene visible.
+// Tests cameras of scenes and robots, and what makes a scene visible.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -97,7 +97,7 @@ TEST_F(Cameras, OfOneNameAreRefused) {
                          "scene 'test' / camera 'eye': there is already a camera of this name");
 }
 
-// Depth range of a camera, from the model alone.
+// Returns the near end of a camera's depth range, from the model alone.
 double Near(const mjModel* m) { return m->vis.map.znear * m->stat.extent; }
 double Far(const mjModel* m) { return m->vis.map.zfar * m->stat.extent; }
 

@@ -42,13 +42,13 @@ ObjectPart MakePrimitive(const SceneObject& object, const std::string& place) {
   return out;
 }
 
-// A name for an element that has none, so that it can be found by it in the scene.
+// Names an element without a name, so that the scene can find it.
 std::string NameOr(mjsElement* element, const std::string& fallback, const std::string& context) {
   if (SpecName(element).empty()) SetSpecName(element, fallback, context);
   return SpecName(element);
 }
 
-// Makes the root free or fixed as the object asks; unset: as authored.
+// Makes the root free or fixed as the object requires; unset: as authored.
 void SettleFreeJoint(const SceneObject& object, ObjectPart& out) {
   mjsElement* joint = FreeJointOf(out.root);
   const bool has_joints = !BodyElements(out.root, mjOBJ_JOINT).empty();

@@ -9,8 +9,8 @@
 
 namespace robocell::internal {
 
-// Loads an object's model, names what has to have a name, adds or removes its free joint. A
-// primitive becomes a model too, so that both are attached the same way. Null when there were
+// Loads an object's model, names the elements that need a name, and adds or removes its free joint.
+// A primitive becomes a model too, so that both are attached in the same way. Null if there were
 // problems.
 struct ObjectPart {
   Part part;

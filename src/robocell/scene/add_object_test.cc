@@ -1,4 +1,4 @@
-// Objects of a scene: primitives, models, what is free and what is fixed.
+// Tests objects of a scene: primitives, models, free and fixed ones.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>

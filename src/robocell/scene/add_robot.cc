@@ -50,7 +50,7 @@ class Prefixer {
     Add(group.leaf);
     Add(group.fingers);
   }
-  // The sensor keeps its own name, which is no element's.
+  // The sensor keeps its own name, which is not the name of an element.
   void Add(ForceTorqueSensorSpec& sensor) const {
     sensor.force_sensor = prefix_ + sensor.force();
     sensor.torque_sensor = prefix_ + sensor.torque();
@@ -61,8 +61,8 @@ class Prefixer {
   const std::string& prefix_;
 };
 
-// `prefix` in front of every name of an element: root body, groups, sites, geoms, sensors. Edits,
-// attachments and cameras stay as they are.
+// Puts `prefix` in front of every name of an element: root body, groups, sites, geoms, sensors.
+// Edits, attachments and cameras stay as they are.
 RobotConfig WithPrefix(RobotConfig config, const std::string& prefix) {
   if (prefix.empty()) return config;
   const Prefixer prefixer(prefix);
@@ -76,10 +76,10 @@ RobotConfig WithPrefix(RobotConfig config, const std::string& prefix) {
 
 constexpr const char* kRootLabel = "root_body";
 
-// A robot's name from its prefix.
+// Derives a robot's name from its prefix.
 std::string StrippedPrefix(std::string prefix) {
   while (!prefix.empty() && (prefix.back() == '_' || prefix.back() == '/')) prefix.pop_back();
-  std::replace(prefix.begin(), prefix.end(), '/', '_');  // no name has it
+  std::replace(prefix.begin(), prefix.end(), '/', '_');  // not allowed in names
   return prefix;
 }
 
@@ -90,7 +90,7 @@ RobotConfig ConfigOf(const RobotSpec& robot) {
   return config;
 }
 
-// LoadPart, for what has joints to drive.
+// Calls LoadPart for a model that must have joints.
 std::optional<Part> LoadRobotModel(const std::string& name, const std::string& directory,
                                    const std::string& place, const std::string& field,
                                    const SimOptions& options, CompileLog& log) {
@@ -102,7 +102,7 @@ std::optional<Part> LoadRobotModel(const std::string& name, const std::string& d
   return LoadPart(*file, directory, place, field, options, kRootLabel, log);
 }
 
-// A model of several robots, where each robot's names have a prefix of their own.
+// Checks a model of several robots, where each robot's names have a prefix of their own.
 bool HasNamesOf(const RobotSpec& robot, const Part& part, const std::string& name,
                 CompileLog& log) {
   if (robot.model_prefix.empty()) return true;
@@ -119,7 +119,7 @@ bool HasNamesOf(const RobotSpec& robot, const Part& part, const std::string& nam
   return false;
 }
 
-// The robot's root body: as configured, else what is highest of it.
+// Returns the robot's root body: the configured one, else its highest one.
 std::string RootOf(const RobotSpec& robot, const RobotPart& part) {
   if (!part.record.config.root_body.empty()) return part.record.config.root_body;
   for (const std::string& body : SpecNames(part.part.spec.get(), mjOBJ_BODY)) {  // parents first
@@ -128,7 +128,7 @@ std::string RootOf(const RobotSpec& robot, const RobotPart& part) {
   return SpecName(part.top->element);
 }
 
-// Arms that name no actuators have those that the model has on their joints.
+// Arms that name no actuators use those that the model has on their joints.
 bool AreGroupsApart(const RobotConfig& config, const Part& robot, CompileLog& log) {
   std::vector<GroupParts> groups;
   for (const auto& [name, group] : config.move_groups.entries()) {
@@ -146,7 +146,7 @@ bool AreGroupsApart(const RobotConfig& config, const Part& robot, CompileLog& lo
   return found.empty();
 }
 
-// What the robot's configuration adds to its model, which is in `out`.
+// Adds the parts of the robot's configuration to its model in `out`.
 void FillRobot(const RobotSpec& robot, const Locations& locations, const SceneSpec& scene,
                RobotPart& out, CompileLog& log) {
   RobotRecord& record = out.record;
@@ -162,7 +162,7 @@ void FillRobot(const RobotSpec& robot, const Locations& locations, const SceneSp
   ApplyOverrides(config, out.part, log);
   if (record.base.kind == BaseKind::kFixed)
     ExcludeFirstJoints(out.top, scene.options, out.part.spec.get());
-  // Actuators for other modes of a joint that is shared would be added twice.
+  // Actuators for other modes of a shared joint would be added twice.
   if (configured && AreGroupsApart(config, out.part, log))
     out.limbs = ConfiguredLimbs(config, out.part.spec.get());
   out.limbs =
@@ -172,12 +172,12 @@ void FillRobot(const RobotSpec& robot, const Locations& locations, const SceneSp
   record.root_body = robot.prefix + root;
   if (config.attachment_site) record.attachment_site = robot.prefix + *config.attachment_site;
   SettleBase(out, log);
-  // Of a model of several robots this one is what hangs on its own root.
+  // In a model of several robots this robot is the subtree of its own root.
   if (!robot.model_prefix.empty()) record.top_body = record.base_body = record.root_body;
 }
 
-// Where the root is on what it is put on: as the model's file has it, unless that is to be dropped.
-// Off its own origin it would stand beside a pedestal that nobody said otherwise of.
+// Returns the pose of the root on its base: the one of the model's file, unless it is to be
+// dropped. A root off its own origin would stand beside its pedestal.
 Pose RootPose(const RobotSpec& robot, const RobotPart& loaded) {
   const auto& reset =
       robot.reset_root_pose ? robot.reset_root_pose : loaded.record.config.reset_root_pose;
@@ -187,8 +187,8 @@ Pose RootPose(const RobotSpec& robot, const RobotPart& loaded) {
   return {{0, 0, authored.translation().z()}, authored.quaternion()};
 }
 
-// The model of one robot while another fills it in, at whose place problems are meanwhile; back
-// with the first whatever is thrown.
+// Lends the model of one robot to another that fills it in, and whose place problems have
+// meanwhile; an exception returns it to the first robot too.
 class LentPart {
  public:
   LentPart(Part& from, Part& to, const std::string& place) : from_(from), to_(to) {
@@ -208,7 +208,7 @@ class LentPart {
   Part &from_, &to_;
 };
 
-// Where it was described: in a scene's file and in one of its own, which has no place in a scene.
+// Locates a robot in a scene's file and in its own file, which has no place in a scene.
 void LocateRobot(const RobotRecord& record, const Locations& in_scene, CompileLog& log) {
   log.Locate(RobotPlace(record.name), in_scene);
   log.Locate(RobotPlace(record.name), record.config.locations, FieldNames<RobotConfig>());

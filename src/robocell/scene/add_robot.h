@@ -1,5 +1,6 @@
-// Private to scene: a robot with its edits, attachments, cameras and overrides, first made as a
-// model of its own (names without the robot's prefix), then put into the scene on its base.
+// Private to scene: adds a robot with its edits, attachments, cameras and overrides. It is first
+// made as a model of its own (names without the robot's prefix), then put into the scene on its
+// base.
 #pragma once
 
 #include <optional>
@@ -18,18 +19,19 @@ struct RobotPart {
   std::vector<Limb> limbs;  // with names of the part
 };
 
-// How problems of the robot of that name are headed.
+// Returns the heading of problems of the named robot.
 std::string RobotPlace(const std::string& name);
 
-// What the spec alone says of a robot of that name; names in the model come when it is loaded.
+// Returns the record of a named robot as far as the spec defines it; names in the model follow when
+// it is loaded.
 RobotRecord RecordOf(const RobotSpec& robot, const std::string& name);
 
-// Null when there were problems. `locations` are those of the RobotSpec.
+// Returns null if there were problems. `locations` are those of the RobotSpec.
 std::optional<RobotPart> LoadRobot(const RobotSpec& robot, const std::string& name,
                                    const Locations& locations, const SceneSpec& scene,
                                    CompileLog& log);
 
-// A robot whose elements are in the model of `host` too; its own part has no spec.
+// Loads a robot whose elements are in the model of `host`; its own part has no spec.
 std::optional<RobotPart> LoadRobotIn(RobotPart& host, const RobotSpec& robot,
                                      const std::string& name, const Locations& locations,
                                      const SceneSpec& scene, CompileLog& log);
@@ -37,12 +39,11 @@ std::optional<RobotPart> LoadRobotIn(RobotPart& host, const RobotSpec& robot,
 void AttachRobot(const RobotSpec& robot, const RobotPart& loaded, const Placement& placement,
                  CompileLog& log);
 
-// The robots' names: as given, else from the prefix, else robot, robot_1, ... Names used twice are
-// problems.
+// Returns the robots' names: as given, else from the prefix, else robot, robot_1, ... Duplicates
+// are problems.
 std::vector<std::string> RobotNames(const List<RobotSpec>& robots, CompileLog& log);
 
-// "<prefix>mocap_base" and the like; unset for a robot that hangs directly on what it is attached
-// to.
+// Returns "<prefix>mocap_base" and the like; unset for a robot that is directly attached.
 std::optional<std::string> BaseBodyName(const BaseConfig& base, const std::string& prefix);
 
 }  // namespace robocell::internal

@@ -1,4 +1,4 @@
-// Robots: names, prefixes, attachments, overrides, tool points; what is said when they do not fit.
+// Tests robots: names, prefixes, attachments, overrides, tool points, and messages about misfits.
 #include "robocell/scene/add_robot.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// Files that a model refers to: meshes, height fields, skins, textures.
+// Resolves the files that a model refers to: meshes, height fields, skins, textures.
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
@@ -15,12 +15,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A file that is not there.
+// A missing file.
 struct MissingPath {
   std::string element;  // "mesh 'link1'"
   std::string written;  // as in the model
   std::string line;     // "line 12", may be empty
-  fs::path path;        // where it was looked for
+  fs::path path;        // where it was searched
 };
 
 class AssetPaths {
@@ -39,16 +39,16 @@ class AssetPaths {
   const std::vector<MissingPath>& missing() const { return missing_; }
 
  private:
-  // Makes the element's file absolute, or notes that it does not exist.
+  // Makes the path of the element's file absolute, or records that it does not exist.
   template <class Asset>
   void Visit(mjsElement* element, const char* kind, Asset& asset, const mjString* asset_folder) {
     const std::string name = mjs_getString(asset.file);
-    if (name.empty() || name.find(':') != std::string::npos) return;  // a resource of a plugin
+    if (name.empty() || name.find(':') != std::string::npos) return;  // a plugin's resource
     const mjSpec* origin = mjs_getOriginSpec(element);
     const fs::path written = origin->strippath ? fs::path(name).filename() : fs::path(name);
     const fs::path model_folder = mjs_getString(origin->modelfiledir);
     const fs::path full = model_folder / mjs_getString(asset_folder) /
-                          written;  // an absolute part replaces what is before
+                          written;  // an absolute part replaces the preceding one
     std::error_code error;
     const fs::path absolute = fs::absolute(full, error).lexically_normal();
     if (fs::is_regular_file(full, error)) return void(mjs_setString(asset.file, absolute.c_str()));

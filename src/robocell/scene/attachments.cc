@@ -1,4 +1,4 @@
-// Tools mounted on a robot's own model.
+// Mounts tools on a robot's own model.
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
@@ -16,7 +16,7 @@
 namespace robocell::internal {
 namespace {
 
-// Of these the tool brings those of the body that is mounted; of the others all.
+// The tool brings those of its mounted body of these kinds, and all of the other kinds.
 constexpr mjtObj kInBodies[] = {mjOBJ_BODY, mjOBJ_JOINT,  mjOBJ_GEOM,
                                 mjOBJ_SITE, mjOBJ_CAMERA, mjOBJ_LIGHT};
 constexpr mjtObj kInModels[] = {mjOBJ_MESH,     mjOBJ_HFIELD,   mjOBJ_SKIN,
@@ -33,8 +33,8 @@ std::vector<mjsElement*> Mounted(mjsBody* root) {
   return elements;
 }
 
-// The engine has each name once. Its own complaint names the first and no file, and comes only when
-// all is compiled for some kinds. False when there was something to tell.
+// The engine requires unique names. Its own message names the first element and no file, and for
+// some kinds comes only after compiling. Returns false if a name was reported.
 bool ValidateNamesAreNew(const AttachmentSpec& attachment, const Part& tool, mjsBody* root,
                          const Part& robot, CompileLog& log) {
   std::vector<std::string> both;
@@ -78,7 +78,7 @@ void AddExclusions(const AttachmentSpec& attachment, const std::string& place, P
   }
 }
 
-// What is mounted moves with the robot, although its model's file lets it fall.
+// A mounted tool moves with the robot, although its model's file lets it fall.
 void LeaveOutFreeJoint(const Part& tool, mjsBody* root, CompileLog& log) {
   mjsElement* joint = FreeJointOf(root);
   if (!joint) return;

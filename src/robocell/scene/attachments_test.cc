@@ -60,7 +60,8 @@ TEST_F(Attachments, SayWhatToDoAboutAToolWithNamesOfTheirs) {
                              "then");
 }
 
-// The engine refuses meshes and materials when they are attached, joints when it compiles.
+// The engine rejects duplicate meshes and materials when they are attached, joints when it
+// compiles.
 constexpr const char* kRing = R"(
   <asset><mesh name="ring" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/><material name="red"/></asset>
   <worldbody><body name="{0}base"><geom type="mesh" mesh="ring" material="red"/>

@@ -1,10 +1,10 @@
-// BodyHandle: a body of a scene that is looked up by its name once, and again after the scene was
-// compiled anew; for what asks for poses at every step.
+// BodyHandle: a body of a scene whose name is looked up once, and again after the scene was
+// compiled anew; for code that needs poses at every step.
 //
 //   BodyHandle cube(scene, "cube");
 //   Pose pose = cube.pose_in_world();
 //
-// Errors: NotFoundError, when it is made or used, for a name that the scene does not have. Threads:
+// Throws NotFoundError, when it is made or used, for a name that the scene does not have. Threads:
 // those of the scene.
 #pragma once
 
@@ -26,7 +26,7 @@ class BodyHandle {
   Scene scene_;
   std::string name_;
   mutable int id_ = -1;
-  mutable uint64_t generation_ = 0;  // that id_ belongs to; no scene has 0
+  mutable uint64_t generation_ = 0;  // the generation of id_; no scene has 0
 };
 
 }  // namespace robocell

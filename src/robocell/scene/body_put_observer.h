@@ -1,4 +1,4 @@
-// Private to scene and robot: a SceneObserver that also hears of bodies that are put elsewhere.
+// Private to scene and robot: a SceneObserver that is also notified when bodies are moved.
 #pragma once
 
 #include "robocell/math/pose.h"
@@ -8,7 +8,8 @@ namespace robocell::internal {
 class BodyPutObserver {
  public:
   virtual ~BodyPutObserver() = default;
-  // Before Scene::SetBodyPose moves a free or mocap body: the state is still the one before.
+  // Called before Scene::SetBodyPose moves a free or mocap body: the state is still the previous
+  // one.
   virtual void OnBodyPut(int body, const Pose& pose_in_world) = 0;
 };
 

@@ -21,7 +21,7 @@ namespace {
 
 using Keys = std::vector<std::string>;
 
-// Owners before what they own.
+// Owners come before their elements.
 constexpr mjtObj kMatched[] = {mjOBJ_BODY,     mjOBJ_JOINT,  mjOBJ_GEOM,   mjOBJ_SITE,
                                mjOBJ_CAMERA,   mjOBJ_LIGHT,  mjOBJ_TENDON, mjOBJ_MATERIAL,
                                mjOBJ_ACTUATOR, mjOBJ_SENSOR, mjOBJ_PLUGIN, mjOBJ_EQUALITY,
@@ -31,7 +31,7 @@ mjtObj WrapKind(int type) {
   return type == mjWRAP_JOINT ? mjOBJ_JOINT : type == mjWRAP_SITE ? mjOBJ_SITE : mjOBJ_GEOM;
 }
 
-// The first of a model's elements that refers to a plugin's instance.
+// Returns the first of a model's elements that refers to a plugin's instance.
 int Referrer(const int* instances, int count, int plugin) {
   for (int i = 0; i < count; ++i) {
     if (instances[i] == plugin) return i;
@@ -39,7 +39,7 @@ int Referrer(const int* instances, int count, int plugin) {
   return -1;
 }
 
-// Makes the keys by which elements of a model are recognised.
+// Makes the keys that identify elements of a model.
 class KeyMaker {
  public:
   explicit KeyMaker(const mjModel* m) : m_(m) {
@@ -50,7 +50,7 @@ class KeyMaker {
  private:
   void AddKeys(mjtObj kind) {
     Keys& keys = keys_[kind];
-    std::unordered_map<std::string, int> unnamed;  // how many of an owner so far
+    std::unordered_map<std::string, int> unnamed;  // count for each owner so far
     const int count = ElementCount(m_, kind);
     for (int id = 0; id < count; ++id) {
       const std::string name = ElementName(m_, kind, id);
@@ -153,8 +153,9 @@ std::vector<int> Match(const Keys& from, const Keys& to) {
 int PositionsOf(int type) { return type == mjJNT_FREE ? 7 : type == mjJNT_BALL ? 4 : 1; }
 int VelocitiesOf(int type) { return type == mjJNT_FREE ? 6 : type == mjJNT_BALL ? 3 : 1; }
 
-// Follows from other fields and the whole tree, computed when the model is compiled; or belongs to
-// the author, who may give every model another number of them.
+// Returns true for a field that follows from other fields and the whole tree, computed when the
+// model is compiled, or that belongs to the author, who may give every model another number of
+// them.
 bool IsNotWritten(std::string_view field) {
   static const std::set<std::string_view> derived = {
       "body_subtreemass", "body_invweight0",   "dof_invweight0", "dof_M0",
@@ -168,7 +169,7 @@ bool IsMask(std::string_view field) {
   return field.ends_with("_contype") || field.ends_with("_conaffinity");
 }
 
-// Rows that elements have several of: for each row of `to` that of `from`, or -1.
+// Rows of elements that have several: for each row of `to` that of `from`, or -1.
 using Rows = std::vector<int>;
 Rows MatchRows(const std::vector<int>& ids, mjtSize total, const int* from_starts,
                const int* to_starts, const std::function<int(int)>& count) {
@@ -194,7 +195,7 @@ int SwitchedOff(const mjModel* m, int actuator) {
   return group >= 0 && group < 31 ? m->opt.disableactuator >> group & 1 : 0;
 }
 
-// Sums the masses as the engine does, to the bit.
+// Sums the masses like the engine does, to the bit.
 void SumMasses(mjModel* m) {
   std::copy_n(m->body_mass, m->nbody, m->body_subtreemass);
   for (int b = static_cast<int>(m->nbody) - 1; b > 0; --b)
@@ -208,7 +209,7 @@ void CarryFlags(const mjModel& from, mjModel* to) {
   to->flg_adhesion = to->flg_adhesion || from.flg_adhesion;
 }
 
-// Groups may have other numbers in the new model.
+// Groups may have different numbers in the new model.
 void CarryModes(const ElementMatch& match, mjModel* to) {
   const std::vector<int>& ids = match.of(mjOBJ_ACTUATOR);
   for (int a = 0; a < to->nactuator; ++a) {
@@ -220,7 +221,7 @@ void CarryModes(const ElementMatch& match, mjModel* to) {
   }
 }
 
-// A vector of the state that elements have pieces of, one after the other: where they begin.
+// A vector of the state that is divided among elements, one after the other: where each begins.
 class Pieces {
  public:
   explicit Pieces(mjtSize total) { starts_.insert(static_cast<int>(total)); }
@@ -334,7 +335,7 @@ ElementMatch::ElementMatch(const mjModel* from, const mjModel* to) : from_(from)
 void CarryModel(const ElementMatch& match, mjModel* to) {
   const mjModel* from = match.from();
   const int disabled = to->opt.disableactuator;
-  const auto map = to->vis.map;  // of what is visible, by the scene's size
+  const auto map = to->vis.map;  // computed from the scene's size
   to->opt = from->opt;
   to->opt.disableactuator = disabled;
   to->vis = from->vis;

@@ -22,7 +22,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-// All numbers of the state, and what they belong to.
+// All numbers of the state by the element that they belong to.
 using Numbers = std::map<std::string, std::vector<double>>;
 
 void Add(Numbers& out, const std::string& name, const double* values, int count) {
@@ -59,7 +59,7 @@ Numbers NumbersOf(const Scene& scene) {
   return out;
 }
 
-// Returns what differs between `before` and `after`, to the bit.
+// Returns the differences between `before` and `after`, to the bit.
 std::vector<std::string> Changed(const Numbers& before, const Numbers& after) {
   std::vector<std::string> changed;
   for (const auto& [name, values] : before) {
@@ -86,7 +86,7 @@ TEST(CarryOver, InRandomScenesSurvivorsStayToTheBit) {
       const SceneObject first = scene.spec().objects[0];
       scene.RemoveObject(first.name);
       EXPECT_THAT(Changed(NumbersOf(scene), all), IsEmpty()) << "seed " << seed;
-      continue;  // the order of the objects is another one from here on
+      continue;  // the order of the objects differs from here on
     }
     scene.RemoveObject("new");
     EXPECT_TRUE(scene.state() == state) << "seed " << seed;
@@ -94,7 +94,8 @@ TEST(CarryOver, InRandomScenesSurvivorsStayToTheBit) {
   }
 }
 
-// Against a scene in which nothing was added. Another body rounds the others' motion differently.
+// The reference is a scene without additions. Another body changes the rounding of the others'
+// motion.
 TEST(CarryOver, SurvivorsGoOnAsIfNothingHadHappened) {
   RandomScenes scenes;
   for (uint64_t seed = 0; seed < 10; ++seed) {
@@ -149,7 +150,7 @@ TEST(CarryOver, WhatWasWrittenToTheModelStays) {
   EXPECT_EQ(n->actuator_ctrlrange[2 * 3], -0.5);
   EXPECT_EQ(n->dof_damping[n->jnt_dofadr[RequireId(n, mjOBJ_JOINT, "r_joint2", "")]], 7);
   EXPECT_EQ(n->vis.headlight.ambient[0], 0.75F);
-  // An object that was removed and added again is as its spec says.
+  // An object that was removed and added again has the values of its spec.
   EXPECT_EQ(n->body_mass[RequireId(n, mjOBJ_BODY, "cube", "")], 0.1);
 
   m = scene.mutable_model();

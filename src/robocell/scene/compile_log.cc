@@ -14,7 +14,7 @@ std::string Line(const std::string& place, const std::string& message) {
   return place.empty() ? message : place + ": " + message;
 }
 
-// "left.yaml" of "left.yaml:7:12"; "" when it has no line.
+// Returns "left.yaml" for "left.yaml:7:12"; "" without a line.
 std::string FileOf(const std::string& source) {
   const size_t column = source.rfind(':');
   if (column == std::string::npos || column == 0) return "";

@@ -1,4 +1,4 @@
-// Problems found while a scene is compiled name the place in the file that the part came from.
+// Tests that problems found while a scene is compiled name the part's place in its file.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -57,7 +57,7 @@ TEST_F(Located, AttachmentsAndRootAndCameras) {
                          "root_body: no body 'world'. Its bodies: base, upper, fore.");
 }
 
-// The file of a robot does not say where it stands.
+// A robot's file does not contain the robot's pose in the scene.
 TEST_F(Located, WhereARobotStandsIsNotInItsFile) {
   SceneSpec spec = EmptyScene();
   spec.robots.push_back({.name = "left", .config = RobotConfig::Load(RobotFile("home: {}\n"))});

@@ -17,7 +17,7 @@
 namespace robocell::internal {
 namespace {
 
-// Kinds that the engine's compiler complains about by name.
+// The kinds that the engine's compiler names in its messages.
 constexpr mjtObj kKinds[] = {mjOBJ_BODY,     mjOBJ_JOINT,  mjOBJ_GEOM,     mjOBJ_SITE,
                              mjOBJ_CAMERA,   mjOBJ_LIGHT,  mjOBJ_MESH,     mjOBJ_TEXTURE,
                              mjOBJ_MATERIAL, mjOBJ_TENDON, mjOBJ_EQUALITY, mjOBJ_ACTUATOR,
@@ -32,12 +32,12 @@ std::string Between(std::string_view text, std::string_view before, std::string_
   return std::string(text.substr(begin + before.size(), end - begin - before.size()));
 }
 
-// The number that a text begins with.
+// Returns the number at the beginning of a text.
 std::string Digits(const std::string& text) {
   return text.substr(0, text.find_first_not_of("0123456789"));
 }
 
-// The file of the part's element of that name; "" when it may be one of several.
+// Returns the file of the part's named element; "" if it may be one of several.
 std::string FileOf(const Part& part, const std::string& name) {
   const Part::Tool* of = nullptr;
   for (const Part::Tool& tool : part.tools) {
@@ -48,19 +48,19 @@ std::string FileOf(const Part& part, const std::string& name) {
   return of ? of->file : part.file;
 }
 
-// A file of the part; it is one of several where FileOf said "".
+// Returns a file of the part for messages; several where FileOf returned "".
 std::string Shown(const Part& part, const std::string& file) {
   return file.empty() ? part.file + " or a tool of it" : file;
 }
 
-// "arm.xml:12: "; lines count where the file is known.
+// Returns "arm.xml:12: "; lines count where the file is known.
 std::string PlaceOf(const Part& part, const std::string& file, const std::string& line) {
-  if (part.file.empty()) return "";  // a box, which no file describes
+  if (part.file.empty()) return "";  // a primitive without a file
   if (file.empty()) return Shown(part, file) + ": ";
   return line.empty() || line == "0" ? file + ": " : file + ":" + line + ": ";
 }
 
-// "line 12", as the engine notes where it read an element.
+// Returns "line 12", as the engine stores it when it reads an element.
 std::string LineOf(mjsElement* element) {
   const mjString* info = element->elemtype == mjOBJ_JOINT      ? mjs_asJoint(element)->info
                          : element->elemtype == mjOBJ_ACTUATOR ? mjs_asActuator(element)->info
@@ -78,7 +78,7 @@ std::string ProblemAlone(const Part& part) {
   return "";
 }
 
-// "mesh 'foo' not found in geom 8": an asset that an element asks for and the model lacks.
+// "mesh 'foo' not found in geom 8": an asset that an element refers to and the model lacks.
 struct MissingAsset {
   mjtObj kind = mjOBJ_UNKNOWN;
   std::string name;
@@ -93,7 +93,7 @@ std::optional<MissingAsset> FindMissingAsset(const std::string& text) {
   return std::nullopt;
 }
 
-// Returns true if an element asks for the asset.
+// Returns true if an element refers to the asset.
 bool Wants(mjsElement* element, const MissingAsset& asset) {
   std::vector<const mjString*> names;
   const bool material = asset.kind == mjOBJ_MATERIAL;
@@ -122,7 +122,8 @@ bool Wants(mjsElement* element, const MissingAsset& asset) {
   });
 }
 
-// "geom 0 (unnamed, of body 'fore'): ", of the first that asks for it; "" when it is not known.
+// Describes the first element that refers to it: "geom 0 (unnamed, of body 'fore'): "; "" if
+// unknown.
 std::string WhoWants(const Part& part, const MissingAsset& asset, const std::string& text) {
   if (const std::string name = Between(text, "Element name '", "'"); !name.empty()) {
     const std::string rest = Between(text + "\n", "' not found in ", "\n");
@@ -136,8 +137,8 @@ std::string WhoWants(const Part& part, const MissingAsset& asset, const std::str
   return "";
 }
 
-// The element's number is another one in the scene, its name may have a prefix there: what counts
-// is the part alone.
+// The element's number differs in the scene, and its name may have a prefix there: only the part
+// alone counts.
 std::optional<std::string> MissingAssetProblem(const std::string& text, const Part& part,
                                                const std::string& prefix) {
   const auto in_scene = FindMissingAsset(text);
@@ -180,7 +181,7 @@ std::optional<std::string> CompileProblem(const std::string& text, const Part& p
   const std::string complaint = Between(text, "Error: ", "\n");
   const std::string line = Digits(Between(text + "\n", ", line ", "\n"));
   if (const auto problem = MissingAssetProblem(text, part, prefix)) return problem;
-  // Unnamed elements do not show their part; that does not compile alone either.
+  // Unnamed elements do not identify their part; a part that does not compile alone does.
   if (full_name.empty() && !complaint.empty() &&
       Between(ProblemAlone(part), "Error: ", "\n") == complaint)
     return PlaceOf(part, part.tools.empty() ? part.file : "", line) + complaint;
@@ -192,7 +193,7 @@ std::optional<std::string> CompileProblem(const std::string& text, const Part& p
   }
   if (kinds.empty()) return std::nullopt;
   const std::string file = FileOf(part, name);
-  const bool is_certain = kinds.size() == 1;  // the engine tells the name only
+  const bool is_certain = kinds.size() == 1;  // the engine gives only the name
   const bool editable = part.place.starts_with("robot ") && file == part.file;
   return fmt::format("{}{} '{}': {}{}", PlaceOf(part, file, line),
                      is_certain ? KindName(kinds[0]) : "element", name, complaint,

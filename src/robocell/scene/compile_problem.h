@@ -1,5 +1,5 @@
-// Private to scene: where the elements of a model stand in its files, and whose element it is that
-// the engine complains about when a model does not compile.
+// Private to scene: finds the places of a model's elements in its files, and the part that the
+// engine's message is about when a model does not compile.
 #pragma once
 
 #include <optional>
@@ -9,8 +9,8 @@
 
 namespace robocell::internal {
 
-// The engine's text (of Compile's SpecError) with file and element as the part has them and, for
-// what is known, what to do about it. Nothing when the text is about no element of this part.
+// Returns the engine's text (of Compile's SpecError) with the file and element as the part names
+// them and, for known problems, the next step. Unset if the text is about no element of this part.
 // `prefix` is the part's in the scene.
 std::optional<std::string> CompileProblem(const std::string& text, const Part& part,
                                           const std::string& prefix);
@@ -20,11 +20,11 @@ struct Repeated {
   std::string kind, name;
 };
 std::optional<Repeated> RepeatedName(const std::string& text);
-// Returns true if the part, with its prefix in the scene, brings such an element.
+// Returns true if the part, with its prefix in the scene, contains such an element.
 bool HasElement(const Part& part, const std::string& prefix, const Repeated& element);
 
-// The file of the part's element of that name: "arm.xml", or "arm.xml or a tool of it" where that
-// is not known.
+// Returns the file of the part's named element: "arm.xml", or "arm.xml or a tool of it" where it is
+// not known.
 std::string FileWith(const Part& part, const std::string& name);
 
 // Returns the place of the part's joint or actuator of that name: "arm.xml:12", or the file alone

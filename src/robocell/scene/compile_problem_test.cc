@@ -1,4 +1,4 @@
-// What the engine dislikes is told with the file and the element that it is about.
+// Tests that the engine's compile errors are reported with the affected file and element.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -50,7 +50,7 @@ TEST_F(CompileProblems, WhatTheEngineDislikesHasTheModelsLine) {
                              ":1: geom 't_ball': size 0 must be positive in geom");
 }
 
-// The same words as of a robot or an object.
+// The same words are used for a robot or an object.
 TEST_F(CompileProblems, WhatTheEngineDislikesInTheBaseOfAScene) {
   const auto message = [&](const std::string& model) {
     SceneSpec spec = EmptyScene();

@@ -1,4 +1,4 @@
-// CompileScene: from a SceneSpec to a model.
+// CompileScene: turns a SceneSpec into a model.
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
@@ -41,12 +41,13 @@ void CollectNames(const mjSpec* spec, const std::string& prefix, ElementSet& out
   }
 }
 
-// The engine fears for saved files when a prefix is empty; MakeClassNamesUnique sees to that.
+// The engine warns that files saved with an empty prefix may be wrong; MakeClassNamesUnique
+// prevents that.
 bool IsAboutEmptyPrefix(const std::string& warning) {
   return warning.find("empty prefix may prevent") != std::string::npos;
 }
 
-// The guards that compiling put in force: `written` is the Jacobian that the spec had before.
+// Returns the guards that compiling applied: `written` is the Jacobian that the spec had before.
 std::vector<std::string> GuardsSince(int written, const mjSpec* spec) {
   if (spec->option.jacobian == written) return {};
   return {std::string(kSparseNewton)};
@@ -77,7 +78,7 @@ class SceneCompiler {
     return out_;
   }
 
-  // The model and the description of the file in the place of what the spec was compiled to.
+  // Returns the model and the description of the file, instead of those compiled from the spec.
   static std::shared_ptr<CompiledScene> RunSaved(const SceneSpec& spec, const std::string& path) {
     std::shared_ptr<CompiledScene> scene = SceneCompiler(spec).Run();
     const std::string place = "scene '" + spec.name + "' / " + path;
@@ -97,7 +98,7 @@ class SceneCompiler {
  private:
   const SceneSpec& spec() const { return out_->scene_spec_; }
 
-  // The base, or an empty world, with the decorations.
+  // Starts with the base, or an empty world, and the decorations.
   void StartSpec() {
     if (spec().base) {
       log_.Locate(kBase, spec().locations);
@@ -147,7 +148,7 @@ class SceneCompiler {
       Collect(place, [&] { objects_.push_back(LoadObject(object, spec(), log_)); });
     }
     for (size_t i = 0; i < spec().robots.size(); ++i) {
-      robots_.emplace_back();  // stays empty when loading throws
+      robots_.emplace_back();  // stays empty if loading throws
       Collect(RobotPlace(robot_names_[i]), [&] { robots_[i] = LoadRobotAt(i); });
     }
     for (size_t i = 0; i < spec().cameras.size(); ++i) {
@@ -178,7 +179,7 @@ class SceneCompiler {
     return LoadRobotIn(*robots_[host], robot, name, Located("robots", i), spec(), log_);
   }
 
-  // The robot in whose model the i-th is: the i-th itself, unless it says part_of.
+  // Returns the robot whose model contains the i-th robot: the i-th itself, unless it has part_of.
   size_t HostOf(size_t i) const {
     const std::string& host = spec().robots[i].part_of;
     const auto end = robot_names_.begin() + i;
@@ -187,12 +188,12 @@ class SceneCompiler {
   }
   const Part& PartOf(size_t i) const { return robots_[HostOf(i)]->part; }
 
-  // Where the i-th entry of a list of the scene stood in its file.
+  // Returns the locations of the i-th entry of a list of the scene.
   Locations Located(const std::string& list, size_t i) const {
     return spec().locations.Below(fmt::format("{}[{}]", list, i));
   }
 
-  // What one part throws is a problem among the others.
+  // Turns an exception of a part into one of the problems.
   template <class Function>
   void Collect(const std::string& place, const Function& function) {
     try {
@@ -215,7 +216,7 @@ class SceneCompiler {
 
   Entity RobotEntity(size_t i) const {
     const RobotPart& robot = *robots_[i];
-    if (const size_t host = HostOf(i); host != i)  // comes with it
+    if (const size_t host = HostOf(i); host != i)  // the host's model contains it
       return {robot.part.place, "robots", RobotBase(robot_names_[host]), robot.record.name, {}};
     Entity entity{robot.part.place, "robots", spec().robots[i].attach_to, robot.record.name, {}};
     CollectNames(robot.part.spec.get(), robot.record.prefix, entity.elements);
@@ -307,7 +308,7 @@ class SceneCompiler {
       out_->model_owner_ =
           Compile(spec_.get(), nullptr, context_, &out_->warnings_, GuardOf(spec()));
     } catch (const SpecError& error) {
-      log_.Throw(spec().name);  // what is wrong with the options
+      log_.Throw(spec().name);  // reports wrong options
       TellWhose(error.what());
       throw;
     }
@@ -334,7 +335,7 @@ class SceneCompiler {
     out_->spec_owner_ = std::move(spec_);
   }
 
-  // What is parked after a reset is so in the model and its key.
+  // Parks the objects that are parked after a reset in the model and its key.
   void FillPool(mjModel* model) {
     for (size_t i = 0; i < objects_.size(); ++i) {
       if (!spec().objects[i].parked) continue;
@@ -353,7 +354,7 @@ class SceneCompiler {
     }
   }
 
-  // Robots among themselves are told before; an object's name is what can be changed here.
+  // Duplicates among robots are reported earlier; here the name of the object can be changed.
   void TellRepeatedName(const std::string& text, const Part* base) {
     const std::optional<Repeated> repeated = RepeatedName(text);
     if (!repeated) return;
@@ -376,10 +377,10 @@ class SceneCompiler {
 
   // The engine's text about an element of a part becomes a problem of that part's file.
   void TellWhose(const std::string& text) {
-    // As its file has it, without what has been attached since.
+    // The base as its file describes it, without later attachments.
     std::optional<Part> base;
     if (spec().base) {
-      CompileLog told;  // when it was loaded
+      CompileLog told;  // from loading it
       base = LoadBase(told);
     }
     TellRepeatedName(text, base ? &*base : nullptr);

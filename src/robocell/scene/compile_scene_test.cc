@@ -1,4 +1,4 @@
-// Laws of whole scenes: order does not matter, building twice gives the same.
+// Tests laws of whole scenes: order does not matter, and building twice gives the same scene.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>

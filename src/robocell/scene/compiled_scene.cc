@@ -29,7 +29,7 @@ const Record& Find(const std::vector<Record>& records, const std::string& name, 
 
 CompiledScene::~CompiledScene() {
   if (keeper_ && model_)
-    ModelEnds(model_);  // Python may keep the model longer: nobody else may count on it
+    ModelEnds(model_);  // Python may keep the model longer: nobody else may use it
 }
 
 uint64_t CompiledScene::NextGeneration() {
@@ -65,7 +65,7 @@ std::shared_ptr<CompiledScene> CompiledScene::Copy() {
 }
 
 std::vector<std::string> CompiledScene::engine_guards() const {
-  // Somebody may have written another one into the model since.
+  // Other code may have written another Jacobian into the model since.
   const bool is_guarded = model_ && model_->opt.jacobian == mjJAC_DENSE;
   return is_guarded ? engine_guards_ : std::vector<std::string>();
 }
@@ -85,8 +85,8 @@ void CompiledScene::RequireSameFiles(const CompiledScene& next) const {
   if (changed.empty()) return;
   throw Error("scene '" + scene_spec_.name + "': '" + changed +
               "' has changed since the scene was compiled, and objects are added and removed by "
-              "compiling it again, which would change what is there. Build the scene anew, or put "
-              "the file back");
+              "compiling it again, which would change the present ones too. Build a new scene, or "
+              "restore the file");
 }
 
 mjModel* CompiledScene::mutable_model() {
@@ -110,7 +110,7 @@ std::shared_ptr<void> CompiledScene::Claim() {
                 internal::CppAndPythonName("Freeze") + ", or compile the spec again");
   }
   auto claim = std::make_shared<char>();
-  if (frozen_) return claim;  // frozen ones may be claimed by several threads at once
+  if (frozen_) return claim;  // several threads may claim a frozen one at once
   RestoreStart();
   claim_ = claim;
   return claim;

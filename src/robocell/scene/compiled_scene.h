@@ -1,13 +1,13 @@
-// CompiledScene: the model made from a SceneSpec, with its names, its generation and what was
-// decided while compiling. Knows nothing of time or tasks. By default a Scene owns one; Freeze()
-// makes it shareable between scenes and threads, after which writes to the model are refused.
+// CompiledScene: the model made from a SceneSpec, with its names, its generation and the decisions
+// made while compiling. It knows nothing of time or tasks. By default a Scene owns one; Freeze()
+// makes it shareable between scenes and threads, after which writes to the model are rejected.
 //
 //   std::shared_ptr<CompiledScene> compiled = CompileScene(spec);
 //   compiled->Freeze();
 //   Scene a = Scene::FromCompiled(compiled), b = Scene::FromCompiled(compiled);
 //
-// Without Freeze() scenes may follow each other on one model. What the user writes to it stays; the
-// pool (SceneObject::parked) and the control modes begin anew with each.
+// Without Freeze(), scenes may use one model one after the other. Changes by the user stay; the
+// pool (SceneObject::parked) and the control modes are reset for each scene.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@
 
 namespace robocell {
 
-// What became of one RobotSpec. Names are full names in the model.
+// The result of compiling one RobotSpec. Names are full names in the model.
 struct RobotRecord {
   std::string name;  // as resolved: RobotSpec.name, else the prefix, else robot, robot_1, ...
   std::string prefix;
@@ -34,17 +34,17 @@ struct RobotRecord {
   double pedestal_height = 0;             // from the mocap body to the root body's mount, metres
   std::optional<std::string> attachment_site;
   std::optional<std::string>
-      tcp_site;  // site made for attachment_site * tcp_offset, when both are configured
-  // What the robot stands on, pedestal included: the body made for a base that is not fixed or
-  // for a pedestal, else the topmost body of the robot's model. Its subtree is the robot.
+      tcp_site;  // site made for attachment_site * tcp_offset, if both are configured
+  // The body that the robot stands on, pedestal included: the body made for a base that is not
+  // fixed or for a pedestal, else the topmost body of the robot's model. Its subtree is the robot.
   std::string base_body = {};
 
-  // Of a driven base: the mocap body that base_body is welded to, and the weld.
+  // For a driven base: the mocap body that base_body is welded to, and the weld.
   std::string base_target() const { return prefix + "base_target"; }
   std::string base_weld() const { return prefix + "base_weld"; }
 };
 
-// An object of the pool as it is inside of the scene; what is parked has none of it.
+// An active object of the pool; a parked one has none of these values.
 struct PoolRecord {
   bool parked = false;                         // after a reset
   std::vector<int> contype, conaffinity = {};  // of its geoms
@@ -55,15 +55,15 @@ struct ObjectRecord {
   std::string name;
   std::string root_body;
   std::optional<std::string> free_joint;  // unless it is fixed
-  std::optional<PoolRecord> pool = {};    // unless it comes and goes by compiling
+  std::optional<PoolRecord> pool = {};    // unless adding and removing it compiles the scene
 };
 
 namespace internal {
 class SceneCompiler;
 }
 
-// Shared by its scenes, and by Python without a reference to a Python object: a scene may die on
-// any thread.
+// Shared by its scenes, and by Python without a reference to a Python object: a scene may be
+// destroyed on any thread.
 class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
  public:
   ~CompiledScene();
@@ -71,62 +71,66 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   CompiledScene& operator=(const CompiledScene&) = delete;
 
   const mjModel* model() const { return model_; }
-  // For control modes, randomisation and the user's own changes. Error when frozen.
+  // For control modes, randomisation and the user's own changes. Throws Error if frozen.
   mjModel* mutable_model();
-  // The editable description that the model came from (for saving), which copies share. A scene
-  // that came from the cache compiles it at the first call, with the errors of CompileScene; one
-  // thread at a time.
+  // Returns the editable description that the model came from (for saving), which copies share. A
+  // scene from the cache compiles it at the first call, with the errors of CompileScene; call it
+  // from one thread at a time.
   mjSpec* mutable_spec();
 
   const SceneSpec& spec() const { return scene_spec_; }
   const std::vector<RobotRecord>& robots() const { return robots_; }
   const std::vector<ObjectRecord>& objects() const { return objects_; }
-  // NotFoundError with the nearest names.
+  // Throws NotFoundError with the nearest names.
   const RobotRecord& robot(const std::string& name) const;
   const ObjectRecord& object(const std::string& name) const;
 
-  // Grows with every rebuild of a scene; handles compare it to know that they must look their names
-  // up again.
+  // Grows with every rebuild of a scene; handles compare it to detect that they must look their
+  // names up again.
   uint64_t generation() const { return generation_; }
-  // What a scene that is gone left in the model (objects of the pool that came or went, control
-  // modes) is undone before. Error while a scene lives whose model differs so.
+  // Freezes the model. Changes that a destroyed scene left in it (objects of the pool that came or
+  // went, control modes) are undone first. Throws Error while a scene lives whose model has such
+  // changes.
   void Freeze();
-  // The same with a model of its own, copied and not compiled: for scenes that write to theirs. It
-  // has a generation of its own and is not frozen. The spec, for saving, is this one's.
+  // Returns the same scene with a model of its own, which is copied and not compiled: for scenes
+  // that write to theirs. It has a generation of its own and is not frozen. For saving it uses the
+  // original's spec.
   std::shared_ptr<CompiledScene> Copy();
   bool frozen() const { return frozen_; }
-  // A scene's right to use the model, given up by destroying it. Error if another scene has it and
-  // the model is not frozen, because writes of one scene to the model would affect the other. The
-  // pool and the control modes are as the first scene found them.
+  // Claims a scene's right to use the model, which is given up by destroying the result. Throws
+  // Error if another scene has it and the model is not frozen, because writes of one scene to the
+  // model would affect the other. Restores the pool and the control modes to the state that the
+  // first scene found.
   std::shared_ptr<void> Claim();
-  // What the parts asked for and did not get, and the engine's own warnings from compiling.
+  // Returns the settings that parts specified and did not get, and the engine's own warnings from
+  // compiling.
   const std::vector<std::string>& warnings() const { return warnings_; }
-  // What is good to know and needs no change, such as lights of a robot's file that stay behind.
+  // Returns remarks that need no change, such as lights of a robot's file that are left out.
   const std::vector<std::string>& notes() const { return notes_; }
-  // Guards against defects of the engine that the model was compiled with, by their names in
-  // KnownEngineDefects: {"sparse_newton"} when its Jacobian was made dense, and still is.
+  // Returns the guards against defects of the engine that the model was compiled with, by their
+  // names in KnownEngineDefects: {"sparse_newton"} if its Jacobian was made dense, and still is.
   std::vector<std::string> engine_guards() const;
-  // After the options of another scene's model were copied to this one's: puts the Jacobian back
-  // that was compiled here, unless somebody wrote another one to that model.
+  // Restores the Jacobian that was compiled here, after the options of another scene's model were
+  // copied, unless other code wrote another one to that model.
   void KeepJacobian(const CompiledScene& from);
   // Model key with the robots' home positions: qpos0 with each robot's home and the controls that
   // hold it.
   int home_key() const { return home_key_; }
 
-  // Whose keyframe each key of the model is, and how its file calls it; of `home` nobody's.
+  // The owner of each key of the model, and the key's name in the owner's file; `home` has no
+  // owner.
   struct KeyOwner {
     std::string part, name;
   };
   const std::vector<KeyOwner>& key_owners() const { return key_owners_; }
 
-  // Hands the model's ownership to somebody else, once: `keeper` keeps the model alive from now on.
-  // Used by the Python bindings, where mujoco.MjModel takes the pointer over. Calling it twice is
-  // an Error.
+  // Transfers the model's ownership, once: `keeper` keeps the model alive from now on. The Python
+  // bindings use it when mujoco.MjModel takes the pointer over. Throws Error if called twice.
   void AdoptModelKeeper(std::shared_ptr<void> keeper);
-  // After a hand-over that failed and freed the model: what needs it from now on is an Error.
+  // Called after a transfer that failed and freed the model: uses of the model then throw Error.
   void LoseModel();
   bool model_is_external() const { return keeper_ != nullptr; }
-  // Raises an Error if a file of this and `next`, the scene with an object more or less, was
+  // Throws Error if a file of this and `next`, the scene after an object was added or removed,
   // changed between their compilations: existing objects would change.
   void RequireSameFiles(const CompiledScene& next) const;
   const std::shared_ptr<void>& model_keeper() const { return keeper_; }
@@ -134,11 +138,11 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
  private:
   friend class internal::SceneCompiler;
   friend class SceneCacheEntry;
-  // A number that no compiled scene of this process had.
+  // Returns a number that no compiled scene of this process had.
   static uint64_t NextGeneration();
   CompiledScene() = default;
   void RequireModel() const;
-  // Of what scenes write to the model by themselves, not its users: the pool and the modes.
+  // Returns the changes that scenes make to the model, not their users: the pool and the modes.
   std::vector<std::string> DifferencesFromStart() const;
   void RestoreStart();
 
@@ -158,11 +162,11 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   std::shared_ptr<CompiledScene> origin_;  // of a copy
   std::weak_ptr<void> claim_;
   int jacobian_ = 0;          // opt.jacobian as compiled
-  std::optional<int> modes_;  // opt.disableactuator as the first scene found it
+  std::optional<int> modes_;  // opt.disableactuator at the first claim
 };
 
-// Builds the model. SpecError contains all problems of the spec, NotFoundError missing names and
-// files, EngineError the engine's message if the model does not compile.
+// Builds the model. Throws SpecError with all problems of the spec, NotFoundError with missing
+// names and files, and EngineError with the engine's message if the model does not compile.
 std::shared_ptr<CompiledScene> CompileScene(const SceneSpec& spec);
 
 }  // namespace robocell

@@ -74,7 +74,7 @@ TEST(CompiledScene, HandsItsModelOverOnce) {
   EXPECT_EQ(freed, 0);
 }
 
-// Whoever keeps the model then may free it at any time.
+// The model's keeper may free it at any time.
 TEST(CompiledScene, EndsItsModelForThoseWhoWatchItAlsoAfterItWasHandedOver) {
   auto compiled = CompileScene(Workplace());
   const std::shared_ptr<void> kept(compiled->mutable_model(),

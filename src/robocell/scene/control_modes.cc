@@ -22,7 +22,7 @@
 namespace robocell::internal {
 namespace {
 
-// What all of them are; nothing when they are not of one kind.
+// Returns the common kind; unset if they are of several kinds.
 std::optional<CtrlMode> KindOfAll(const std::vector<std::optional<CtrlMode>>& kinds) {
   if (kinds.empty() ||
       std::adjacent_find(kinds.begin(), kinds.end(), std::not_equal_to<>()) != kinds.end())
@@ -32,7 +32,7 @@ std::optional<CtrlMode> KindOfAll(const std::vector<std::optional<CtrlMode>>& ki
 
 // --- Which joints belong together ----------------------------------------------------------------
 
-// Names of the actuators of a kind by the joints they act on; where a joint has several, the first.
+// Names of the actuators of a kind by the joints they act on; the first one of each joint.
 using ByJoint = std::map<std::string, std::string>;
 
 ByJoint ActuatorsByJoint(const mjSpec* spec, CtrlMode kind) {
@@ -87,8 +87,8 @@ class SerialStretches {
   std::vector<Limb> limbs_;
 };
 
-// What all actuators of a limb are; nothing when they are not of one kind, or when something is not
-// there (which is said when the model is compiled and everything that is missing is known).
+// Returns the common kind of all actuators of a limb; unset if they are of several kinds, or if one
+// is missing (which is reported when the model is compiled and all missing names are known).
 std::optional<CtrlMode> NativeMode(const mjSpec* spec, const Limb& limb) {
   for (const std::string& joint : limb.joints) {
     if (!FindSpecElement(spec, mjOBJ_JOINT, joint)) return std::nullopt;
@@ -109,8 +109,8 @@ bool IsLimited(int limited, const double* range) {
   return limited == mjLIMITED_TRUE || (limited == mjLIMITED_AUTO && range[0] < range[1]);
 }
 
-// An actuator pushes no harder than the one that it stands in for. What limits a motor may be its
-// force or its control.
+// An actuator pushes no harder than the one that it replaces. The limit of a motor may be that of
+// its force or of its control.
 void LimitForce(const mjsActuator* authored, mjsActuator* actuator) {
   actuator->forcelimited = authored->forcelimited;
   std::copy_n(authored->forcerange, 2, actuator->forcerange);
@@ -121,7 +121,7 @@ void LimitForce(const mjsActuator* authored, mjsActuator* actuator) {
       std::minmax({scale * authored->ctrlrange[0], scale * authored->ctrlrange[1]});
   const bool also = IsLimited(authored->forcelimited, authored->forcerange);
   const double* range = authored->forcerange;
-  const auto within = [&](double force) {  // no std::clamp: the engine has not looked at it yet
+  const auto within = [&](double force) {  // no std::clamp: the engine has not checked it yet
     return also ? std::min(std::max(force, range[0]), range[1]) : force;
   };
   actuator->forcerange[0] = within(low);
@@ -129,7 +129,7 @@ void LimitForce(const mjsActuator* authored, mjsActuator* actuator) {
   actuator->forcelimited = mjLIMITED_TRUE;
 }
 
-// On the joint of `authored`, with its gear and force limit.
+// Adds an actuator on the joint of `authored`, with its gear and force limit.
 void AddActuator(const mjsActuator* authored, const std::string& joint, CtrlMode mode, mjSpec* spec,
                  const std::string& place) {
   const std::string name = ModeActuatorName(joint, mode);
@@ -144,7 +144,7 @@ void AddActuator(const mjsActuator* authored, const std::string& joint, CtrlMode
   if (mode == CtrlMode::kTorque) {
     mjs_setToMotor(actuator);
   } else {
-    mjs_setToVelocity(actuator, 1);  // FillVelocityGains knows better
+    mjs_setToVelocity(actuator, 1);  // FillVelocityGains sets a better value
   }
   actuator->trntype = mjTRN_JOINT;
   mjs_setString(actuator->target, joint.c_str());
@@ -157,7 +157,7 @@ void AddActuator(const mjsActuator* authored, const std::string& joint, CtrlMode
   actuator->armature = 0;
 }
 
-// The modes that are declared and not there already get their actuators.
+// Adds the actuators of the declared modes that the model lacks.
 void AddModes(const RobotSpec& robot, const std::string& place, mjSpec* spec, Limb& limb) {
   limb.modes = {limb.native};
   for (const CtrlMode mode : {CtrlMode::kVelocity, CtrlMode::kTorque}) {
@@ -190,7 +190,7 @@ void WarnOfMissingModes(const RobotSpec& robot, const std::set<CtrlMode>& had,
 
 void ValidateInitialMode(const std::string& place, Limb& limb, CompileLog& log) {
   if (Has(limb, limb.initial)) return;
-  if (limb.initial != CtrlMode::kPosition) {  // position is said where the controller is made
+  if (limb.initial != CtrlMode::kPosition) {  // controllers check position themselves
     const std::string field = "control." + limb.name;
     log.Problem(place,
                 fmt::format("{}: its controller needs the control mode {}, which the robot does "
@@ -242,7 +242,7 @@ class GroupNumbers {
     return left;
   }
 
-  // Puts the actuators into the next group.
+  // Assigns the actuators to the next group.
   void Assign(const std::vector<std::string>& actuators, bool enabled) {
     for (const std::string& name : actuators) {
       if (mjsElement* element = FindSpecElement(spec_, mjOBJ_ACTUATOR, name))
@@ -260,7 +260,7 @@ class GroupNumbers {
 
   mjSpec* spec_;
   std::set<int> taken_;
-  int next_ = 1;  // 0 is where everything is unless somebody says so
+  int next_ = 1;  // 0 is the default of all actuators
 };
 
 // --- Gains ---------------------------------------------------------------------------------------
@@ -269,8 +269,8 @@ class VelocityGains {
  public:
   VelocityGains(const mjModel* m, int home_key) : m_(m), home_key_(home_key) {}
 
-  // Of the velocity servo on the joint of an authored actuator, with its gear: the joint is braked
-  // with the gear squared times this, N m s/rad or N s/m.
+  // Returns the gain of the velocity servo on the joint of an authored actuator, with its gear: the
+  // joint is braked with the gear squared times this, N m s/rad or N s/m.
   double Beside(int authored) {
     const double stiffness = -m_->actuator_biasprm[mjNBIAS * authored + 1];
     const double braking = -m_->actuator_biasprm[mjNBIAS * authored + 2];
@@ -284,7 +284,7 @@ class VelocityGains {
  private:
   double InertiaAtHome(int dof) {
     if (!data_) data_ = DataAtHome();
-    return data_->M[m_->M_rowadr[dof] + m_->M_rownnz[dof] - 1];  // the last of a row is its own
+    return data_->M[m_->M_rowadr[dof] + m_->M_rownnz[dof] - 1];  // the diagonal is last in a row
   }
 
   DataPtr DataAtHome() const {
@@ -298,7 +298,7 @@ class VelocityGains {
 
   const mjModel* m_;
   int home_key_;
-  DataPtr data_;  // made when first needed: few arms have motors
+  DataPtr data_;  // made on demand: few arms have motors
 };
 
 void ReportTooMany(const RobotLimbs& robot, int needed, int left, CompileLog& log) {
@@ -356,7 +356,7 @@ std::vector<Limb> SerialLimbs(mjSpec* spec, bool declared) {
     std::erase_if(actuators, [&](const auto& entry) { return driven.contains(entry.first); });
     for (const auto& [joint, name] : actuators) driven.insert(joint);
     for (Limb& limb : SerialStretches(kind, std::move(actuators)).Find(WorldBody(spec))) {
-      limb.may_end_in_finger = limb.joints.size() > 2;  // an arm of one joint would be none
+      limb.may_end_in_finger = limb.joints.size() > 2;  // a single joint would not be an arm
       limbs.push_back(std::move(limb));
     }
   }
@@ -366,7 +366,7 @@ std::vector<Limb> SerialLimbs(mjSpec* spec, bool declared) {
 std::vector<Limb> AddModeActuators(const RobotSpec& robot, std::vector<Limb> limbs,
                                    const std::string& place, mjSpec* spec, CompileLog& log) {
   std::vector<Limb> switched;
-  std::set<CtrlMode> had = {CtrlMode::kPosition};  // is told where it is asked for
+  std::set<CtrlMode> had = {CtrlMode::kPosition};  // checked where it is requested
   for (Limb& limb : limbs) {
     const auto native = NativeMode(spec, limb);
     if (!native) continue;

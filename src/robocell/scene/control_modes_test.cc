@@ -1,4 +1,4 @@
-// Actuators and groups of control modes: added, unchanged and rejected ones.
+// Tests actuators and groups of control modes: added, unchanged and rejected ones.
 #include "robocell/scene/control_modes.h"
 
 #include <gmock/gmock.h>

@@ -39,7 +39,7 @@ void AddFloor(mjSpec* spec) {
   mjsGeom* floor = mjs_addGeom(WorldBody(spec), nullptr);
   SetSpecName(floor->element, "floor", "floor");
   floor->type = mjGEOM_PLANE;
-  floor->size[2] = 0.05;  // zero x and y: it has no end
+  floor->size[2] = 0.05;  // zero x and y: infinite
   mjs_setString(floor->material, "robocell_floor");
 }
 

@@ -1,4 +1,4 @@
-// Private to scene: floor, sky and light on request, and the visual settings of a scene.
+// Private to scene: optional floor, sky and light, and the visual settings of a scene.
 #pragma once
 
 #include "robocell/mujoco/forward.h"
@@ -6,12 +6,13 @@
 
 namespace robocell::internal {
 
-// Floor: a plane `floor` at z = 0. Sky: a gradient, and two lights unless the base has its own.
+// Adds a floor, the plane `floor` at z = 0, and a sky: a gradient, and two lights unless the base
+// has its own.
 void AddDecorations(const SceneSpec& scene, mjSpec* spec);
 
 // Fixes the size of the scene and the clip planes, in the model and in the spec: the engine
-// computes the size from the initial pose and scales the clip planes with it, which can cut a scene
-// off. Cameras see from 1 cm to 100 m.
+// computes the size from the initial pose and scales the clip planes with it, which can clip a
+// scene. Cameras see from 1 cm to 100 m.
 void FixVisibleRange(mjSpec* spec, mjModel* model);
 
 }  // namespace robocell::internal

@@ -74,7 +74,7 @@ class ValueEditor {
     if (edit_.condim) geom->condim = *edit_.condim;
   }
 
-  // Primitives that are fitted to a mesh too.
+  // Returns true for a primitive that is fitted to a mesh too.
   static bool HasSizeOfAsset(const mjsGeom* geom) {
     return geom->type == mjGEOM_MESH || geom->type == mjGEOM_SDF || geom->type == mjGEOM_HFIELD ||
            !std::string_view(mjs_getString(geom->meshname)).empty();
@@ -104,7 +104,7 @@ class ValueEditor {
     if (framed) GoOutOfFrame(before, element);
   }
 
-  // What the edit says is in the parent body; the file's frames around the element are not.
+  // The edit's values are in the parent body; the file's frames around the element do not apply.
   template <class Placed>
   void GoOutOfFrame(const Pose& before, Placed* element) {
     const Pose in_frame = OwnPose(element_);
@@ -163,7 +163,7 @@ class ValueEditor {
     std::copy_n(in_frame.data(), 3, joint->pos);
   }
 
-  // The model may be written in degrees; an edit is in radians.
+  // The model may use degrees; an edit uses radians.
   void SetJointRange(mjsJoint* joint) {
     const bool degrees = mjs_getCompiler(joint->element)->degree && joint->type != mjJNT_SLIDE;
     for (int i = 0; i < 2; ++i)
@@ -184,7 +184,7 @@ class ValueEditor {
     if (edit_.ctrlrange) {
       std::copy(edit_.ctrlrange->begin(), edit_.ctrlrange->end(), actuator->ctrlrange);
       actuator->ctrllimited = mjLIMITED_TRUE;
-      if (actuator->dyntype != mjDYN_INTEGRATOR) actuator->inheritrange = 0;  // is of ctrlrange
+      if (actuator->dyntype != mjDYN_INTEGRATOR) actuator->inheritrange = 0;  // is for ctrlrange
     }
     if (edit_.forcerange) {
       std::copy(edit_.forcerange->begin(), edit_.forcerange->end(), actuator->forcerange);
@@ -220,7 +220,7 @@ bool IsInWeighedGroup(const mjsGeom* geom) {
   return geom->group >= range[0] && geom->group <= range[1];
 }
 
-// The geoms that make up the mass of their body.
+// Returns the geoms that make up the mass of their body.
 std::vector<mjsGeom*> Weighed(mjsBody* body) {
   std::vector<mjsGeom*> geoms;
   for (mjsElement* element : BodyElements(body, mjOBJ_GEOM)) {
@@ -240,8 +240,8 @@ std::optional<std::string> SetMassOfGeoms(mjsBody* body, double mass) {
   const std::string name = DescribeSpecElement(body->element);
   if (geoms.empty()) {
     return fmt::format(
-        "{} has neither an <inertial> nor geoms with a mass, so its mass can be "
-        "that of nothing; write an <inertial> into the file, or give a geom a mass: "
+        "{} has neither an <inertial> nor geoms with a mass, so nothing in it "
+        "can carry its mass; write an <inertial> into the file, or give a geom a mass: "
         "{}",
         name, GeomMassEdit(body));
   }
@@ -267,7 +267,7 @@ void SetMassOfInertial(mjsBody* body, double mass) {
   body->mass = mass;
 }
 
-// Position servos, and those that integrate their control to a position.
+// Returns true for position servos, and for those that integrate their control to a position.
 bool HoldsPosition(const mjsActuator* actuator) {
   return actuator->gaintype == mjGAIN_FIXED && actuator->gainprm[0] != 0 &&
          actuator->biastype == mjBIAS_AFFINE && actuator->biasprm[1] < 0;

@@ -1,5 +1,5 @@
-// Private to scene: the attributes, masses and gains that elements of a model get while it is being
-// written, by `edits` and by a robot's overrides.
+// Private to scene: sets attributes, masses and gains of elements of a model under construction,
+// for `edits` and for a robot's overrides.
 #pragma once
 
 #include <optional>
@@ -20,28 +20,27 @@ typedef struct mjsActuator_ mjsActuator;
 
 namespace robocell::internal {
 
-// Each attribute is in the compiled model as the edit says, or it is a problem at `place`. The name
-// is none of them.
+// Sets each attribute such that the compiled model has the edit's value, or reports a problem at
+// `place`. The name is not an attribute.
 void SetEdited(const Edit& edit, mjsElement* element, const std::string& place, CompileLog& log);
 
-// The engine takes the mass of a body from its <inertial> or from its geoms, and says nothing of
-// what it does not take: a number that is written where the other counts is lost. Both change the
-// model so that the engine takes the mass, kg, or leave it and say why not and what to write
-// instead.
+// The engine takes the mass of a body from its <inertial> or from its geoms, and silently ignores
+// the other: a number that is written there is lost. This changes the model so that the engine
+// takes the mass, kg, or leaves it unchanged and returns why, and what to write instead.
 //
-// The inertia is scaled with the mass. Where it comes from geoms, these keep their shares of it.
+// The inertia is scaled with the mass. An inertia from geoms keeps their shares.
 std::optional<std::string> SetBodyMass(mjsBody* body, double mass);
 std::optional<std::string> SetGeomMass(mjsGeom* geom, double mass);
 
-// The gains of a servo: those of `edits` (kp, kv) and of a robot's overrides (stiffness, damping). N
-// or Nm per unit of the actuator's length, and of its velocity; what is not given stays.
+// The gains of a servo: those of `edits` (kp, kv) and of a robot's overrides (stiffness, damping).
+// N or Nm per unit of the actuator's length, and of its velocity; unset gains stay.
 struct ServoGains {
   std::optional<double> kp = {}, kv = {};
 };
 
-// False for what has no such gain, which is left as it is. kp is of servos for a position, kv of
-// these and of velocity servos. What the engine makes of a control stays: a servo whose controls
-// are scaled (0..255) goes on resting where it did.
+// Returns false, and changes nothing, for an actuator without such a gain. kp belongs to position
+// servos, kv to these and to velocity servos. The relation between control and rest position stays:
+// a servo with scaled controls (0..255) still rests where it did.
 bool SetServoGains(const ServoGains& gains, mjsActuator* actuator);
 
 }  // namespace robocell::internal

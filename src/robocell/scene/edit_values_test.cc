@@ -56,7 +56,7 @@ struct Weight {
 
 class EditedMass : public EditedArm {
  protected:
-  // Weight of the body that contains `inside`, with the edits.
+  // Returns the weight of the body that contains `inside`, with the edits.
   Weight Of(const std::string& inside, const std::string& edits, const std::string& compiler = "") {
     model = folder.Write("weighed", "<compiler " + compiler + R"(/><worldbody><body name="base">
       <geom size="0.1"/><body name="link"><joint/>)" +
@@ -113,8 +113,8 @@ TEST_F(EditedMass, ThatTheEngineWouldNotTakeIsAProblem) {
       "<inertial> into the file");
   ExpectThrow<SpecError>(
       [&] { Of(R"(<geom size="0.1" mass="0"/>)", kHeavy); },
-      "body 'link' has neither an <inertial> nor geoms with a mass, so its mass can be that of "
-      "nothing; write an <inertial> into the file, or give a geom a mass: {geom: {body: 'link', "
+      "body 'link' has neither an <inertial> nor geoms with a mass, so nothing in it can carry its "
+      "mass; write an <inertial> into the file, or give a geom a mass: {geom: {body: 'link', "
       "index: 0}, mass: ...}");
   ExpectThrow<SpecError>(
       [&] { Of(kGeom, kHeavy, "boundmass='8'"); },
@@ -142,7 +142,7 @@ class EditedShape : public EditedArm {
     <camera name="view"/></frame></frame></body></worldbody>)";
 };
 
-// The engine itself says what an element stretched between two points becomes.
+// The oracle is the engine's own result for an element stretched between two points.
 TEST_F(EditedShape, MovesWhatIsStretchedBetweenTwoPoints) {
   model = folder.Write("stretched", kStretched);
   const Scene as_written = Build("{geom: rod, rgba: [1, 0, 0, 1]}");

@@ -42,7 +42,8 @@ class Editor {
     return element;
   }
 
-  // " 9 geoms have no name; write for example {geom: {body: palm, index: 0}}"; "" without any.
+  // Returns " 9 geoms have no name; write for example {geom: {body: palm, index: 0}}"; "" if all
+  // have names.
   std::string HowToReferToUnnamed(mjtObj kind) {
     std::vector<std::string> bodies;
     for (mjsElement* element : SpecElements(spec_, kind)) {
@@ -63,7 +64,7 @@ class Editor {
     return nullptr;
   }
 
-  // By its name, or the only one that acts on a joint, tendon, site or body.
+  // Finds it by its name, or as the only one that acts on a joint, tendon, site or body.
   mjsElement* FindActuator(const ElementRef& ref) {
     if (!ref.kind || *ref.kind == ElementKind::kActuator) return Find(ref, mjOBJ_ACTUATOR);
     const mjtObj kind = EngineKind(*ref.kind);
@@ -93,7 +94,7 @@ class Editor {
     }
   }
 
-  // What it says was read before the edits.
+  // The keyframes were read before the edits.
   void DeleteKey(const std::string& name) { part_.keys.Remove(name); }
 
   void AddSite() {

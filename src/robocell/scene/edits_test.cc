@@ -1,4 +1,4 @@
-// Edits of a robot's model, each checked in the compiled model.
+// Tests edits of a robot's model, each in the compiled model.
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 

@@ -15,8 +15,8 @@ namespace {
 
 std::string Place(const RobotRecord& robot) { return "robot '" + robot.name + "'"; }
 
-// Returns true if an element is the robot's: it has its prefix and, when it sits on a body, that is
-// one of the robot's or something mounted on it.
+// Returns true if an element belongs to the robot: it has its prefix and, if it sits on a body,
+// that body belongs to the robot or is mounted on it.
 bool Belongs(const mjModel* model, const RobotRecord& robot, mjtObj kind, int id) {
   const std::string name = ElementName(model, kind, id);
   if (name.size() <= robot.prefix.size() || name.rfind(robot.prefix, 0) != 0) return false;
@@ -24,13 +24,13 @@ bool Belongs(const mjModel* model, const RobotRecord& robot, mjtObj kind, int id
   return body < 0 || IsInSubtree(model, body, FindId(model, mjOBJ_BODY, robot.top_body));
 }
 
-// -1 when the robot has none of that name.
+// Returns -1 if the robot has no element of that name.
 int IdOf(const mjModel* model, const RobotRecord& robot, mjtObj kind, const std::string& name) {
   const int id = name.empty() ? -1 : FindId(model, kind, robot.prefix + name);
   return id >= 0 && Belongs(model, robot, kind, id) ? id : -1;
 }
 
-// The body whose elements of this kind are counted: of a body its parent.
+// Returns the body whose elements of this kind are counted: for a body, its parent.
 int HolderOf(const mjModel* model, mjtObj kind, int id) {
   if (kind != mjOBJ_BODY) return BodyOf(model, kind, id);
   return id == 0 ? -1 : model->body_parentid[id];
@@ -64,7 +64,7 @@ std::string HowToReferToUnnamed(const mjModel* model, const RobotRecord& robot, 
                      ElementName(model, mjOBJ_BODY, first).substr(robot.prefix.size()));
 }
 
-// The element that an edit names; null for an edit that adds or deletes.
+// Returns the element that an edit names; null for an edit that adds or deletes.
 const ElementRef* NamedBy(const Edit& edit, mjtObj kind) {
   const auto ref = [](const std::optional<ElementRef>& target) {
     return target ? &*target : nullptr;
@@ -84,7 +84,7 @@ const ElementRef* NamedBy(const Edit& edit, mjtObj kind) {
   }
 }
 
-// Returns true if `label` stood for what an edit refers to, before it had a name.
+// Returns true if `label` stood for the element of an edit before it had a name.
 bool IsLabelOf(const ElementRef& ref, mjtObj kind, const std::string& label) {
   const bool of_target = kind == mjOBJ_ACTUATOR && ref.kind && *ref.kind != ElementKind::kActuator;
   if (of_target) return label.starts_with(ref.name + ":actuator");
@@ -92,7 +92,8 @@ bool IsLabelOf(const ElementRef& ref, mjtObj kind, const std::string& label) {
   return label == fmt::format("{}:{}{}", ref.body, KindName(kind), ref.index);
 }
 
-// " It is called 'joint2' now: edits[0] gives it that name" of a label that an edit has replaced.
+// Returns, for a label that an edit has replaced, " It is called 'joint2' now: edits[0] gives it
+// that name".
 std::string NamedSince(const RobotRecord& robot, mjtObj kind, const std::string& label) {
   int index = 0;
   for (const Edit& edit : robot.config.edits) {
@@ -104,7 +105,7 @@ std::string NamedSince(const RobotRecord& robot, mjtObj kind, const std::string&
   return "";
 }
 
-// "site or body".
+// Joins the kinds: "site or body".
 std::string Words(std::initializer_list<mjtObj> kinds) {
   std::string words;
   for (const mjtObj kind : kinds)

@@ -1,9 +1,9 @@
-// Elements of a robot in a compiled model, by the names its configuration uses (without the robot's
-// prefix).
+// Finds elements of a robot in a compiled model, by the names that its configuration uses (without
+// the robot's prefix).
 //
 //   const ElementId leaf = FindElement(model, robot, *group.leaf, {mjOBJ_SITE, mjOBJ_BODY});
 //
-// NotFoundError "robot 'left': no site 'link_tpc'. Its sites: ... Did you mean 'link_tcp'?"
+// Throws NotFoundError "robot 'left': no site 'link_tpc'. Its sites: ... Did you mean 'link_tcp'?".
 #pragma once
 
 #include <mujoco/mjtype.h>
@@ -23,25 +23,25 @@ struct ElementId {
   int id = -1;
 };
 
-// Looks for a named element among the kinds in their order (only the ref's own kind when it has
-// one), or for the index-th element of its kind directly in a body (of bodies: its child bodies).
+// Finds a named element among the kinds in order (only the ref's own kind if it has one), or the
+// index-th element of its kind directly in a body (for bodies: its child bodies).
 ElementId FindElement(const mjModel* model, const RobotRecord& robot, const ElementRef& ref,
                       std::initializer_list<mjtObj> kinds);
 
-// Id of the robot's element of this kind and name.
+// Returns the id of the robot's element of this kind and name.
 int FindElement(const mjModel* model, const RobotRecord& robot, mjtObj kind,
                 const std::string& name);
 
-// Names, without the prefix, of the robot's elements of a kind: what belongs to the bodies below
-// its base, and actuators and sensors that have its prefix.
+// Returns the names, without the prefix, of the robot's elements of a kind: elements of the bodies
+// below its base, and actuators and sensors that have its prefix.
 std::vector<std::string> RobotElementNames(const mjModel* model, const RobotRecord& robot,
                                            mjtObj kind);
 
-// The engine's kind, and the spec's.
+// Convert between the engine's kind and the spec's.
 mjtObj EngineKind(ElementKind kind);
 
-// " 9 have no name; write for example {geom: {body: palm, index: 0}}": for a look-up that failed,
-// in a model that leaves `count` elements of this kind unnamed, the first of them in `body`.
+// Returns a hint for a failed look-up in a model that leaves `count` elements of this kind unnamed,
+// the first of them in `body`: " 9 have no name; write for example {geom: {body: palm, index: 0}}".
 std::string UnnamedHint(std::string_view kind, size_t count, const std::string& body);
 
 }  // namespace robocell::internal

@@ -1,6 +1,6 @@
-// The guard against the engine's wrong sparse solver holds for every model that a scene is made of:
-// compiled, compiled anew, saved, loaded, kept in the cache. Whether the engine needs it is
-// measured on hands that touch each other.
+// Tests that the guard against the engine's wrong sparse solver holds for every model that a scene
+// is made of: compiled, compiled anew, saved, loaded, cached. Hands that touch each other show
+// whether the engine needs it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -57,7 +57,7 @@ SceneSpec Hands(int arms) {
   return spec;
 }
 
-// Boxes enough for 60 degrees of freedom.
+// Enough boxes for 60 degrees of freedom.
 SceneSpec Boxes(int count) {
   SceneSpec spec = EmptyScene();
   for (int i = 0; i < count; ++i)
@@ -68,7 +68,7 @@ SceneSpec Boxes(int count) {
 int JacobianOf(const Scene& scene) { return scene.model()->opt.jacobian; }
 
 // The largest difference between the accelerations of two models in the same states, relative to
-// the accelerations, and in how many of the states it is visible.
+// the accelerations, and the number of states in which it is visible.
 struct Disagreement {
   double largest = 0;
   int states = 0;
@@ -250,7 +250,7 @@ TEST_F(Guards, HoldForModelsFromTheCacheAndForCopies) {
 }
 
 TEST_F(Guards, AreLoggedOncePerProcess) {
-  // Run by a process of its own, because another test of this one has logged it already.
+  // Runs in a process of its own, because another test of this one has logged it already.
   const ChildRun run = RunTestsInChild("Guards.HoldForModelsFromTheCacheAndForCopies", "");
   EXPECT_TRUE(run.passed) << run.output;
   const std::string line = "scene 'test': the model has 60 degrees of freedom and gets a dense";

@@ -12,8 +12,8 @@ namespace {
 
 using ElementSet = std::set<std::pair<AttachKind, std::string>>;
 
-constexpr int kNone = -1;     // needs nothing
-constexpr int kMissing = -2;  // needs something that is not there
+constexpr int kNone = -1;     // needs no other entity
+constexpr int kMissing = -2;  // needs a missing entity
 
 bool IsElement(AttachKind kind) { return ElementKindOf(kind) != mjOBJ_UNKNOWN; }
 bool IsRobot(AttachKind kind) {
@@ -44,7 +44,7 @@ class Order {
  private:
   enum State { kUnseen, kOpen, kDone, kFailed };
 
-  // The entity that i is attached to.
+  // Returns the entity that i is attached to.
   int Need(size_t i) {
     const AttachTarget& target = entities_[i].target;
     const int owner = FindOwner(i, target);

@@ -1,5 +1,5 @@
-// The built-in equipment does what it is for: stands, opens, holds what is poured, weighs what it
-// says.
+// Tests that the built-in equipment works: it stands, opens, holds poured objects, and has the
+// stated mass.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -15,7 +15,7 @@ namespace robocell {
 namespace {
 
 struct Expected {
-  double origin_height;  // above what it stands on, metres
+  double origin_height;  // above its support, metres
   double mass;           // kg
 };
 

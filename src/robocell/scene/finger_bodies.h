@@ -1,4 +1,4 @@
-// Private to scene: which bodies of a model are the two fingers of a gripper.
+// Private to scene: finds the bodies of a gripper's two fingers.
 #pragma once
 
 #include <mujoco/mujoco.h>
@@ -10,8 +10,8 @@
 
 namespace robocell::internal {
 
-// The bodies that `fingers` names, else those of the group's two joints; nothing when it is not
-// known which they are. Both may be the same body.
+// Returns the bodies that `fingers` names, else those of the group's two joints; unset if they are
+// unknown. Both may be the same body.
 std::optional<std::array<int, 2>> FingerBodies(const mjModel* model, const RobotRecord& robot,
                                                const MoveGroupConfig& gripper);
 

@@ -1,10 +1,11 @@
 // Contacts across the first joints of a robot.
 //
 // The engine lets a body pass through its parent, but not where the parent is fixed to the world:
-// there the first link of an arm rubs on the base that its model has it overlap (by 12 mm in the
-// Gen3 of the Menagerie, whose first joint hardly turns then). For robots they are excluded there
-// too, so that one moves alike on every kind of base and with and without a configuration. What
-// else is fixed to the base goes on touching: it may be meant to be in the way.
+// there the first link of an arm rubs on the base that it overlaps in its model (by 12 mm in the
+// Gen3 of the Menagerie, whose first joint hardly turns then). For robots these contacts are
+// excluded there too, so that a robot moves alike on every kind of base and with and without a
+// configuration. Other parts that are fixed to the base still touch: they may be intended
+// obstacles.
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
@@ -43,7 +44,7 @@ class Exclusions {
     }
   }
 
-  // Unless it is there.
+  // Adds the exclusion unless it exists.
   void Add(mjsBody* a, mjsBody* b) {
     const auto pair = Sorted(SpecName(a->element), SpecName(b->element));
     if (!known_.insert(pair).second) return;
@@ -57,7 +58,7 @@ class Exclusions {
   std::set<std::pair<std::string, std::string>> known_;
 };
 
-// `body` is fixed.
+// Requires a fixed `body`.
 void ExcludeChildren(mjsBody* body, Exclusions* exclusions) {
   for (mjsElement* element : BodyElements(body, mjOBJ_BODY)) {
     mjsBody* child = mjs_asBody(element);

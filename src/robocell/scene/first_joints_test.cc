@@ -1,4 +1,4 @@
-// A robot's base and its first links may overlap without contact, on every base.
+// Tests that a robot's base and its first links may overlap without contact, on every base.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -14,7 +14,8 @@
 namespace robocell {
 namespace {
 
-// A turret whose drum reaches into the base; a post of the base is where the drum's arm may get to.
+// A turret whose drum reaches into the base; a post of the base stands in the way of the drum's
+// arm.
 constexpr char kTurret[] = R"(
   <compiler angle="radian"/>
   {}

@@ -55,7 +55,7 @@ class PairSearch {
     throw NotFoundError(NoSuchName(place_, std::string(kind) + " sensor", name, there) + next);
   }
 
-  // The site whose axes the reading is in.
+  // Returns the site whose axes the reading has.
   int FrameSite(const std::string& name) const {
     try {
       return FindElement(model_, robot_, mjOBJ_SITE, name);
@@ -107,7 +107,7 @@ Wrench FtSensor::Read(const mjModel* model, const mjData* data) const {
               .torque = -Vector(data->sensordata + torque_address_)};
   if (compensate_tool_) load = load - ToolWeight(model, data);
   if (frame_ == site_) return load;
-  // To the axes and the origin of the other site.
+  // Transforms to the axes and the origin of the other site.
   const auto site = SiteRotation(data, site_), frame = SiteRotation(data, frame_);
   const Eigen::Vector3d arm =
       Vector(data->site_xpos + 3 * site_) - Vector(data->site_xpos + 3 * frame_);
@@ -116,7 +116,7 @@ Wrench FtSensor::Read(const mjModel* model, const mjData* data) const {
   return {.force = frame.transpose() * force, .torque = frame.transpose() * torque};
 }
 
-// At the site where it measures.
+// The weight at the site of measurement.
 Wrench FtSensor::ToolWeight(const mjModel* model, const mjData* data) const {
   const Eigen::Vector3d force = model->body_subtreemass[body_] * Vector(EffectiveGravity(model));
   const Eigen::Vector3d arm =

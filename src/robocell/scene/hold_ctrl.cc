@@ -20,15 +20,16 @@ double ClampedCtrl(const mjModel* model, int actuator, double ctrl) {
   return Clamped(ctrl, model->actuator_ctrllimited[input], model->actuator_ctrlrange + 2 * input);
 }
 
-// The factor of the gain: the control, or the activation that results from it.
+// Returns the factor of the gain: the control, or the activation that results from it.
 double RestingInput(const mjModel* model, int actuator, double length) {
   const mjtNum* bias = model->actuator_biasprm + mjNBIAS * actuator;
   const mjtNum gain = model->actuator_gainprm[mjNGAIN * actuator];
-  // The quotients first: 1 and 0 for a plain servo, whose control is then the length to the bit.
+  // The quotients come first: 1 and 0 for a plain servo, whose control is then the length to the
+  // bit.
   return -bias[1] / gain * length - bias[0] / gain + 0.0;
 }
 
-// One activation, the integral of the control.
+// Returns true for an actuator with one activation, the integral of the control.
 bool IsIntegrated(const mjModel* model, int actuator) {
   return model->actuator_dyntype[actuator] == mjDYN_INTEGRATOR &&
          model->actuator_actnum[actuator] == 1 &&

@@ -9,25 +9,25 @@
 
 namespace robocell::internal {
 
-// Share of a joint's range that a servo may miss without a warning.
+// Share of a joint's range by which a servo may miss its target without a warning.
 inline constexpr double kServoSlack = 0.02;
 
 // Returns true if an actuator's activation follows its control with a delay.
 bool IsFiltered(const mjModel* model, int actuator);
 
-// The control with which a position servo would rest at `length`, whatever its control range is.
-// Nothing for other actuators.
+// Returns the control with which a position servo would rest at `length`, whatever its control
+// range is. Unset for other actuators.
 std::optional<double> FreeRestingCtrl(const mjModel* model, int actuator, double length);
 
-// The control with which a position servo rests at `length`, clamped to the control range. Nothing
-// for other actuators.
+// Returns the control with which a position servo rests at `length`, clamped to the control range.
+// Unset for other actuators.
 std::optional<double> RestingCtrl(const mjModel* model, int actuator, double length);
 
-// The same for where `data` is: its length must be up to date (position stage).
+// The same for the state of `data`: its length must be up to date (position stage).
 std::optional<double> HoldingCtrl(const mjModel* model, const mjData* data, int actuator);
 
-// Puts a position servo where `ctrl` has had its effect: the activation of one that is filtered.
-// Leaves other actuators alone.
+// Sets the activation of a filtered position servo to the value that `ctrl` leads to. Leaves other
+// actuators alone.
 void SettleFilter(const mjModel* model, mjData* data, int actuator, double ctrl);
 
 // Control and activation that keep an actuator at rest. A servo that integrates its control
@@ -37,15 +37,16 @@ struct HoldingInputs {
   std::optional<double> act = {};  // of actuators with an activation
 };
 
-// Nothing for actuators that hold no position: motors, velocity servos, muscles, several inputs.
-// Clamped to the ranges of control and activation. Lengths must be up to date (position stage).
+// Unset for actuators that hold no position: motors, velocity servos, muscles, those with several
+// inputs. Clamped to the ranges of control and activation. Lengths must be up to date (position
+// stage).
 std::optional<HoldingInputs> FindHoldingInputs(const mjModel* model, const mjData* data,
                                                int actuator);
 
-// The length at which it would rest with these inputs. For actuators with HoldingInputs.
+// Returns the length at which it would rest with these inputs. For actuators with HoldingInputs.
 double RestingLength(const mjModel* model, int actuator, const HoldingInputs& inputs);
 
-// Sets them. Leaves other actuators alone.
+// Sets the inputs. Leaves other actuators alone.
 void Hold(const mjModel* model, mjData* data, int actuator);
 
 // Marks the degrees of freedom (nv) of a group's joints.
@@ -53,7 +54,7 @@ void MarkDofs(const mjModel* model, const RobotRecord& robot, const MoveGroupCon
               std::vector<bool>& dofs);
 
 // Returns true if an actuator pulls at one of the marked degrees of freedom: directly, through a
-// tendon, at a site ... Moments must be up to date (position stage).
+// tendon or at a site. Moments must be up to date (position stage).
 bool ActsOn(const mjModel* model, const mjData* data, int actuator, const std::vector<bool>& dofs);
 
 }  // namespace robocell::internal

@@ -54,7 +54,8 @@ bool KeyCtrl::IsOfPart(int actuator) const {
   return part_.actuator_sources.contains(ElementName(m_, mjOBJ_ACTUATOR, actuator));
 }
 
-// Of an actuator that can hold; what the part leaves open is what follows from the other number.
+// Returns the part's inputs of an actuator that can hold; an omitted number follows from the other
+// one.
 std::optional<HoldingInputs> KeyCtrl::OwnInputs(int actuator) const {
   const std::string name = ElementName(m_, mjOBJ_ACTUATOR, actuator);
   const auto ctrl = part_.ctrl.find(name);
@@ -109,15 +110,15 @@ bool KeyCtrl::Holds(int actuator, const HoldingInputs& inputs) const {
     const auto most = std::max_element(
         moments.begin(), moments.end(),
         [](const Moment& a, const Moment& b) { return std::abs(a.value) < std::abs(b.value); });
-    if (most == moments.end()) return true;  // moves nothing
+    if (most == moments.end()) return true;  // moves no joint
     return off <= SlackOf(m_, most->dof) * std::abs(most->value) || CarriesWeight(actuator, at);
   };
   if (!rests(inputs)) return false;
   return integrates || !inputs.act || rests({*inputs.act, inputs.act});
 }
 
-// Whether it pushes against the weight at its joints, by at most twice of it: then it holds at
-// least as well as what would push nothing there.
+// Returns true if it pushes against the weight at its joints, by at most twice the weight: then it
+// holds at least as well as without a force there.
 bool KeyCtrl::CarriesWeight(int actuator, const HoldingInputs& inputs) const {
   const double length = d_->actuator_length[m_->actuator_outadr[actuator]];
   const double stiffness = -m_->actuator_biasprm[mjNBIAS * actuator + 1];
@@ -141,7 +142,7 @@ void KeyCtrl::NoteReplaced(int actuator, const HoldingInputs& own, const Holding
              : fmt::format("'{}' {:.4g} ({:.4g} holds)", from.name, own.ctrl, holding.ctrl));
 }
 
-// Of an arm's home diagnose/servos.cc says it.
+// diagnose/servos.cc reports it for an arm's home.
 void KeyCtrl::NoteOutOfReach(int actuator, const HoldingInputs& holding) {
   const auto source = part_.actuator_sources.find(ElementName(m_, mjOBJ_ACTUATOR, actuator));
   if (source == part_.actuator_sources.end()) return;

@@ -1,5 +1,5 @@
-// Private to scene: the controls and activations of a keyframe. A part's own numbers are kept where
-// they hold the positions or are not meant to. Otherwise those that hold replace them.
+// Private to scene: the controls and activations of a keyframe. A part's own numbers are kept if
+// they hold the positions or are not meant to. Otherwise holding ones replace them.
 //
 //   KeyCtrl ctrl(model, data, part_key, "home", robots);
 //   ctrl.Set(actuator, true, key_ctrl, key_act);
@@ -20,7 +20,7 @@
 
 namespace robocell::internal {
 
-// A control holds a hinge (rad) or another joint (m) when it rests this close to the keyframe.
+// A control holds a hinge (rad) or another joint (m) if it rests this close to the keyframe.
 inline constexpr double kKeySlackTurn = 0.05;
 inline constexpr double kKeySlackSlide = 0.005;
 
@@ -30,7 +30,7 @@ class KeyCtrl {
   KeyCtrl(const mjModel* model, const mjData* data, const PartKey& part, std::string key,
           const std::vector<RobotRecord>& robots);
 
-  // Whether the actuator is one of the part that the keyframe is of.
+  // Returns true if the actuator belongs to the keyframe's part.
   bool IsOfPart(int actuator) const;
   // Writes the actuator's numbers into the key's controls (nu) and activations (na). With `own` the
   // part's keyframe decides; numbers that it leaves out are 0, as for the engine.

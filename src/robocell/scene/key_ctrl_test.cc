@@ -1,4 +1,4 @@
-// The scene's key `home`: where everything is after a reset.
+// Tests the scene's key `home`: the state after a reset.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -109,7 +109,7 @@ TEST_F(HomeKey, AKeyframeInDegreesIsToldWithItsFile) {
                           "degrees are 1.5708"));
   }
   spec.robots.clear();
-  config.home["arm"] = {0.5, 0.6};  // in place of the keyframe
+  config.home["arm"] = {0.5, 0.6};  // instead of the keyframe
   spec.robots.push_back({.name = "bob", .config = config});
   EXPECT_EQ(Joint(Scene::Build(spec), "shoulder"), 0.5);
 }

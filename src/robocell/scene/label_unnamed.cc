@@ -15,7 +15,7 @@ namespace {
 constexpr mjtObj kOfBodies[] = {mjOBJ_JOINT, mjOBJ_SITE, mjOBJ_BODY};
 constexpr const char* kJointMark = ":joint";
 
-// A name that somebody else has already is made longer.
+// Makes a name longer that is already taken.
 void Label(mjSpec* spec, mjsElement* element, std::string label) {
   if (!SpecName(element).empty()) return;
   while (FindSpecElement(spec, element->elemtype, label)) label += '_';
@@ -41,7 +41,7 @@ void LabelRoots(mjSpec* spec, const std::string& root) {
 }
 
 void LabelActuators(mjSpec* spec) {
-  std::map<std::string, int> seen;  // by what they act on
+  std::map<std::string, int> seen;  // by their target
   for (mjsElement* element : SpecElements(spec, mjOBJ_ACTUATOR)) {
     const std::string target = mjs_getString(mjs_asActuator(element)->target);
     const int index = seen[target]++;

@@ -1,4 +1,4 @@
-// Labels of what a model leaves unnamed: what they are called, and that they change nothing else.
+// Tests the labels of unnamed elements: their form, and that they change nothing else.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>

@@ -1,8 +1,9 @@
-// Memory stays flat: scenes that were built and let go, and resets, leave nothing behind.
+// Tests that memory stays flat: scenes that were built and released, and resets, leave nothing
+// behind.
 //
-// Measured is what malloc has handed out, after warm-ups that fill the engine's asset cache and the
-// like. Sanitizers bring an allocator of their own that does not tell; there the loops are short,
-// and the leak detector judges.
+// The measured value is the memory that malloc has handed out, after warm-ups that fill the
+// engine's asset cache and the like. Sanitizers use an allocator of their own without this figure;
+// there the loops are short, and the leak detector judges.
 #include <malloc.h>
 #include <gtest/gtest.h>
 
@@ -20,14 +21,14 @@ namespace robocell {
 namespace {
 
 constexpr int kWarmUps = 100;
-constexpr double kMostBytes = 1000;  // that may stay, per build or reset
+constexpr double kMostBytes = 1000;  // may stay after each build or reset
 
 size_t BytesInUse() {
   const struct mallinfo2 info = mallinfo2();
   return info.uordblks + info.hblkhd;
 }
 
-// Bytes that each run of `work` leaves, after the warm-ups.
+// Returns the bytes that each run of `work` leaves, after the warm-ups.
 double BytesLeft(int times, const std::function<void()>& work) {
   const bool counts = BytesInUse() > 0;
   for (int i = 0; i < (counts ? kWarmUps : 2); ++i) work();

@@ -1,4 +1,4 @@
-// Every Menagerie robot at hand: alone as a robot, twice, and as the base of a scene.
+// Tests every available Menagerie robot: alone as a robot, twice, and as the base of a scene.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -23,7 +23,8 @@ bool Collides(const mjModel* m, int body) {
   return false;
 }
 
-// Pairs of a body that is fixed to the world and one that moves on it, which the engine lets touch.
+// Counts pairs of a body that is fixed to the world and one that moves on it, which the engine lets
+// touch.
 int FirstJointsThatTouch(const mjModel* m) {
   int count = 0;
   for (int b = 1; b < m->nbody; ++b) {
@@ -61,7 +62,7 @@ TEST_P(Menagerie, RobotComesWithAllItHas) {
   EXPECT_EQ(m->nsensor, 2 * alone->nsensor);
   const int own_home = mj_name2id(alone.get(), mjOBJ_KEY, "home") >= 0 ? 1 : 0;
   EXPECT_EQ(m->nkey, 1 + 2 * (alone->nkey - own_home));
-  // The first robot is the file's, number by number.
+  // The first robot equals the file's, number by number.
   EXPECT_EQ(LargestDifference(alone->jnt_range, m->jnt_range, 2 * alone->njnt), 0);
   EXPECT_EQ(LargestDifference(alone->dof_damping, m->dof_damping, alone->nv), 0);
   EXPECT_LT(LargestDifference(alone->body_inertia, m->body_inertia, 3 * alone->nbody), 1e-12);

@@ -48,7 +48,7 @@ std::vector<std::string> FlagNames(std::span<const char* const> names) {
   return out;
 }
 
-// Bits of the named flags.
+// Returns the bits of the named flags.
 int FlagBits(const std::vector<std::string>& wanted, std::span<const char* const> flags,
              const char* field, CompileLog& log) {
   const std::vector<std::string> names = FlagNames(flags);
@@ -98,7 +98,7 @@ std::string SolverName(int value) {
   return value == mjSOL_PGS ? "pgs" : value == mjSOL_CG ? "cg" : "newton";
 }
 
-// Options of a part beside the engine's defaults and those of the scene.
+// Compares the options of a part with the engine's defaults and those of the scene.
 class OptionComparison {
  public:
   // `scene` are the options that the scene will have.
@@ -108,7 +108,7 @@ class OptionComparison {
     mj_defaultOption(&defaults_);
   }
 
-  // An option by its member, shown with `show`.
+  // Compares an option by its member, shown with `show`.
   template <class T, class Show>
   void Compare(const char* name, T mjOption::*option, const Show& show) {
     const T asked = part_.*option, used = scene_.*option;
@@ -122,7 +122,7 @@ class OptionComparison {
     Compare(name, option, [](T value) { return value; });
   }
 
-  // Flags that the part sets and the scene does not.
+  // Compares the flags that the part sets and the scene does not.
   void CompareFlags(int mjOption::*option, std::span<const char* const> flags, const char* verb) {
     const std::vector<std::string> names = FlagNames(flags);
     for (size_t i = 0; i < names.size(); ++i) {
@@ -153,9 +153,9 @@ class OptionComparison {
   mjOption defaults_{};
 };
 
-// What the scene's options make of these.
+// Returns these options after those of the scene are applied.
 mjOption WithSceneOptions(mjOption engine, const SimOptions& scene) {
-  CompileLog unknown;  // names that do not exist are reported once, by ApplyOptions
+  CompileLog unknown;  // ApplyOptions reports unknown names once
   ApplySolverOptions(scene, engine);
   engine.disableflags |= FlagBits(scene.disable, mjDISABLESTRING, "disable", unknown);
   engine.disableflags |= mjDSBL_AUTORESET;
@@ -172,7 +172,7 @@ void ApplyOptions(const SceneSpec& scene, mjSpec* spec, CompileLog& log) {
   spec->option.enableflags |= enabled;
   spec->option.disableflags |= disabled | mjDSBL_AUTORESET;
   if (scene.timestep) spec->option.timestep = *scene.timestep;
-  // The spec's own was looked at; this one may be that of the base's file.
+  // The spec's own timestep was checked; this one may be that of the base's file.
   const std::string problem = TimestepProblem(spec->option.timestep, 1);
   if (!problem.empty()) log.Problem("base", "<option timestep>: " + problem, "base");
   std::copy(scene.gravity.begin(), scene.gravity.end(), spec->option.gravity);

@@ -1,5 +1,5 @@
 // Private to scene: the engine's global settings. They belong to the scene: parts lose theirs when
-// they are attached, so they are set once everything is together, and what parts asked for is said.
+// they are attached, so they are set once everything is together, and lost settings are reported.
 #pragma once
 
 #include <string>
@@ -13,22 +13,22 @@ typedef struct mjOption_ mjOption;
 
 namespace robocell::internal {
 
-// Sets options, timestep (unless unset) and gravity of the scene. Names of flags that do not exist
-// are problems.
+// Sets options, timestep (unless unset) and gravity of the scene. Unknown names of flags are
+// problems.
 void ApplyOptions(const SceneSpec& scene, mjSpec* spec, CompileLog& log);
 
-// Whether compiling may replace a sparse Jacobian: not when the scene says which it wants.
+// Returns whether compiling may replace a sparse Jacobian: not if the scene chooses one.
 JacobianGuard GuardOf(const SceneSpec& scene);
 
-// Warns when the scene insists on a solver that this engine is known to be wrong with.
+// Warns if the scene insists on a solver that is known to be wrong in this engine.
 void WarnWrongSolver(const SceneSpec& scene, const mjModel* model, CompileLog& log);
 
-// Warns about integrator, cone, impratio, solver and the like that a part asks for and does not
-// get.
+// Warns about integrator, cone, impratio, solver and other options that a part specifies and does
+// not get.
 void WarnOtherOptions(const mjOption& part, const SimOptions& scene, const std::string& place,
                       CompileLog& log);
 
-// The same for the base of a scene, whose options stay where the scene says nothing.
+// The same for the base of a scene, whose options stay unless the scene sets them.
 void WarnReplacedOptions(const mjOption& base, const SceneSpec& scene, CompileLog& log);
 
 // Resets options, visual settings and statistics of a part to the engine's defaults, so that

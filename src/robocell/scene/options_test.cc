@@ -1,4 +1,4 @@
-// The engine's options belong to the scene: attached parts lose theirs, and that is said.
+// Tests that the engine's options belong to the scene: attached parts lose theirs with a warning.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>

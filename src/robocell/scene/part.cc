@@ -34,7 +34,7 @@ std::vector<std::string> Names(const std::vector<mjsElement*>& elements) {
   return names;
 }
 
-// Those of a kind in the part's world but `except`.
+// Returns the elements of a kind in the part's world except `except`.
 std::vector<std::string> InWorld(const Part& part, mjtObj kind, mjsElement* except = nullptr) {
   std::vector<std::string> out;
   for (mjsElement* element : BodyElements(WorldBody(part.spec.get()), kind)) {
@@ -57,7 +57,7 @@ WorldGeoms GeomsInWorld(const Part& part) {
   return geoms;
 }
 
-// Floors and lights are the scene's: what a model brings to be looked at alone is no loss.
+// The scene has its own floors and lights: leaving out those of a model is no loss.
 void WarnLeftBehind(const Part& part, mjsBody* root, CompileLog& log) {
   const auto text = [&](const std::vector<std::string>& names) {
     return fmt::format("only {} of {} is attached; left out of its world: {}",
@@ -78,7 +78,7 @@ void WarnLeftBehind(const Part& part, mjsBody* root, CompileLog& log) {
              text(geoms.floors) + "; floors are the scene's (add_floor), nothing meets this one");
 }
 
-// A plane has no end: below a robot it would be a second floor, which goes where the robot goes.
+// A plane is infinite: below a robot it would be a second floor that moves with the robot.
 void WarnPlanes(const Part& part, CompileLog& log) {
   if (part.field != "model" && part.field != "path") return;  // of a robot
   for (mjsElement* element : SpecElements(part.spec.get(), mjOBJ_GEOM)) {
@@ -96,7 +96,7 @@ void WarnPlanes(const Part& part, CompileLog& log) {
   }
 }
 
-// Elements that refer to others and are dropped by the engine when those are not attached.
+// Elements that refer to others, which the engine drops if those are not attached.
 constexpr std::array kReferring = {mjOBJ_ACTUATOR, mjOBJ_SENSOR,  mjOBJ_TENDON,
                                    mjOBJ_EQUALITY, mjOBJ_EXCLUDE, mjOBJ_PAIR};
 
@@ -210,7 +210,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The values of an attribute in XML text, wherever it stands.
+// Returns the values of an attribute in XML text, wherever it stands.
 std::set<std::string> AttributeValues(const std::string& xml, const std::string& attribute) {
   std::set<std::string> values;
   for (size_t at = xml.find(attribute); at != std::string::npos; at = xml.find(attribute, at + 1)) {
@@ -229,8 +229,8 @@ std::string ReadText(const fs::path& file) {
   return text.str();
 }
 
-// Candidates for names of default classes. The engine has no list of a spec's classes, so they are
-// read from the text of the file and of what it includes; a word too many does no harm.
+// Collects candidates for names of default classes. The engine has no list of a spec's classes, so
+// they are read from the text of the file and of its includes; extra words do no harm.
 void CollectClassNames(const fs::path& file, std::set<fs::path>& seen,
                        std::set<std::string>& names) {
   if (!seen.insert(file).second) return;
@@ -251,7 +251,7 @@ std::string FreeName(const std::string& name, const mjSpec* part, const mjSpec* 
   }
 }
 
-// Bodies and frames say by name which class their contents have by default.
+// Bodies and frames name the default class of their contents.
 void RenameChildClass(mjSpec* spec, const std::string& from, const std::string& to) {
   for (mjsElement* e : SpecElements(spec, mjOBJ_BODY)) {
     mjString* name = mjs_asBody(e)->childclass;

@@ -1,6 +1,7 @@
 // Private to scene: a model file that becomes part of a scene. Loading makes it safe to attach:
-// asset paths absolute (several folders can meet in one scene), keyframes read and dropped (the
-// scene writes its own), global settings reported and dropped (the scene sets its own).
+// asset paths become absolute (several folders can meet in one scene), keyframes are read and
+// dropped (the scene writes its own), global settings are reported and dropped (the scene sets its
+// own).
 #pragma once
 
 #include <optional>
@@ -19,7 +20,7 @@ typedef struct mjsBody_ mjsBody;
 namespace robocell::internal {
 
 struct Part {
-  // A tool that became part of it, and what its names begin with there.
+  // A tool that became part of it, and the prefix of its names there.
   struct Tool {
     std::string prefix, file;
   };
@@ -28,44 +29,45 @@ struct Part {
   std::string file;
   SpecPtr spec;
   PartKeys keys;
-  std::string other_keys = {};  // what to say of keyframes that are called otherwise; may be empty
+  std::string other_keys = {};  // remark about keyframes with other names; may be empty
   std::vector<Tool> tools = {};
 };
 
-// Absolute path of a model file that `field` names. Null and an entry in the log when it is not
-// found.
+// Returns the absolute path of a model file that `field` names. Unset, with an entry in the log, if
+// it is not found.
 std::optional<std::string> FindModel(const std::string& name, const std::string& directory,
                                      const std::string& place, const std::string& field,
                                      CompileLog& log);
 
-// The model of `place`, which names it as `name` in `field`; null and an entry in the log when
-// it is not found or files are missing that it refers to. `options` are the scene's; what the part
-// asks for instead is reported as a warning. Unnamed elements are labelled (label_unnamed.h) when
-// there is a `root_label`.
+// Loads the model of `place`, which names it as `name` in `field`. Unset, with an entry in the log,
+// if it or a file that it refers to is missing. `options` are the scene's; a warning reports those
+// that the part specifies differently. With a `root_label`, unnamed elements are labelled
+// (label_unnamed.h).
 std::optional<Part> LoadPart(const std::string& name, const std::string& directory,
                              const std::string& place, const std::string& field,
                              const SimOptions& options, const std::string& root_label,
                              CompileLog& log);
 
-// The body that the part hangs on when it is attached: the only child of its world, or the one that
-// holds `root_body` when that is given; null for what has no such field. A problem in the log
-// and null when there is no such body. What stays behind (other bodies, geoms, sites and cameras of
-// the part's world) is a warning; lights, which the scene has its own of, are a note.
+// Returns the body of the part that is attached: the only child of its world, or the one that
+// contains the given `root_body` (null for parts without such a field). Null, with a problem in the
+// log, if there is no such body. A warning reports the rest of the part's world (other bodies,
+// geoms, sites and cameras); a note reports its lights, because the scene has its own.
 mjsBody* ChooseRoot(const Part& part, const std::optional<std::string>& root_body, CompileLog& log);
 
-// Replaces the names of the files that a model refers to by absolute paths. Those that do not exist
-// are one entry in the log; false then.
+// Replaces the names of the files that a model refers to by absolute paths. Missing files give one
+// entry in the log, and false.
 bool MakeAssetPathsAbsolute(mjSpec* spec, const std::string& file, const std::string& place,
                             const std::string& field, CompileLog& log);
 
-// Attaches with AttachBody, and reports what the engine left out because it refers to something
-// that is not below `root`.
+// Attaches with AttachBody, and reports elements that the engine left out because they refer to
+// something that is not below `root`.
 void AttachPart(mjsBody* parent, const Part& part, mjsBody* root, const class Pose& pose,
                 const std::string& prefix, CompileLog& log);
 
-// For parts that are attached without a prefix. Gives the part's default classes other names where `parent` has classes of the same name: an
-// attachment with an empty prefix would leave two classes of one name, which the engine saves to an
-// XML file that it cannot read. Classes matter only for saving; elements keep their values.
+// For parts that are attached without a prefix: renames the part's default classes where `parent`
+// has classes of the same name. An attachment with an empty prefix would leave two classes of one
+// name, which the engine saves to an XML file that it cannot read. Classes matter only for saving;
+// elements keep their values.
 void MakeClassNamesUnique(const Part& part, const mjSpec* parent);
 
 }  // namespace robocell::internal

@@ -29,7 +29,7 @@ int PositionCount(const mjsJoint* joint) {
 
 int VelocityCount(int positions) { return positions == 1 ? 1 : positions - 1; }
 
-// How many numbers each actuator has in a key.
+// The number of values of each actuator in a key.
 struct ActuatorSizes {
   std::vector<int> inputs, activations;
 };
@@ -47,23 +47,23 @@ ActuatorSizes UsualSizes(mjSpec* spec) {
   return sizes;
 }
 
-// Sizes in the compiled part: some actuators have several inputs or activations. None if it does
-// not compile.
+// Returns sizes of the compiled part: some actuators have several inputs or activations. Unset if
+// it does not compile.
 std::optional<ActuatorSizes> CompiledSizes(mjSpec* spec) {
-  std::vector<std::string> warnings;  // come again from the scene
+  std::vector<std::string> warnings;  // the scene reports them again
   try {
     const SpecPtr copy = CopySpec(spec);
     DropKeys(copy.get());
     const ModelPtr model = Compile(copy.get(), nullptr, "a model with keyframes", &warnings);
     return ActuatorSizes{{model->actuator_ctrlnum, model->actuator_ctrlnum + model->nactuator},
                          {model->actuator_actnum, model->actuator_actnum + model->nactuator}};
-  } catch (const SpecError&) {  // whoever compiles the scene says what is wrong
+  } catch (const SpecError&) {  // compiling the scene reports it
     return std::nullopt;
   }
 }
 
-// Compiled only for the rare model that needs it: meshes take their time. Numbers of which it is
-// not known whose they are belong to nobody.
+// Compiled only for the rare model that needs it, because meshes take time. Numbers with an unknown
+// owner are ignored.
 ActuatorSizes SizesOf(mjSpec* spec) {
   ActuatorSizes sizes = UsualSizes(spec);
   const auto fits = [](int given, const std::vector<int>& each) {
@@ -73,7 +73,7 @@ ActuatorSizes SizesOf(mjSpec* spec) {
     int controls = 0, activations = 0;
     mjs_getDouble(mjs_asKey(element)->ctrl, &controls);
     mjs_getDouble(mjs_asKey(element)->act, &activations);
-    if (controls < Sum(sizes.inputs)) controls = 0;  // some are left out at the end
+    if (controls < Sum(sizes.inputs)) controls = 0;  // the last ones are missing
     if (fits(controls, sizes.inputs) && fits(activations, sizes.activations)) continue;
     if (auto compiled = CompiledSizes(spec)) return *compiled;
     return {};
@@ -81,7 +81,7 @@ ActuatorSizes SizesOf(mjSpec* spec) {
   return sizes;
 }
 
-// Joints in the order of qpos: bodies depth first, each with its own joints first.
+// Collects joints in the order of qpos: bodies depth first, each with its own joints first.
 void CollectJoints(mjsBody* body, std::vector<mjsElement*>& out) {
   for (mjsElement* joint : BodyElements(body, mjOBJ_JOINT)) out.push_back(joint);
   for (mjsElement* child : BodyElements(body, mjOBJ_BODY)) CollectJoints(mjs_asBody(child), out);
@@ -103,7 +103,7 @@ void NameUnnamed(mjSpec* spec, const std::string& place) {
   for (size_t i = 0; i < actuators.size(); ++i) name(actuators[i], i);
 }
 
-// Takes `count` numbers from `numbers` for `name` and moves on; unnamed elements are passed over.
+// Takes `count` numbers from `numbers` for `name` and moves on; skips unnamed elements.
 class Splitter {
  public:
   explicit Splitter(const mjDoubleVec* numbers) { data_ = mjs_getDouble(numbers, &size_); }
@@ -120,8 +120,8 @@ class Splitter {
   int at_ = 0;
 };
 
-// The pose of a mocap body in the one that the file gives it, so that it holds wherever the part is
-// placed. The key has both numbers of all mocap bodies, or those that it leaves out are the file's.
+// Reads the pose of a mocap body relative to the file's pose, so that it holds wherever the part is
+// placed. The key has both numbers of all mocap bodies, or the file's where it leaves them out.
 void TakeMocap(mjSpec* spec, const mjsKey* key, PartKey& out) {
   int positions = 0, rotations = 0, index = 0;
   const double* pos = mjs_getDouble(key->mpos, &positions);
@@ -234,7 +234,7 @@ void PartKeys::Rename(mjtObj kind, const std::string& from, const std::string& t
 void PartKeys::Merge(const PartKeys& other, const std::string& prefix) {
   home.Merge(other.home, prefix);
   for (const auto& [name, key] : other.presets) {
-    // A prefix may make any name of a preset's, `home` too: that one is home.
+    // A prefix may turn the name of a preset into `home`: that preset is home.
     if (PartKey* known = Find(prefix + name)) {
       known->Merge(key, prefix);
     } else {

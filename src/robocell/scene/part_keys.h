@@ -1,6 +1,6 @@
-// Private to scene: the keyframes of a part's own model, by the names of what they set. The scene
-// drops the keys themselves, which would keep the other parts at their reference, and writes its
-// own (scene_keys.h).
+// Private to scene: the keyframes of a part's own model, by the names of the elements that they
+// set. The scene drops the keys themselves, which would keep the other parts at their reference,
+// and writes its own (scene_keys.h).
 #pragma once
 
 #include <mujoco/mujoco.h>
@@ -16,61 +16,61 @@ namespace robocell::internal {
 
 // The values of one keyframe.
 struct PartKey {
-  std::string part, own_name;  // of a scene's preset: its robot or object, and its name there
+  std::string part, own_name;  // for a scene's preset: its robot or object, and its name there
 
   // Place of a value in its file, for messages.
   struct Source {
     std::string place;  // "robot 'left'"
     std::string field;  // of its spec: the one that names the file
     std::string file;
-    std::string key;   // as the file calls the keyframe
-    std::string name;  // as the file calls the joint or actuator
+    std::string key;   // keyframe's name in the file
+    std::string name;  // joint's or actuator's name in the file
   };
   using Values = std::map<std::string, std::vector<double>>;
 
   Values qpos, qvel;                  // of a joint
   Values act, ctrl;                   // of an actuator
-  std::map<std::string, Pose> mocap;  // of a body, in the pose that its file gives it
+  std::map<std::string, Pose> mocap;  // of a body, relative to its pose in the file
   std::map<std::string, Source> joint_sources, actuator_sources;
 
-  // Values of a joint, actuator or body follow its new name.
+  // Moves the values of a joint, actuator or body to its new name.
   void Rename(mjtObj kind, const std::string& from, const std::string& to);
-  // The same with a prefix on every name; entries that are there already win.
+  // Adds the values of another key with a prefix on every name; existing entries take precedence.
   void Merge(const PartKey& other, const std::string& prefix);
 };
 
 // All keyframes of a part, or of a scene.
 struct PartKeys {
-  PartKey home;  // says nothing when there is no keyframe of that name
-  // The others, in the order in which they were found.
+  PartKey home;  // empty if there is no keyframe of that name
+  // The others, in order.
   std::vector<std::pair<std::string, PartKey>> presets;
 
-  // Null when there is none.
+  // Returns null if there is none.
   PartKey* Find(const std::string& name);
   void Remove(const std::string& name);
   std::vector<std::string> PresetNames() const;
 
   void Rename(mjtObj kind, const std::string& from, const std::string& to);
-  // Those of what is mounted on a part. `home` joins `home`. A preset gets the prefix on its own
-  // name too, and joins the one that is called so.
+  // Adds those of a tool mounted on a part. `home` joins `home`. A preset gets the prefix on its
+  // own name too, and joins an existing one of that name.
   void Merge(const PartKeys& other, const std::string& prefix);
-  // Those of another part of the scene: a preset whose name is taken gets a number behind it.
-  // Returns how these are called, by their own names.
+  // Adds those of another part of the scene: a preset whose name is taken gets a number. Returns
+  // the new names by the old ones.
   std::map<std::string, std::string> Adopt(const PartKeys& other, const std::string& prefix,
                                            const std::string& part);
 };
 
-// The joints in the order of qpos, and how many numbers each has there.
+// The joints in the order of qpos, and the number of values of each.
 struct JointPositions {
   std::string name;
   int count = 1;
 };
 std::vector<JointPositions> PositionsInOrder(mjSpec* spec);
 
-// A keyframe without a name is called `key1` when it is the second of its file. `place`, `field`
-// and `file` are kept as the source of what is found. Where there are keyframes, joints (but free
-// ones: the scene says where these stand) and actuators without a name get one, so that what is
-// said of them is found.
+// A keyframe without a name is called `key1` if it is the second of its file. `place`, `field` and
+// `file` are stored as the source of the values. If there are keyframes, unnamed joints (except
+// free ones, which the scene places) and unnamed actuators get names, so that their values can be
+// assigned.
 PartKeys ReadKeys(mjSpec* spec, const std::string& place, const std::string& field,
                   const std::string& file);
 void DropKeys(mjSpec* spec);

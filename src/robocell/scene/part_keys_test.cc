@@ -65,7 +65,7 @@ TEST_F(PartKeysTest, OutsideTheLimitsOrOfAnotherSizeAreWarnings) {
                                  "'shoulder'")));
 }
 
-// Everything that a key holds: of servos that integrate, motors with a filter, mocap bodies.
+// Everything that a key can contain: servos that integrate, motors with a filter, mocap bodies.
 constexpr const char* kRich = R"(
   <compiler angle="radian"/>
   <worldbody>

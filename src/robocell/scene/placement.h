@@ -1,5 +1,5 @@
-// Private to scene: turns an AttachTarget into the body that something is put on and the pose in
-// it. The frames of the rig, which several robots share, are here too.
+// Private to scene: turns an AttachTarget into the parent body and the pose in it. It also defines
+// the frames of the rig, which several robots share.
 #pragma once
 
 #include <mujoco/mujoco.h>
@@ -19,32 +19,33 @@ struct Placement {
   Pose pose;  // in the parent body
 };
 
-// What names of robots stand for while a scene is put together.
+// The meaning of robots' names while a scene is put together.
 struct RobotFrames {
   std::string root_body;
   std::optional<std::string> attachment_site;
 };
 using RobotFrameMap = std::map<std::string, RobotFrames>;
 
-// The engine's kind of element for a target that is one; mjOBJ_UNKNOWN for the others.
+// Returns the engine's kind for a target that is an element; mjOBJ_UNKNOWN for the others.
 mjtObj ElementKindOf(AttachKind kind);
 
-// "body 'table'", "the attachment site of robot 'left'", "the shared base frame": for messages.
+// Describes a target for messages: "body 'table'", "the attachment site of robot 'left'", "the
+// shared base frame".
 std::string DescribeTarget(const AttachTarget& target);
 
-// Finds the target in `spec`. Root and SharedBase are transforms of the world. Null and an entry in
-// the log when the element does not exist.
+// Finds the target in `spec`. Root and SharedBase are transforms of the world. Unset, with an entry
+// in the log, if the element does not exist.
 std::optional<Placement> Place(const AttachTarget& target, const Pose& pose, mjSpec* spec,
                                const SceneSpec& scene, const RobotFrameMap& robots,
                                const std::string& place, CompileLog& log);
 
-// The same pose on the world itself, for what must hang there (free bodies, mocap bodies). A parent
-// that can move is a problem, said as `why`: "a mocap base".
+// Returns the same pose on the world itself, for elements that must hang there (free bodies, mocap
+// bodies). A movable parent is a problem, explained by `why`: "a mocap base".
 std::optional<Placement> PlaceInWorld(const Placement& placement, const AttachTarget& target,
                                       const std::string& why, const std::string& place,
                                       CompileLog& log);
 
-// The frames of the rig. Every part of robocell that needs them asks here.
+// The frames of the rig. Every part of robocell that needs them gets them here.
 //
 //   world - root_frame_to_world -> root - shared_base_frame_to_root_frame -> shared base
 //         - robot_to_shared_base_frame[r] -> base of robot r

@@ -1,4 +1,4 @@
-// Where things stand: attach targets, the rig, bases, authored root poses.
+// Tests poses: attach targets, the rig, bases, authored root poses.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@
 namespace robocell::internal {
 namespace {
 
-constexpr double kExact = 1e-9;  // MJCF text and the engine's normalisation round
+constexpr double kExact = 1e-9;  // rounding of MJCF text and of the engine's normalisation
 
 template <class Spec>
 void PutAt(Spec& spec, const Pose& pose) {
@@ -221,7 +221,7 @@ TEST(Placement, ToolsStandAtFramesWithAnglesInDegreesAboutFixedAxes) {
           rig.authored);
 }
 
-// A spec may be changed where it lies; the next scene that is made of it has that.
+// A spec may be changed in place; the next scene made of it has the change.
 TEST(Placement, EditsInPlaceMoveTheTool) {
   ModelFolder folder;
   SceneSpec spec = EmptyScene();

@@ -14,7 +14,7 @@ namespace {
 constexpr double kParkingHeight = 1000;  // metres; images end at 100
 constexpr double kParkingSpace = 10;
 
-// Bodies of a subtree follow each other, and so do their geoms, joints and degrees of freedom.
+// Bodies of a subtree are contiguous, and so are their geoms, joints and degrees of freedom.
 int LastOfSubtree(const mjModel* m, int root) {
   int last = root;
   while (last + 1 < m->nbody && IsInSubtree(m, last + 1, root)) ++last;
@@ -45,7 +45,7 @@ PooledObject::PooledObject(const mjModel* m, const ObjectRecord& record, size_t 
     geoms_.count += m->body_geomnum[b];
     dofs_.count += m->body_dofnum[b];
   }
-  const int joint = m->body_jntadr[root];  // the free one: nothing else fits beside it
+  const int joint = m->body_jntadr[root];  // the free one, which is always alone
   qpos_.first = m->jnt_qposadr[joint];
   dofs_.first = m->jnt_dofadr[joint];
   int next = joint;

@@ -1,6 +1,7 @@
-// Private to scene: the pool, objects that come and go without compiling (SceneObject::parked).
+// Private to scene: the pool: objects that are added and removed without compiling
+// (SceneObject::parked).
 //
-// They are always in the model. What is parked stands far above everything, where no camera looks,
+// They are always in the model. A parked object is far above everything, where no camera looks,
 // without contacts, weight and velocity, so that it costs little and moves nothing.
 #pragma once
 
@@ -15,16 +16,16 @@
 
 namespace robocell::internal {
 
-// Position and quaternion wxyz, as a free joint has them.
+// Position and quaternion wxyz in the layout of a free joint.
 using FreeJointPos = std::array<mjtNum, 7>;
 
-// The place of the i-th object of a scene.
+// Returns the parking place of the i-th object of a scene.
 FreeJointPos ParkingPlace(size_t object);
 
-// One object of the pool in one compiled scene. Members allocate nothing.
+// One object of the pool in one compiled scene. Members do not allocate.
 class PooledObject {
  public:
-  // `record` is one of the model's scene, the `number`-th of its objects, and outlives this.
+  // `record` belongs to the model's scene, is the `number`-th of its objects, and outlives this.
   PooledObject(const mjModel* m, const ObjectRecord& record, size_t number);
 
   const std::string& name() const { return record_->name; }
@@ -32,15 +33,15 @@ class PooledObject {
   bool parked_after_reset() const { return record_->pool->parked; }
   const mjtNum* home(const mjModel* m) const { return m->qpos0 + qpos_.first; }
   const FreeJointPos& parking_place() const { return place_; }
-  // Returns true if `qpos` has it at its parking place: at that height, as a wind may have taken it
-  // aside.
+  // Returns true if the object is at its parking place in `qpos`: only the height counts, as wind
+  // may have moved it aside.
   bool IsParkedAt(const mjtNum* qpos) const;
 
-  // Takes contacts and weight away, or gives back those of its file.
+  // Removes contacts and weight, or restores those of its file.
   void Switch(mjModel* m, bool parked) const;
-  // Returns true if the model has contacts and weight as a reset leaves them, whatever `parked` is.
+  // Returns true if the model has the contacts and weight of a reset, whatever `parked` is.
   bool IsAsAfterReset(const mjModel* m) const;
-  // At rest, with the joints and controls that key `home` has, and the free joint at `pos`.
+  // Puts it at rest, with the joints and controls of key `home`, and the free joint at `pos`.
   void Put(const mjModel* m, mjData* d, int home_key, const mjtNum* pos) const;
 
   bool parked;
@@ -55,13 +56,13 @@ class PooledObject {
   std::vector<int> actuators_;
 };
 
-// Reads the properties of a pool object from a model that was just compiled.
+// Reads the properties of a pool object from a newly compiled model.
 PoolRecord ReadPoolRecord(const mjModel* m, const ObjectRecord& record, bool parked);
 
-// Those of a compiled scene, as a reset leaves them.
+// Returns those of a compiled scene in the state after a reset.
 std::vector<PooledObject> PoolOf(const CompiledScene& compiled);
 
-// To be called after body_gravcomp was written to: the engine looks at the count first.
+// Call it after writing body_gravcomp: the engine looks at the count first.
 void CountCompensatedBodies(mjModel* m);
 
 }  // namespace robocell::internal

@@ -1,4 +1,4 @@
-// The pool: objects that come and go without compiling.
+// Tests the pool: objects that are added and removed without compiling.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -55,7 +55,7 @@ class Pool : public ::testing::Test {
         Pooled({.name = "mug", .mjcf_path = "mug", .pos = Vec3{0.6, 0.3, 0}, .fixed = false})};
     spec.root_frame_to_world = Pose::FromRpy({0.1, 0.2, 0}, {0, 0, 0.3});
   }
-  // A scene that changed the pool and is gone.
+  // Closes a scene that changed the pool.
   void UseAndClose(const std::shared_ptr<CompiledScene>& compiled) {
     Scene scene = Scene::FromCompiled(compiled);
     scene.AddObject("a");
@@ -106,7 +106,7 @@ TEST_F(Pool, StartsAsTheSpecSaysAndComesAndGoesByName) {
   EXPECT_EQ(scene.generation(), generation);
 }
 
-// Measured at one each; to compile anew takes dozens.
+// Measured at one each; compiling anew takes dozens.
 TEST_F(Pool, ComingOrGoingTakesNoLongerThanAFewForwards) {
   Scene scene = Scene::Build(spec);
   const auto comes_and_goes = [&] {
@@ -121,7 +121,7 @@ TEST_F(Pool, ComingOrGoingTakesNoLongerThanAFewForwards) {
   EXPECT_LT(RatioOfTimes(comes_and_goes, forwards), Allowed(8));
 }
 
-// The same object by its spec, elsewhere: as a scene that was built so has it.
+// The same object with another pose: the result equals a scene that was built so.
 TEST_F(Pool, ASpecWithAnotherPoseIsPlacedThere) {
   Scene scene = Scene::Build(spec);
   SceneObject jar = spec.objects[3];
@@ -148,7 +148,7 @@ TEST_F(Pool, RemovingAndAddingGivesBackStateAndModelToTheBit) {
     const std::string model = SaveBinaryString(scene.model());
     for (const char* name : {"jar", "mug", "a"}) scene.AddObject(name);
     for (const char* name : {"a", "jar", "mug"}) scene.RemoveObject(name);
-    // A parked object is exactly at its place; before it was there up to rounding.
+    // A parked object is exactly at its place; before, it was there up to rounding.
     const std::vector<double> again = scene.state();
     ASSERT_EQ(again.size(), state.size());
     for (size_t i = 0; i < state.size(); ++i) EXPECT_NEAR(again[i], state[i], 1e-9) << i;
@@ -174,7 +174,7 @@ TEST_F(Pool, WhatIsParkedRestsAndMovesNothing) {
   EXPECT_NEAR(scene.body_pose("table").translation().z(), 0.02, 1e-3);
 }
 
-// Nothing of what an object did in the scene is left when it comes again, or in what stayed.
+// The history of an object in the scene has no effect when it returns, or on the other objects.
 TEST_F(Pool, ATrajectoryAfterAResetDependsOnNothingBefore) {
   Scene lived = Scene::Build(spec), fresh = Scene::Build(spec);
   lived.AddObject("a");
@@ -212,7 +212,7 @@ TEST_F(Pool, AHookChoosesWhatIsThere) {
   }
 }
 
-// A state knows what was there.
+// A state contains the set of active objects.
 TEST_F(Pool, StatesBringTheirObjectsBack) {
   Scene scene = Scene::Build(spec);
   const std::vector<double> before = scene.state();
@@ -348,7 +348,7 @@ TEST_F(Pool, OfAFrozenModelStaysAsItIs) {
   EXPECT_TRUE(other.state() == before);
 }
 
-// Masks and weight of the whole pool, and where it goes in half a second.
+// Returns masks and weight of the whole pool, and its positions after half a second.
 std::vector<double> PoolAndFall(Scene& scene) {
   std::vector<double> out;
   for (const char* body : {"a", "b", "jar_jar", "jar_lid"}) {

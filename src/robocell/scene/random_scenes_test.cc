@@ -1,4 +1,4 @@
-// Laws that every scene obeys, on random ones: robots of all models at hand with tools on tools,
+// Tests laws of every scene on random ones: robots of all available models with tools on tools,
 // objects, rigs, cameras.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-// The first seeds without the Menagerie, whose meshes take their time.
+// The first seeds do not use the Menagerie, whose meshes take time.
 constexpr uint64_t kPlain = 8, kAll = 40;
 
 class RandomCells : public ::testing::TestWithParam<uint64_t> {
@@ -46,7 +46,7 @@ class RandomCells : public ::testing::TestWithParam<uint64_t> {
 
 using Poses = std::map<std::string, Pose>;
 
-// Metres and radians, over all bodies.
+// Returns metres and radians, over all bodies.
 double LargestDifference(const Poses& a, const Poses& b) {
   double largest = 0;
   for (const auto& [body, pose] : a)
@@ -54,7 +54,7 @@ double LargestDifference(const Poses& a, const Poses& b) {
   return largest;
 }
 
-// Begun with velocities that are so much off, to either side.
+// Starts with velocities that differ by up to `off`, to either side.
 Poses PosesAfter(const SceneSpec& spec, int steps, double off = 0) {
   Scene scene = Scene::Build(spec);
   for (int i = 0; i < scene.model()->nv; ++i) scene.data()->qvel[i] += i % 2 == 0 ? off : -off;
@@ -71,8 +71,8 @@ void Shuffle(Rng& rng, List<T>& list) {
   rng.Shuffle(list.boxes());
 }
 
-// Growth of rounding in these steps: in about one cell of a hundred to 1e-6 and more, by stiff
-// contacts.
+// Returns the growth of rounding in these steps: in about one cell of a hundred to 1e-6 and more,
+// by stiff contacts.
 double GrownRounding(const SceneSpec& spec, const Poses& poses, int steps) {
   double largest = 0;
   for (const double off : {1e-15, -1e-15, 3e-15})
@@ -81,14 +81,14 @@ double GrownRounding(const SceneSpec& spec, const Poses& poses, int steps) {
 }
 
 TEST_P(RandomCells, TheOrderOfIndependentEntitiesChangesNothing) {
-  // To the end: else the order decides where the solver stops.
+  // Runs the solver to the end: otherwise the order decides where it stops.
   spec_.options.tolerance = 0;
   spec_.options.iterations = 500;
   const SceneSpec in_order = spec_;
   const Poses before = PosesAfter(in_order, 50);
   Shuffle(rng_, spec_.robots);
   Shuffle(rng_, spec_.objects);
-  // Supports are declared before what stands on them.
+  // Supports are declared before the objects on them.
   auto& objects = spec_.objects.boxes();
   std::stable_partition(objects.begin(), objects.end(),
                         [](const auto& box) { return box->name == "stand"; });
@@ -120,14 +120,14 @@ TEST_P(RandomCells, AddingThenRemovingGivesBackTheState) {
   EXPECT_TRUE(SaveBinaryString(scene.model()) == model);
 }
 
-// Body of a joint; "" if it has no name.
+// Returns the body of a joint; "" if it has no name.
 std::string BodyOf(const mjModel* model, int joint, const std::string& prefix = "") {
   const std::string name = ElementName(model, mjOBJ_BODY, model->jnt_bodyid[joint]);
   return name.empty() ? "" : prefix + name;
 }
 
-// Every name of a part's own model is found under the part's name, refers to that element and no
-// other, and resolves to itself.
+// Checks that every name of a part's own model exists under the part's name, refers to that element
+// and no other, and resolves to itself.
 void ExpectElementsOf(const Scene& scene, const std::string& file, const std::string& prefix) {
   const mjModel *alone = RandomScenes::Alone(file), *all = scene.model();
   for (const mjtObj kind : {mjOBJ_BODY, mjOBJ_JOINT, mjOBJ_SITE, mjOBJ_ACTUATOR, mjOBJ_CAMERA}) {
@@ -167,8 +167,8 @@ void ExpectElementsOf(const Scene& scene, const std::string& file, const std::st
 #define EXPECT_POSE(actual, expected) \
   EXPECT_TRUE((actual).is_close((expected), 1e-8, 1e-8)) << (actual) << "\nexpected\n" << (expected)
 
-// By its name everything is found, where it is said to be: robots, tools on tools, objects,
-// cameras, the rig.
+// Every name leads to the element at its stated place: robots, tools on tools, objects, cameras,
+// the rig.
 TEST_P(RandomCells, EveryNameResolves) {
   const Scene scene = Scene::Build(spec_);
   for (const RobotSpec& robot : spec_.robots) {
@@ -207,7 +207,7 @@ TEST_P(RandomCells, EveryNameResolves) {
 
 std::string Stem(const std::string& file) { return std::filesystem::path(file).stem().string(); }
 
-// The generator makes what it is said to make.
+// The generator covers everything that it claims.
 TEST(RandomCellsOnTheWhole, HaveEveryKindOfRobotAndManyTools) {
   REQUIRE_MENAGERIE();
   std::set<std::string> robots;
@@ -242,7 +242,7 @@ TEST(RandomCellsOnTheWhole, HaveEveryKindOfRobotAndManyTools) {
   EXPECT_EQ(most_robots, 3);
   EXPECT_EQ(most_objects, 10);
   EXPECT_EQ(most_tools, 5);
-  // Written and built-in ones, and all that tests take from the Menagerie.
+  // Written and built-in ones, and all that tests use from the Menagerie.
   EXPECT_THAT(robots, ElementsAre("2f85", "arm", "fr3", "gen3", "panda", "rc7", "xarm7"));
   EXPECT_THAT(tools, ElementsAre("2f85", "ft_sensor", "gripper", "probe"));
   EXPECT_GE(within_reach, 5);
@@ -254,7 +254,7 @@ TEST(RandomCellsOnTheWhole, HaveEveryKindOfRobotAndManyTools) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomCells, ::testing::Range(uint64_t{0}, kAll));
-// One in which rounding grows.
+// A cell in which rounding grows.
 INSTANTIATE_TEST_SUITE_P(Chaotic, RandomCells, ::testing::Values(uint64_t{113}));
 
 }  // namespace

@@ -45,16 +45,16 @@ constexpr double kWeldImpedance = 0.999;  // d
 // fingers shakes its base for ever.
 constexpr double kWeldSteps = 3;
 
-// For a weld the engine weighs the body that it holds. A body that has no mass itself counts as if
-// it had next to none, whatever hangs on it, and would sag by centimetres.
+// The engine scales a weld by the mass of the held body itself. A body without mass of its own
+// would sag by centimetres, whatever hangs on it.
 void AddMass(mjsBody* body) {
   body->explicitinertial = 1;
-  std::fill_n(body->ipos, 3, 0.0);  // without a place the engine takes none of this
+  std::fill_n(body->ipos, 3, 0.0);  // without a position the engine ignores the mass
   body->mass = 1e-3;
   std::fill_n(body->inertia, 3, 1e-6);
 }
 
-// What moves the base body: a mocap body at the same place.
+// Adds the mocap body that moves the base body, at the same place.
 void AddTarget(mjsBody* world, const std::string& base, const Pose& pose, const RobotRecord& robot,
                const std::string& place) {
   mjsBody* target = mjs_addBody(world, nullptr);

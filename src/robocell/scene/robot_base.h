@@ -1,6 +1,6 @@
-// Private to scene: what a robot stands on. A base body `<prefix><kind>_base` is made for mocap,
-// free, planar and driven bases and for every pedestal; its origin is the pedestal's bottom, the
-// robot's root hangs at the pedestal's top.
+// Private to scene: the base of a robot. A base body `<prefix><kind>_base` is made for mocap, free,
+// planar and driven bases and for every pedestal; its origin is the pedestal's bottom, the robot's
+// root hangs at the pedestal's top.
 //   mocap   a mocap body of the world
 //   free    with the free joint <prefix>base_free
 //   planar  with the joints <prefix>base_x, <prefix>base_y, <prefix>base_yaw; nothing drives them
@@ -15,10 +15,11 @@ namespace robocell::internal {
 // Fills base body, pedestal height and the effective kind of base into the record.
 void SettleBase(RobotPart& robot, CompileLog& log);
 
-// Makes the weld of a driven base so soft that the engine is stable with its timestep.
+// Makes the weld of a driven base soft enough for the engine to be stable with its timestep.
 void FitWeld(mjSpec* scene, const RobotRecord& robot);
 
-// Adds the base body to the scene and says where the robot's root goes. Null after a problem.
+// Adds the base body to the scene and returns the placement of the robot's root. Unset after a
+// problem.
 std::optional<Placement> AddBase(const RobotSpec& robot, const RobotPart& loaded,
                                  const Placement& placement, CompileLog& log);
 

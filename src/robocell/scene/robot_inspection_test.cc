@@ -12,7 +12,7 @@ namespace {
 using ::testing::Contains;
 using ::testing::Not;
 
-// What another test's robots are inspected by is installed again.
+// Restores the inspection of other tests.
 class RobotInspectionTest : public ArmWithHand {
  protected:
   ~RobotInspectionTest() override { InstallRobotInspection(before_); }

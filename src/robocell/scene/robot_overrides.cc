@@ -1,4 +1,4 @@
-// What a robot's configuration overrides in its model, and the TCP site.
+// Applies the overrides of a robot's configuration to its model, and adds the TCP site.
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 

@@ -26,12 +26,12 @@ void AddRobotCameras(const RobotConfig& config, const std::string& directory, Pa
 // robot_overrides.cc: gravcomp, stiffness, damping, force_limit.
 void ApplyOverrides(const RobotConfig& config, Part& robot, CompileLog& log);
 
-// first_joints.cc: keeps `top`, and what is fixed to it, from touching the bodies that joints
-// attach to them, as the engine itself does on a base that moves. Not where the scene asks for
-// contacts of neighbours (it disables filterparent).
+// first_joints.cc: keeps `top`, and bodies fixed to it, from touching the bodies that joints attach
+// to them, as the engine itself does on a movable base. Does nothing if the scene enables contacts
+// of neighbours (it disables filterparent).
 void ExcludeFirstJoints(mjsBody* top, const SimOptions& options, mjSpec* spec);
 
-// The site for attachment_site * tcp_offset, when both are configured.
+// Adds the site for attachment_site * tcp_offset if both are configured.
 std::optional<std::string> AddTcpSite(const RobotConfig& config, Part& robot, CompileLog& log);
 
 }  // namespace robocell::internal

@@ -17,7 +17,7 @@ struct LookedUpKind {
   mjtSize mjModel::*count;
 };
 
-// Geoms may be fewer or more: nothing is looked up by their names.
+// The number of geoms may differ: nothing looks them up by name.
 constexpr std::array<LookedUpKind, 6> kLookedUp = {
     {{mjOBJ_BODY, "body", &mjModel::nbody},
      {mjOBJ_JOINT, "joint", &mjModel::njnt},
@@ -33,7 +33,7 @@ void RequireSavedNames(const mjModel* built, const mjModel* saved, const std::st
     for (int i = 0; i < static_cast<int>(built->*kind.count); ++i) {
       const char* name = mj_id2name(built, kind.type, i);
       if (!name) continue;
-      // Of keyframes only `home` has to be there: a file may be older than the others.
+      // Only `home` is required of the keyframes: a file may be older than the others.
       if (kind.type == mjOBJ_KEY && std::string_view(name) != "home") continue;
       const int there = mj_name2id(saved, kind.type, name);
       if (there < 0) {

@@ -66,7 +66,7 @@ void Scene::Forward() {
   State& s = open();
   robocell::Forward(s.model(), s.data.data, s.context);
   s.poses_at = s.data.data->time;
-  for (size_t i = 0; i < s.observers.size(); ++i) {  // no copy, which would be an allocation
+  for (size_t i = 0; i < s.observers.size(); ++i) {  // a copy would allocate
     if (const auto observer = s.observers[i].observer.lock()) observer->OnForward();
   }
 }
@@ -133,7 +133,7 @@ const std::vector<std::shared_ptr<SceneObserver>>& Scene::kept_observers() const
 
 void Scene::ForgetKeptObservers() {
   if (!kept_) return;
-  const Kept forgotten = std::move(*kept_);  // destroyed when nobody finds it there any more
+  const Kept forgotten = std::move(*kept_);  // destroyed after it can no longer be found there
   kept_->clear();
 }
 

@@ -1,18 +1,18 @@
-// Scene: a simulation that is alive: one mjData on a CompiledScene. A Scene is a handle to shared
-// state and cheap to copy; the state lives as long as any handle to it.
+// Scene: a live simulation: one mjData on a CompiledScene. A Scene is a handle to shared state and
+// cheap to copy; the state lives as long as any handle to it.
 //
-// Poses are world poses of the named element. Lengths in metres, time in seconds, quaternions xyzw.
-// After any change to qpos through this class the poses are up to date; code that writes data()
-// itself calls Forward().
+// Poses are world poses of the named element. Lengths are in metres, times in seconds, quaternions
+// xyzw. After any change to qpos through this class the poses are up to date; code that writes
+// data() itself calls Forward().
 //
 //   Scene scene = Scene::Build(spec);
 //   scene.Reset({.seed = 1});
 //   for (int i = 0; i < 500; ++i) scene.Step();
 //   Pose cube = scene.body_pose("cube");
 //
-// Errors: NotFoundError for unknown names, ClosedError after Close(), EngineError when MuJoCo
-// reports one. Divergence is a value (StepResult), never an exception. One scene is used by one
-// thread at a time; use() is how callers who do not know of each other keep to that.
+// Errors: NotFoundError for unknown names, ClosedError after Close(), EngineError for an error of
+// MuJoCo. Divergence is a value (StepResult), never an exception. One thread at a time may use a
+// scene; callers that do not know of each other ensure that by use().
 #pragma once
 
 #include <cstdint>
@@ -45,24 +45,24 @@ using BodyPoses = std::vector<std::pair<std::string, Pose>>;
 
 // A keyframe of the scene: its number, its full name ("left_retract", with the prefix of its part),
 // the keyframe of one part's own model ("left: retract"), or those of robots and objects by their
-// names: {{"left", "retract"}, {"right", "ready"}}. What is not named there is at home.
+// names: {{"left", "retract"}, {"right", "ready"}}. Unnamed parts are at home.
 using KeyframeChoice = std::variant<int, std::string, std::map<std::string, std::string>>;
 
 struct ResetOptions {
   std::optional<KeyframeChoice> keyframe = {};  // unset: the scene's home key
   bool use_keyframe = true;                     // false: the model's default configuration
   std::optional<uint64_t> seed = {};            // for home_noise; unset: no noise
-  // Free and mocap bodies that start elsewhere, at rest, whatever hooks do to them. Moved one by
-  // one after the reset, each costs a Forward() more.
+  // Free and mocap bodies that start elsewhere, at rest, whatever hooks do to them. Moving them one
+  // by one after the reset would cost a Forward() each.
   BodyPoses body_poses = {};
 };
 
 struct ResetInfo {
   bool used_keyframe = false;
-  int keyframe = -1;  // its number; home's when robots were given keyframes of their own
+  int keyframe = -1;  // its number; that of home if robots have keyframes of their own
 };
 
-// What a reset hook gets. It may write the state; ports are re-seeded from what it leaves.
+// The argument of a reset hook. A hook may write the state; ports are re-seeded from the result.
 struct ResetContext {
   Scene& scene;
   const ResetOptions& options;
@@ -71,17 +71,17 @@ struct ResetContext {
 
 using ResetHook = std::function<void(ResetContext&)>;
 
-// Told about what happens to a scene. Robots use it to follow resets and rebuilds.
+// Notified of events of a scene. Robots use it to follow resets and rebuilds.
 class SceneObserver {
  public:
   virtual ~SceneObserver() = default;
-  // What one of these two throws comes out of Reset(), the first of them, after all others were
-  // told and the reset was carried out.
+  // The first exception of these two functions is rethrown by Reset(), after all other observers
+  // were notified and the reset was completed.
   virtual void OnReset() {}  // after the reset hook; poses agree with qpos
-  // After the Forward() that ends a reset: forces and sensors agree with the state too.
+  // Called after the Forward() that ends a reset: forces and sensors agree with the state too.
   virtual void OnResetDone() {}
-  // After each Forward(), that of a reset too: the time to look for what somebody wrote into the
-  // model. It is called often, and adds no observers.
+  // Called after each Forward(), including that of a reset: the time to check for values written
+  // into the model. It is called often, and must not add observers.
   virtual void OnForward() {}
   // Called after objects were added or removed: model and data are new, look names up again. An
   // exception undoes the change; observers that were called already are called again with the old
@@ -90,18 +90,17 @@ class SceneObserver {
   virtual void OnClose() {}
 };
 
-// Data on a model and what keeps it alive. The default makes it with mj_makeData; Python makes its
-// own.
+// Data on a model and its owner. The default makes it with mj_makeData; Python makes its own.
 struct DataHandle {
   mjData* data = nullptr;
   std::shared_ptr<void> keeper;
 };
 using DataFactory = std::function<DataHandle(CompiledScene&)>;
 
-// A scene's present model and data, for handles that look at them in every tick.
+// A scene's present model and data, for handles that read them in every tick.
 struct SceneNow {
   const mjModel* model = nullptr;
-  mjData* data = nullptr;  // null once the scene was closed
+  mjData* data = nullptr;  // null after the scene was closed
   uint64_t generation = 0;
 };
 
@@ -124,56 +123,56 @@ class Scene {
   double timestep() const;
   StepResult Step() { return StepN(1); }
   StepResult StepN(int n);
-  // Recomputes everything that follows from qpos, qvel and ctrl, and from what was written to the
-  // model: robots' chains too.
+  // Recomputes everything that follows from qpos, qvel and ctrl, and from values written to the
+  // model, including robots' chains.
   void Forward();
 
-  // An engine step leaves poses (xpos, site_xpos, cameras) one step behind qpos.
-  // This brings them up to date: about a microsecond after a step, nothing otherwise; physics is
-  // not affected. The pose functions below and all handles (move groups, cameras) call it first.
+  // An engine step leaves poses (xpos, site_xpos, cameras) one step behind qpos. This brings them
+  // up to date: about a microsecond after a step, nothing otherwise; physics is not affected. The
+  // pose functions below and all handles (move groups, cameras) call it first.
   void SyncPoses() const;
-  // To be called after writing qpos without Forward(): poses are computed anew when next asked for.
+  // Call it after writing qpos without Forward(): poses are then recomputed on demand.
   void PosesChanged();
 
-  // Restores the keyframe (or default), puts robots at home plus noise and bodies where the options
-  // say, calls the hooks and the observers, clears stale forces and warm starts, and runs Forward.
-  // The trajectory after a reset does not depend on anything before. A body that does not exist or
-  // cannot be moved is an error before anything changes.
+  // Restores the keyframe (or default), puts robots at home plus noise and bodies at the given
+  // poses, calls the hooks and the observers, clears stale forces and warm starts, and runs
+  // Forward. The trajectory after a reset does not depend on anything before. A body that does not
+  // exist or cannot be moved is an error before anything changes.
   ResetInfo Reset(const ResetOptions& options = {});
-  // Names of the keyframes by their numbers: "home", then those of the parts' own models, each with
-  // its part's prefix.
+  // Returns the names of the keyframes by their numbers: "home", then those of the parts' own
+  // models, each with its part's prefix.
   std::vector<std::string> keyframes() const;
   int AddResetHook(ResetHook hook);
   void RemoveResetHook(int id);
   void ClearResetHooks();
-  // Observers are held weakly, but for those that the scene keeps: they live as long as any handle
-  // to the scene and can be found again by their key, so that a robot has one state. What is kept
-  // holds the scene by inner(), else both live until Close().
+  // Observers are held weakly, except those that the scene keeps: they live as long as any handle
+  // to the scene and can be found again by their key, so that a robot has one state. A kept
+  // observer holds the scene by inner(), or else both live until Close().
   void AddObserver(std::weak_ptr<SceneObserver> observer, const std::string& key = {});
   void KeepObserver(std::shared_ptr<SceneObserver> observer, const std::string& key);
   std::shared_ptr<SceneObserver> FindObserver(const std::string& key) const;
-  // Those whose keys begin so, in the order in which they were added.
+  // Returns those whose keys begin with `key_begin`, in the order of adding.
   std::vector<std::shared_ptr<SceneObserver>> FindObservers(std::string_view key_begin) const;
-  // A handle that keeps the simulation alive, but not what the scene keeps.
+  // Returns a handle that keeps the simulation alive, but not the kept observers.
   Scene inner() const;
 
-  // Adds an object to the running scene, or takes one away, by compiling its spec with the object
-  // more or less. Everything else goes on as it was, to the bit: state, time, controls, applied
-  // forces and what was written to the model, but for the few fields of the model that
-  // docs/scenes.md names (what mj_setConst derives, keyframes, integers, meshes and the like).
-  // Handles follow by name; model() and data() are new, pointers to the old ones end here. The new
-  // object stands where a reset would put it; spec(), saved files and later resets have it. An
-  // error (bad object, name taken, unknown name, something is attached to the object, frozen model)
-  // leaves the scene as it was.
+  // Adds or removes an object of the running scene, by compiling the changed spec. Everything else
+  // continues to the bit: state, time, controls, applied forces and values written to the model,
+  // except the few fields of the model that docs/scenes.md names (what mj_setConst derives,
+  // keyframes, integers, meshes and the like). Handles follow by name; model() and data() are new,
+  // and pointers to the old ones become invalid. The new object is at its place after a reset;
+  // spec(), saved files and later resets contain it. An error (bad object, name taken, unknown
+  // name, something is attached to the object, frozen model) leaves the scene unchanged.
   //
-  // Objects of the pool (SceneObject::parked) come and go within microseconds: nothing is compiled,
-  // handles and pointers stay. They can be added by name, with the pose of their root body in the
-  // world unless it is the spec's. No allocation. A reset puts the pool back as the spec says.
+  // Objects of the pool (SceneObject::parked) are added and removed within microseconds: nothing is
+  // compiled, and handles and pointers stay valid. They can be added by name, with the pose of
+  // their root body in the world unless it is the spec's. No allocation. A reset restores the pool
+  // of the spec.
   void AddObject(const SceneObject& object);
   void AddObject(const std::string& name, const std::optional<Pose>& pose_in_world = {});
   void RemoveObject(const std::string& name);
-  std::vector<std::string> object_names() const;    // of those that are there now
-  std::vector<std::string> parked_objects() const;  // of those of the pool that are not
+  std::vector<std::string> object_names() const;    // present objects
+  std::vector<std::string> parked_objects() const;  // absent objects of the pool
 
   // Frames, in the world.
   Pose body_pose(const std::string& name) const;
@@ -181,8 +180,8 @@ class Scene {
   Pose camera_pose(const std::string& name) const;  // MuJoCo camera axes
   // Moves a free or mocap body and stops it; an error for any other body.
   void SetBodyPose(const std::string& name, const Pose& pose_in_world);
-  // How often a mocap body of that name was put elsewhere so far, also with the driven base that
-  // follows it, and by SetState. Who moves one in every tick knows by it that it has to start anew.
+  // Returns how often a mocap body was moved so far, also with the driven base that follows it, and
+  // by SetState. Code that moves it in every tick detects by this that it has to restart.
   uint64_t times_put(const std::string& mocap_body) const;
   Pose root_frame_to_world() const;
   Pose shared_base_frame_to_world() const;
@@ -191,31 +190,32 @@ class Scene {
   std::vector<std::string> joint_names() const;
   std::vector<std::string> camera_names() const;
 
-  // Of a hinge (rad) or slide (m), whoever's it is, as it stands in data().qpos; an ArgumentError
-  // for free and ball joints.
+  // Returns the position of a hinge (rad) or slide (m) of any owner, as in data().qpos. Throws
+  // ArgumentError for free and ball joints.
   double joint_pos(const std::string& name) const;
 
   bool has_actuator(const std::string& name) const;
-  // An ArgumentError for an actuator of several inputs, which says where its controls stand.
+  // Throws ArgumentError, with the place of its controls, for an actuator with several inputs.
   double actuator_ctrl(const std::string& name) const;
-  // Refuses NaN by name before the engine sees it.
+  // Rejects NaN by name before the engine sees it.
   void SetActuatorCtrl(const std::string& name, double value);
-  // Force (N) and torque (Nm) on a body in the world, at its centre of mass, kept until changed or
-  // reset. An ArgumentError for the world and for parked objects.
+  // Applies a force (N) and torque (Nm) to a body in the world, at its centre of mass, kept until
+  // changed or reset. Throws ArgumentError for the world and for parked objects.
   void SetBodyWrench(const std::string& body, const Eigen::Vector3d& force,
                      const Eigen::Vector3d& torque = Eigen::Vector3d::Zero());
 
-  // Active contacts, with `of` those of that body's subtree, as the last step or Forward found
-  // them: places and forces belong to the state before that step. SyncPoses does not look for
-  // contacts anew; Forward does.
+  // Returns active contacts, with `of` those of that body's subtree, as computed by the last step
+  // or Forward: places and forces belong to the state before that step. Only Forward computes
+  // contacts anew, SyncPoses does not.
   std::vector<Contact> contacts(const std::string& of = "") const;
 
-  // Everything the engine needs to go on bit-equally (mjSTATE_INTEGRATION).
+  // Returns everything the engine needs to continue bit-equally (mjSTATE_INTEGRATION).
   std::vector<double> state() const;
-  // ArgumentError for a state of another size, or that is not finite: it says which number of what.
+  // Throws ArgumentError for a state of another size, or for a number that is not finite, which the
+  // message identifies.
   void SetState(std::span<const double> state);
 
-  // Files that stock MuJoCo loads. The XML refers to assets by absolute path.
+  // Saves files that stock MuJoCo loads. The XML refers to assets by absolute path.
   void SaveXml(const std::string& path) const;
   void SaveBinary(const std::string& path) const;
   std::string ToXml() const;
@@ -225,7 +225,7 @@ class Scene {
   const std::shared_ptr<CompiledScene>& compiled() const;
   uint64_t generation() const { return now().generation; }
   const mjModel* model() const { return now().model; }
-  mjModel* mutable_model();  // Error when the compiled scene is frozen
+  mjModel* mutable_model();  // throws Error if the compiled scene is frozen
   mjData* data() const { return now().data; }
   const SceneNow& now() const {
     if (closed()) ThrowClosed();
@@ -233,13 +233,13 @@ class Scene {
   }
   const std::shared_ptr<void>& data_keeper() const;
 
-  // For claims by those who use it, also after it was closed; handles to one simulation share it.
+  // For claims by its users, also after it was closed; handles to one simulation share it.
   SceneUse& use() const;
 
   void Close();
   bool closed() const { return now_->data == nullptr; }
-  // For garbage collectors of other languages: how many handles there are, what the scene holds of
-  // theirs, and a number that handles to the same simulation share.
+  // For garbage collectors of other languages: the number of handles, the foreign objects that the
+  // scene holds, and an id that handles to the same simulation share.
   class Weak;
   const std::map<int, ResetHook>& reset_hooks() const;
   const std::vector<std::shared_ptr<SceneObserver>>& kept_observers() const;
@@ -257,7 +257,7 @@ class Scene {
   [[noreturn]] void ThrowClosed() const;
   void Rebuild(const SceneSpec& spec);
   void AddPooled(const SceneObject& object);
-  bool RemovePooled(const std::string& name);  // false: it is not of the pool
+  bool RemovePooled(const std::string& name);  // false: it does not belong to the pool
   void Swap(internal::PooledObject& object, bool park, const double* pos);
 
   std::shared_ptr<State> state_;
@@ -265,12 +265,12 @@ class Scene {
   std::shared_ptr<Kept> kept_;  // null in an inner handle
 };
 
-// Knows a simulation without keeping it alive. The id of the scene is no other's while this lives.
+// Refers to a simulation without keeping it alive. No other scene gets its id while this lives.
 class Scene::Weak {
  public:
   explicit Weak(const Scene& scene) : state_(scene.state_), kept_(scene.kept_) {}
 
-  // That are no inner() ones; of a scene that is gone none.
+  // Returns the number of handles, without inner() ones; 0 for a destroyed scene.
   size_t handles() const { return static_cast<size_t>(kept_.use_count()); }
   std::optional<Scene> lock() const;
 

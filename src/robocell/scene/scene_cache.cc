@@ -1,6 +1,6 @@
-// One file per scene: a line with the fingerprint of the rest, a line of JSON (what was decided
+// One file per scene: a line with the fingerprint of the rest, a line of JSON (the decisions made
 // while compiling), then the engine's binary. SHA-256 of models and entries would take most of the
-// time of a scene that is there; the files are the user's own.
+// time of a cached scene; the files are the user's own.
 #include "robocell/scene/scene_cache.h"
 
 #include <mujoco/mujoco.h>
@@ -30,7 +30,7 @@
 namespace robocell {
 namespace {
 
-// The records of a CompiledScene as JSON, without what the spec says itself.
+// The records of a CompiledScene as JSON, without the values in the spec.
 
 using nlohmann::json;
 
@@ -109,15 +109,15 @@ std::vector<ObjectRecord> ObjectsFromJson(const json& objects) {
 namespace fs = std::filesystem;
 
 constexpr const char* kSuffix = ".scene";
-// Another one when the same spec compiles to another model than before.
+// Changes whenever the same spec compiles to another model than before.
 constexpr const char* kLayout = "8";
 
-// Nothing when it is not there, another process has just pruned it, or it cannot be read. (Copied,
+// Unset if the entry is missing, another process has just pruned it, or it cannot be read. (Copied,
 // not mapped: a disk that fails or a machine that prunes a shared folder would end the process.)
 std::optional<std::string> ReadEntry(const fs::path& file) {
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return std::nullopt;
-  fs::last_write_time(file, fs::file_time_type::clock::now(), error);  // used just now
+  fs::last_write_time(file, fs::file_time_type::clock::now(), error);  // marks it as used
   try {
     return ReadFile(file);
   } catch (const IoError&) {
@@ -125,22 +125,22 @@ std::optional<std::string> ReadEntry(const fs::path& file) {
   }
 }
 
-// Takes the first line off a text; all of it when it has one line.
+// Removes the first line from a text and returns it; all of a text with one line.
 std::string_view CutLine(std::string_view& text) {
   const std::string_view line = text.substr(0, text.find('\n'));
   text.remove_prefix(std::min(line.size() + 1, text.size()));
   return line;
 }
 
-// "r.yaml:7:73" -> "r.yaml".
+// Returns "r.yaml" for "r.yaml:7:73".
 fs::path FileAt(const Locations& locations) {
   std::string place = locations.At();
   for (int i = 0; i < 2; ++i) place.resize(std::min(place.size(), place.rfind(':')));
   return place;
 }
 
-// The files that warnings may name, and what is in those whose lines they name: with other ones the
-// warnings would be about somebody else's file.
+// Returns the files that warnings may name, with the content of those whose lines they name: with
+// other content the warnings would point to wrong lines.
 std::string PlacesOf(SceneSpec spec) {
   std::string places;
   internal::ForEachModel(spec, [&](const std::string& name, const std::string& directory) {
@@ -161,7 +161,7 @@ std::string PlacesOf(SceneSpec spec) {
 
 }  // namespace
 
-// Takes a CompiledScene apart into an entry, and puts it together again.
+// Converts a CompiledScene to an entry and back.
 class SceneCacheEntry {
   static nlohmann::json OwnersOf(const CompiledScene& scene) {
     nlohmann::json owners = nlohmann::json::array();
@@ -181,13 +181,13 @@ class SceneCacheEntry {
     return Fingerprint(rest) + "\n" + rest;
   }
 
-  // Returns true if the text is whole.
+  // Returns true if the text is complete.
   static bool IsWhole(std::string_view text) {
     const std::string_view fingerprint = CutLine(text);
     return fingerprint == Fingerprint(text);
   }
 
-  // Null when there are warnings, and they are about other files with the same content.
+  // Returns null if there are warnings about other files with the same content.
   static std::shared_ptr<CompiledScene> Read(const SceneSpec& spec, std::string_view text) {
     CutLine(text);
     const auto head = nlohmann::json::parse(CutLine(text));
@@ -205,12 +205,12 @@ class SceneCacheEntry {
       scene->key_owners_.push_back({owner.at(0), owner.at(1)});
     head.at("engine_guards").get_to(scene->engine_guards_);
     const std::string context = "scene '" + spec.name + "'";
-    // It was guarded, or not, when it was compiled.
+    // The guard was applied, or not, when the scene was compiled.
     scene->model_owner_ = LoadBinaryString(text, context, JacobianGuard::kOff);
     scene->model_ = scene->model_owner_.get();
     scene->jacobian_ = scene->model_->opt.jacobian;
     if (!scene->engine_guards_.empty()) LogJacobianGuard(scene->model_, context);
-    // The engine saves a model without it, and asks for it where a spec and a model meet.
+    // The engine does not save the signature, and compares it where a spec and a model meet.
     head.at("signature").get_to(scene->model_->signature);
     scene->generation_ = CompiledScene::NextGeneration();
     scene->sources_ = SourceFiles(spec);
@@ -242,7 +242,7 @@ fs::path SceneCacheFolder() {
 }
 
 std::string SceneKey(const SceneSpec& spec) {
-  SceneSpec content = spec;  // with hashes for names of files
+  SceneSpec content = spec;  // with hashes instead of file names
   internal::ForEachModel(content, [](std::string& name, const std::string& directory) {
     const FileSet files = internal::ModelFileSet(assets::Resolve(name, directory), kFingerprints);
     name = files.hash + ":" + files.main;
@@ -258,7 +258,7 @@ std::shared_ptr<CompiledScene> CompileSceneCached(const SceneSpec& spec, const f
   std::optional<fs::path> file;
   try {
     file = folder / (SceneKey(spec) + kSuffix);
-  } catch (const Error&) {  // the compiler reports it among all that is wrong
+  } catch (const Error&) {  // the compiler reports it with all other problems
     return CompileScene(spec);
   }
   if (const auto entry = ReadEntry(*file)) {

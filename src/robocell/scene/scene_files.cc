@@ -15,10 +15,11 @@
 namespace robocell {
 namespace {
 
-// Saving touches the spec, which frozen scenes share.
+// Saving modifies the spec, which frozen scenes share.
 std::mutex saving;
 
-// Takes changes that were made to the model (colours, masses, gains, keyframes, ...) into the spec.
+// Copies changes that were made to the model (colours, masses, gains, keyframes, ...) into the
+// spec.
 mjSpec* UpToDateSpec(CompiledScene& compiled, const std::string& context) {
   mjSpec* spec = compiled.mutable_spec();
   const mjModel* model = compiled.model();
@@ -35,7 +36,7 @@ bool WeighsNothing(const mjsElement* element) {
   return geom && (geom->mass == 0 || geom->density == 0);
 }
 
-// Bodies whose inertia is made from geoms, some of which weigh nothing.
+// Returns bodies whose inertia comes from geoms, some of which have no mass.
 std::vector<mjsBody*> WithWeightlessGeoms(mjSpec* spec) {
   std::vector<mjsBody*> bodies;
   for (mjsElement* e = mjs_firstElement(spec, mjOBJ_BODY); e; e = mjs_nextElement(spec, e)) {
@@ -50,8 +51,8 @@ std::vector<mjsBody*> WithWeightlessGeoms(mjSpec* spec) {
   return bodies;
 }
 
-// The spec as it is written. The engine's writer leaves out that a class of geoms weighs nothing,
-// so such bodies are given their inertia in so many numbers.
+// The spec as it is written. The engine's writer does not write that a class of geoms has no mass,
+// so the inertia of such bodies is written as numbers.
 class Writable {
  public:
   Writable(mjSpec* spec, const mjModel* model, const std::string& context) : spec_(spec) {
@@ -67,7 +68,7 @@ class Writable {
       mju_copy3(body->inertia, model->body_inertia + 3 * id);
     }
     Compile(spec_, nullptr, context, nullptr,
-            JacobianGuard::kOff);  // what is written is what was compiled
+            JacobianGuard::kOff);  // writes what was compiled
   }
   mjSpec* get() const { return spec_; }
 
@@ -78,7 +79,7 @@ class Writable {
 
 }  // namespace
 
-// What is parked is left out; what is there of the pool is an object as any other.
+// Parked objects are left out; the others of the pool become ordinary objects.
 std::shared_ptr<CompiledScene> Scene::State::WithoutPool() {
   SceneSpec spec = compiled->spec();
   std::erase_if(spec.objects.boxes(), [&](const auto& object) {

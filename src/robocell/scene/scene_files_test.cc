@@ -1,4 +1,4 @@
-// Saved scenes load in stock MuJoCo and are the same models.
+// Tests that saved scenes load in stock MuJoCo and are the same models.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -68,7 +68,7 @@ TEST(SavedScene, IsItsOwnWhateverWasCompiledInBetween) {
   EXPECT_EQ(ModelDifferences(other.model(), in_between.get(), 0), "");
 }
 
-// A model whose default classes have the names that everybody uses.
+// A model whose default classes have common names.
 std::string ModelWithClasses(const std::string& name, double size, int group) {
   return fmt::format(R"(
     <mujoco model="{0}">

@@ -19,7 +19,7 @@
 namespace robocell {
 namespace {
 
-// What a number of Scene::state() is, for messages.
+// Describes a number of Scene::state(), for messages.
 
 std::string OfPosition(const mjModel* m, int index) {
   int joint = static_cast<int>(m->njnt) - 1;
@@ -72,9 +72,8 @@ std::string OfPart(const mjModel* m, int part, int index) {
   }
 }
 
-// "the position of joint 'elbow'", "the control of actuator 'servo2'", "number 3 of the
-// activations" for the number at `index` of a state (mjSTATE_INTEGRATION) of the model, which it
-// has.
+// Describes the number at `index` of a state (mjSTATE_INTEGRATION) of the model: "the position of
+// joint 'elbow'", "the control of actuator 'servo2'", "number 3 of the activations".
 std::string DescribeStateNumber(const mjModel* m, size_t index) {
   auto left = static_cast<int>(index);
   for (int bit = 0; bit < mjNSTATE; ++bit) {
@@ -114,7 +113,7 @@ void RequireFinite(double value, const std::string& what) {
     throw ArgumentError(fmt::format("{} must be a finite number, got {}", what, value));
 }
 
-// Where an actuator's control stands.
+// Returns the index of an actuator's control.
 int RequireOneInput(const mjModel* m, const std::string& actuator, const std::string& context) {
   const int id = RequireId(m, mjOBJ_ACTUATOR, actuator, context);
   const int first = m->actuator_ctrladr[id], count = m->actuator_ctrlnum[id];
@@ -184,7 +183,7 @@ void Scene::State::PutBody(int body, const Pose& pose_in_world) {
   }
 }
 
-// A driven base stays where it is put only if what it is welded to goes there too.
+// A driven base only stays at its new place if the body that it is welded to moves there too.
 void Scene::State::MoveBaseTarget(int body, const Pose& pose_in_world) {
   for (const RobotRecord& robot : compiled->robots()) {
     if (robot.base.kind != BaseKind::kDriven ||
@@ -216,7 +215,7 @@ void Scene::State::PutBodies(const BodyPoses& poses) {
 void Scene::SetBodyPose(const std::string& name, const Pose& pose_in_world) {
   State& s = open();
   const int body = s.RequireMovable(name);
-  for (size_t i = 0; i < s.observers.size(); ++i) {  // no copy, which would be an allocation
+  for (size_t i = 0; i < s.observers.size(); ++i) {  // a copy would allocate
     const auto observer = s.observers[i].observer.lock();
     if (auto* hears = dynamic_cast<internal::BodyPutObserver*>(observer.get()))
       hears->OnBodyPut(body, pose_in_world);
@@ -266,8 +265,7 @@ void Scene::SetBodyWrench(const std::string& body, const Eigen::Vector3d& force,
   const int id = RequireId(s.model(), mjOBJ_BODY, body, s.context);
   if (id == 0) {
     throw ArgumentError(
-        fmt::format("{}: body '{}' cannot be pushed: nothing moves it. Name the body that is to "
-                    "feel the force. Its bodies: {}",
+        fmt::format("{}: body '{}' cannot be pushed, because it cannot move. Name another body: {}",
                     s.context, body, ListNames(body_names())));
   }
   for (const internal::PooledObject& object : s.pool) {

@@ -81,8 +81,7 @@ TEST(SceneFrames, TheWorldCannotBePushed) {
       [&] {
         scene.SetBodyWrench("world", {1, 0, 0});
       },
-      "scene 'test': body 'world' cannot be pushed: nothing moves it. Name the body that is to "
-      "feel the force. Its bodies: ");
+      "scene 'test': body 'world' cannot be pushed, because it cannot move. Name another body: ");
 }
 
 TEST(SceneFrames, GoesOnToTheBitFromASavedState) {
@@ -106,7 +105,7 @@ TEST(SceneFrames, StatesThatAreNotFiniteAreRefusedByTheirNumbers) {
   const mjModel* m = scene.model();
   const std::vector<double> before = scene.state();
   const auto refuses = [&](int part, int index, const std::string& what) {
-    const auto at = static_cast<size_t>(mj_stateSize(m, part - 1) + index);  // of all before it
+    const auto at = static_cast<size_t>(mj_stateSize(m, part - 1) + index);  // after previous parts
     std::vector<double> state = before;
     for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity()}) {
       state[at] = bad;

@@ -27,7 +27,7 @@ int VelocityCount(const mjModel* model, int joint) {
   return next - model->jnt_dofadr[joint];
 }
 
-// The joints of a group take their values one after the other, most of them one each.
+// The joints of a group take their values one after the other, usually one each.
 void SetGroup(const mjModel* model, mjtNum* qpos, const RobotRecord& robot,
               const MoveGroupConfig& group, const std::vector<double>& values) {
   size_t at = 0;
@@ -58,7 +58,7 @@ class KeyRow {
  public:
   KeyRow(mjModel* model, int row) : m_(model), row_(row) {}
 
-  // What the engine takes for joints of which a key of their model says nothing.
+  // Sets the engine's defaults of joints that a key of their model leaves out.
   void TakeDefaults(const PartKey& part) {
     for (const auto& [name, source] : part.joint_sources) {
       const int joint = FindId(m_, mjOBJ_JOINT, name);
@@ -101,7 +101,8 @@ class KeyRow {
     mjs_setDouble(key->mquat, mquat(), static_cast<int>(4 * m_->nmocap));
   }
 
-  // The state of the key, at rest, with what holds it or moves it by its weight.
+  // Loads the state of the key, at rest, with the inputs that hold it or that move it by its
+  // weight.
   void Load(mjData* data) const {
     Guarded("scene's keyframes", data, [&] {
       mj_resetDataKeyframe(m_, data, row_);
@@ -144,7 +145,7 @@ class KeyFiller {
     });
   }
 
-  // Where a robot's file says its home, the key of its model counts for nothing.
+  // If a robot's file sets its home, the key of its model does not count.
   void FillHome(const PartKey& part) {
     const KeyRow row(m_, 0);
     std::copy_n(m_->qpos0, m_->nq, row.qpos());

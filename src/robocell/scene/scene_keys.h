@@ -1,5 +1,5 @@
-// Private to scene: the scene's keyframes. Number 0 is `home`, where everything is after a reset;
-// behind it stand the other keyframes of the parts, each with its part's prefix, in which all other
+// Private to scene: the scene's keyframes. Number 0 is `home`, the state after a reset; it is
+// followed by the other keyframes of the parts, each with its part's prefix, in which all other
 // parts are at home.
 #pragma once
 
@@ -14,7 +14,8 @@
 
 namespace robocell::internal {
 
-// Empty keyframes `home` and of these names, before compiling, so that the model has room for them.
+// Adds empty keyframes `home` and of these names before compiling, so that the model has space for
+// them.
 std::vector<mjsKey*> AddSceneKeys(mjSpec* spec, const std::vector<std::string>& presets);
 
 // Fills the keyframes in model and spec. `keys` are those that AddSceneKeys returned for
@@ -25,11 +26,11 @@ std::vector<mjsKey*> AddSceneKeys(mjSpec* spec, const std::vector<std::string>& 
 //
 // Controls and activations are those that hold the positions, for every actuator that can hold
 // (hold_ctrl.h). The part's own control is kept where it applies and
-//  - its actuator cannot hold a position: motors, velocity servos, muscles;
-//  - its actuator belongs to a gripper group, whose control is a closing force;
-//  - it rests nearby (kKeySlack), or pushes against the weight: by no more than twice of it.
-// A warning says which other controls are replaced, and which positions no control holds. A gripper
-// of which nothing is said about home is open there.
+// - its actuator cannot hold a position: motors, velocity servos, muscles;
+// - its actuator belongs to a gripper group, whose control is a closing force;
+// - it rests nearby (kKeySlack), or pushes against the weight: by no more than twice the weight.
+// A warning names the other controls, which are replaced, and the positions that no control holds.
+// A gripper without a home is open there.
 void FillSceneKeys(mjModel* model, const std::vector<mjsKey*>& keys, const PartKeys& parts,
                    const std::vector<RobotRecord>& robots, CompileLog& log);
 

@@ -1,4 +1,4 @@
-// The keyframes of parts' own models in a scene, and what a reset makes of them.
+// Tests the keyframes of parts' own models in a scene, and resets to them.
 #include "robocell/scene/scene_keys.h"
 
 #include <fmt/format.h>
@@ -67,7 +67,7 @@ TEST_F(SceneKeys, OfOneFullNameStayTwoAndAreTakenByTheirParts) {
   EXPECT_EQ(reset("left_arm", "up"), std::pair(0.0, 0.7));
   EXPECT_EQ(reset("left_arm", "low"), std::pair(0.0, 0.2));
   ExpectThrow<NotFoundError>([&] { reset("left", "arm_low"); }, "arm_low");
-  // So it is with a scene from the cache.
+  // The same holds for a scene from the cache.
   const TempDir cache;
   CompileSceneCached(spec, cache.path());
   Scene cached = Scene::FromCompiled(CompileSceneCached(spec, cache.path()));
@@ -206,7 +206,7 @@ TEST_F(SceneKeys, OfRealModelsAreAllThere) {
   ExpectAsTheEngine(scene, file, "retract");
 }
 
-// How far the joints are from a keyframe after a second without commands.
+// Returns how far the joints are from a keyframe after a second without commands.
 double Swing(const Scene& built, const ResetOptions& options = {}, bool with_weight = false) {
   Scene scene = built;
   if (!with_weight) scene.mutable_model()->opt.gravity[2] = 0;
@@ -247,7 +247,7 @@ TEST_F(KeyControls, ThatHoldAreNotToldOf) {
 }
 
 TEST_F(KeyControls, ThatCarryTheWeightAreKept) {
-  // Weak servos, which the weight pushes back by more than is kept in any case.
+  // Weak servos that the weight pushes back by more than the slack.
   const auto build = [&](const std::string& key) {
     std::string arm = ArmWithKeys(key);
     arm.replace(arm.find("kp=\"100\" kv=\"10\""), 16, "kp=\"10\" kv=\"1\"");
@@ -289,7 +289,7 @@ TEST_F(KeyControls, OfGrippersAndMotorsAreKept) {
   EXPECT_NEAR(plain.actuator_ctrl("ml"), 0.03, 1e-12) << "no gripper that the scene knows of";
 }
 
-// The servo integrates its control: what holds is its activation.
+// The servo integrates its control, so its activation holds.
 TEST_F(KeyControls, OfServosThatIntegrateHold) {
   const auto arm = [&](const std::string& numbers) {
     return folder.Write(

@@ -1,4 +1,4 @@
-// Objects of the pool come and go.
+// Adds and removes objects of the pool.
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
@@ -22,7 +22,7 @@ Pose FrameInWorld(const SceneSpec& spec, const AttachTarget& target, const std::
                                   internal::DescribeTarget(target)));
 }
 
-// The same object somewhere else.
+// Returns the same object at another place.
 SceneObject PlacedLike(SceneObject object, const SceneObject& other) {
   object.attach_to = other.attach_to;
   object.pos = other.pos;
@@ -32,13 +32,13 @@ SceneObject PlacedLike(SceneObject object, const SceneObject& other) {
   return object;
 }
 
-// Where an object of the pool stands when it is placed as `wanted` says and not as in the spec.
+// Returns where an object of the pool stands if `wanted` differs from the spec in its place.
 std::optional<Pose> PoseOf(const SceneSpec& spec, const SceneObject& known,
                            const SceneObject& wanted, const mjtNum* home,
                            const std::string& place) {
   SceneObject at_home = wanted;
   at_home.parked = known.parked;
-  if (at_home == known) return std::nullopt;  // exactly as the model has it
+  if (at_home == known) return std::nullopt;  // equals the model
   const Pose declared = FrameInWorld(spec, known.attach_to, place) * known.pose();
   const Pose authored = declared.inverse() * Pose::FromWxyz(home, home + 3);
   return FrameInWorld(spec, wanted.attach_to, place) * wanted.pose() * authored;

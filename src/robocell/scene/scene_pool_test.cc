@@ -1,4 +1,4 @@
-// Objects of the pool rest where they are parked, whatever else is in the model.
+// Tests that objects of the pool rest where they are parked, whatever else is in the model.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -15,8 +15,8 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-// A scene with one object of the pool. The engine compensates nobody's weight in models that were
-// compiled without compensated bodies, until they say that they have some.
+// A scene with one object of the pool. The engine compensates no weight in models that were
+// compiled without compensated bodies, until their count is set.
 SceneSpec OneParked(bool parked = true) {
   SceneSpec spec = EmptyScene();
   spec.objects = {BoxObject("a", {0.5, 0.2, 0.02})};
@@ -49,7 +49,7 @@ TEST(PoolRest, IsToTheBitWithoutAnyOtherCompensatedBody) {
   }
 }
 
-// Values written to the model mean the same before and after something was parked.
+// Values written to the model mean the same before and after an object was parked.
 TEST(PoolRest, DoesNotSwitchOnCompensationThatWasOff) {
   SceneSpec spec = OneParked(false);
   spec.objects.push_back(BoxObject("b", {1, 0, 0.02}));
@@ -86,7 +86,7 @@ TEST(PoolRest, IsNotTakenForAHighPlaceInTheScene) {
   EXPECT_THAT(scene.parked_objects(), IsEmpty());
 }
 
-// The flags that the engine looks at before the numbers: raised by hand, they outlive an edit.
+// The engine looks at these flags before the numbers: flags set by hand outlive an edit.
 TEST(EngineFlags, OutliveAnEdit) {
   SceneSpec spec = EmptyScene();
   spec.objects = {BoxObject("a", {0.5, 0.2, 0.02})};

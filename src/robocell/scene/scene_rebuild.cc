@@ -1,4 +1,4 @@
-// Objects that come and go while a scene runs.
+// Adds and removes objects of a running scene.
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
@@ -19,9 +19,9 @@
 namespace robocell {
 namespace {
 
-// --- What is attached to an object ---------------------------------------------------------------
+// --- Elements attached to an object --------------------------------------------------------------
 
-// Frames are not in the model.
+// The model does not contain frames.
 bool IsFrameIn(CompiledScene& compiled, const std::string& frame, const std::string& root_body) {
   mjsElement* element = internal::FindSpecElement(compiled.mutable_spec(), mjOBJ_FRAME, frame);
   if (!element) return false;
@@ -46,7 +46,7 @@ bool IsPartOf(CompiledScene& compiled, const AttachTarget& target, const std::st
   return target.kind == AttachKind::kFrame && IsFrameIn(compiled, target.name, root_body);
 }
 
-// "object 'cup' (to site 'table_top')" for everything that would be left in the air.
+// Returns "object 'cup' (to site 'table_top')" for everything that would lose its support.
 std::vector<std::string> AttachedTo(CompiledScene& compiled, const std::string& object) {
   const std::string& root = compiled.object(object).root_body;
   std::vector<std::string> attached;
@@ -106,12 +106,12 @@ void Scene::AddObject(const SceneObject& object) {
 void Scene::RemoveObject(const std::string& name) {
   const State& s = open();
   if (RemovePooled(name)) return;
-  static_cast<void>(s.compiled->object(name));  // or the names there are
+  static_cast<void>(s.compiled->object(name));  // throws with the existing names
   s.RequireOwnModel("removed", name);
   RequireNothingAttached(*s.compiled, name, s.context);
   SceneSpec spec = s.compiled->spec();
   std::erase_if(spec.objects.boxes(), [&](const auto& object) { return object->name == name; });
-  spec.locations = {};  // those of later objects would be one off
+  spec.locations = {};  // the indices of later objects would be wrong
   Rebuild(spec);
 }
 
@@ -163,7 +163,7 @@ void Scene::Rebuild(const SceneSpec& spec) {
     for (const auto& watch : observers) {
       try {
         if (const auto observer = watch.observer.lock()) observer->OnRebuild();
-      } catch (const std::exception&) {  // who can go back neither is no reason not to tell others
+      } catch (const std::exception&) {  // an observer that fails does not stop the others
       }
       if (s.closed) break;
     }

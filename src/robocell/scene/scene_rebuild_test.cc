@@ -1,4 +1,5 @@
-// Objects that come and go while a scene runs: what is new, what stays to the bit, what is refused.
+// Tests objects that are added and removed while a scene runs: new state, state kept to the bit,
+// rejections.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -75,7 +76,7 @@ TEST(AddRemove, LaterResetsAndSavedFilesHaveTheObject) {
   EXPECT_GE(FindId(loaded.get(), mjOBJ_BODY, "cube"), 0);
   EXPECT_GE(FindId(loaded.get(), mjOBJ_BODY, "other"), 0);
   EXPECT_EQ(loaded->nkey, 1);
-  // To the bit as a scene that was built so.
+  // To the bit equal to a scene that was built so.
   Scene fresh = Scene::Build(scene.spec());
   fresh.AddResetHook([](ResetContext& reset) {
     reset.scene.SetBodyPose("cube", Pose(Eigen::Vector3d(0.2, 0, 0.1)));
@@ -98,7 +99,7 @@ TEST(AddRemove, AHookMayAddObjects) {
   EXPECT_TRUE(scene.StepN(100).ok());
 }
 
-// Nothing of a scene is another one after `change` has thrown.
+// Nothing in a scene differs after `change` has thrown.
 template <class Exception, class Change>
 std::string MessageOfRefused(Scene& scene, const Change& change) {
   const std::vector<double> state = scene.state();
@@ -162,7 +163,7 @@ TEST(AddRemove, WhatIsRefusedChangesNothing) {
             "where they are, build another scene without them");
 }
 
-// Names do not say whose a frame is: `cup_big_handle` could be of `cup` as well.
+// Names do not show the owner of a frame: `cup_big_handle` could belong to `cup` as well.
 TEST(AddRemove, WhatIsAttachedToAFrameOfAnotherObjectDoesNotHoldIt) {
   ModelFolder folder;
   const std::string cup = folder.Write("cup", R"(<worldbody><body name="cup">
@@ -193,7 +194,7 @@ TEST(AddRemove, WhatIsAttachedToAFrameOfAnotherObjectDoesNotHoldIt) {
   EXPECT_THAT(scene.object_names(), ElementsAre("cup", "lid"));
 }
 
-// Objects are added by compiling the spec again, and its files may be others by then.
+// Objects are added by compiling the spec again, and its files may have changed by then.
 TEST(AddRemove, AFileThatChangedIsToldAndTheSceneStays) {
   ModelFolder folder;
   const auto cup = [](const char* mass) {
@@ -212,13 +213,13 @@ TEST(AddRemove, AFileThatChangedIsToldAndTheSceneStays) {
   const std::string changed =
       "scene 'test': '" + file +
       "' has changed since the scene was compiled, and objects are added and removed by compiling "
-      "it again, which would change what is there. Build the scene anew, or put the file back";
+      "it again, which would change the present ones too. Build a new scene, or restore the file";
   ExpectThrow<Error>([&] { scene.AddObject(BoxObject("late", {1, 1, 0.02})); }, changed);
   ExpectThrow<Error>([&] { scene.RemoveObject("cube"); }, changed);
   EXPECT_EQ(scene.model(), model);
   EXPECT_TRUE(SaveBinaryString(scene.model()) == bytes);
   EXPECT_THAT(scene.object_names(), ElementsAre("cup", "cube"));
-  scene.RemoveObject("cup");  // nothing else is made of it
+  scene.RemoveObject("cup");  // needs no file of it
   SceneObject again = spec.objects[0];
   again.name = "again";
   scene.AddObject(again);

@@ -24,7 +24,7 @@
 namespace robocell {
 namespace {
 
-// The keyframes that a reset starts from, by their numbers: `start`, then those that change parts of it.
+// The keyframes of a reset by their numbers: `start`, then those that change parts of it.
 struct StartKeys {
   int start = -1;  // -1: the model's default configuration
   std::vector<int> over = {};
@@ -44,7 +44,7 @@ std::vector<std::string> PartNames(const CompiledScene& compiled) {
   return names;
 }
 
-// The part in whose model a robot is: itself, unless it says part_of.
+// Returns the part whose model contains a robot: itself, unless it has part_of.
 std::string HostOf(const CompiledScene& compiled, const std::string& part) {
   const List<RobotSpec>& specs = compiled.spec().robots;
   for (size_t i = 0; i < specs.size() && i < compiled.robots().size(); ++i) {
@@ -53,7 +53,7 @@ std::string HostOf(const CompiledScene& compiled, const std::string& part) {
   return part;
 }
 
-// The keyframes of a part, as its own model calls them.
+// Returns the keyframes of a part by their names in its own model.
 std::vector<std::string> OwnNames(const CompiledScene& compiled, const std::string& part) {
   std::vector<std::string> names = {"home"};
   for (const CompiledScene::KeyOwner& owner : compiled.key_owners()) {
@@ -62,7 +62,7 @@ std::vector<std::string> OwnNames(const CompiledScene& compiled, const std::stri
   return names;
 }
 
-// -1 when the part has none of that name.
+// Returns -1 if the part has no keyframe of that name.
 int KeyOfPart(const CompiledScene& compiled, const std::string& part, const std::string& name) {
   const std::vector<CompiledScene::KeyOwner>& owners = compiled.key_owners();
   for (size_t i = 0; i < owners.size(); ++i) {
@@ -90,7 +90,7 @@ StartKeys KeysOfParts(const CompiledScene& compiled,
   return keys;
 }
 
-// "left: retract", a part's own keyframe as one text.
+// Parses "left: retract", a part's own keyframe as one text.
 std::optional<std::map<std::string, std::string>> ChoiceOfText(const std::string& text) {
   const size_t colon = text.find(':');
   const size_t key = text.find_first_not_of(' ', colon == std::string::npos ? colon : colon + 1);
@@ -98,7 +98,7 @@ std::optional<std::map<std::string, std::string>> ChoiceOfText(const std::string
   return std::map<std::string, std::string>{{text.substr(0, colon), text.substr(key)}};
 }
 
-// How a part's own keyframe is chosen: one of that name, else any; "" without any.
+// Explains how to choose a part's own keyframe: one of that name, else any; "" without any.
 std::string HowToChooseOfPart(const CompiledScene& compiled, const std::string& name) {
   const CompiledScene::KeyOwner* shown = nullptr;
   for (const CompiledScene::KeyOwner& owner : compiled.key_owners()) {
@@ -131,8 +131,8 @@ void Overlay(const mjtNum* rows, int start, int key, mjtSize count, mjtNum* out)
   }
 }
 
-// Home when nothing is chosen. ArgumentError for a number, and NotFoundError with the nearest names
-// for a name that is not there; `context` names the scene.
+// Returns home if nothing is chosen. Throws ArgumentError for an unknown number, and NotFoundError
+// with the nearest names for an unknown name; `context` names the scene.
 StartKeys FindStartKeys(const CompiledScene& compiled, const std::optional<KeyframeChoice>& choice,
                         const std::string& context) {
   if (!choice) return {.start = compiled.home_key()};
@@ -165,7 +165,7 @@ void RestoreKeys(const mjModel* model, mjData* data, const StartKeys& keys,
 
 void AddNoise(const mjModel* model, mjData* data, int joint, double noise, Rng& rng) {
   const double offset =
-      rng.Uniform(-noise, noise);  // drawn in any case: the stream's order is the list's
+      rng.Uniform(-noise, noise);  // always drawn: the stream follows the list's order
   if (model->jnt_type[joint] != mjJNT_HINGE && model->jnt_type[joint] != mjJNT_SLIDE) return;
   mjtNum& q = data->qpos[model->jnt_qposadr[joint]];
   q += offset;
@@ -173,7 +173,7 @@ void AddNoise(const mjModel* model, mjData* data, int joint, double noise, Rng& 
   if (model->jnt_limited[joint]) q = std::clamp(q, range[0], range[1]);
 }
 
-// Uniform noise around where the group is, one stream per robot and group.
+// Adds uniform noise to the group's positions, one stream per robot and group.
 void AddGroupNoise(const mjModel* model, mjData* data, const RobotRecord& robot,
                    const std::string& group, const std::vector<double>& noise, uint64_t seed) {
   Rng rng = Rng::Stream(seed, "home_noise", robot.name, group);
@@ -202,12 +202,12 @@ void ApplyHomeNoise(const CompiledScene& compiled, mjData* data, uint64_t seed,
   }
 }
 
-// Every servo that moves with the noise holds the new positions, whether the robot lists it or not.
-// Poses have to be those of the positions.
+// Makes every servo that moves with the noise hold the new positions, whether the robot lists it or
+// not. Poses have to agree with the positions.
 void HoldNewPositions(const mjModel* model, mjData* data, const std::vector<bool>& moved,
                       const std::string& context) {
   if (std::find(moved.begin(), moved.end(), true) == moved.end()) return;
-  // All that the length of an actuator depends on; contacts and masses it does not.
+  // Computes all that the length of an actuator depends on, which excludes contacts and masses.
   internal::Guarded(context, data, [&] {
     mj_tendon(model, data);
     mj_transmission(model, data);
@@ -223,7 +223,7 @@ void Forget(const mjModel* model, mjData* data) {
   std::fill_n(data->xfrc_applied, 6 * model->nbody, 0.0);
 }
 
-// Set while hooks run, also when one of them throws.
+// Set while hooks run, also if one of them throws.
 class InHooks {
  public:
   explicit InHooks(bool& flag) : flag_(flag) { flag_ = true; }
@@ -250,7 +250,7 @@ ResetInfo Scene::Reset(const ResetOptions& options) {
   try {
     s.CallResetHooks(*this, options, info);
   } catch (...) {
-    // Half of what a hook meant to set is no start of an episode: as if there were no hooks.
+    // A partial change by hooks is not a valid start: the reset goes on as if there were no hooks.
     if (!s.closed) {
       s.RestoreStart(*this, options);
       try {
@@ -275,7 +275,7 @@ ResetInfo Scene::State::RestoreStart(Scene& scene, const ResetOptions& options) 
   }
   RestoreKeys(model(), data.data, keys, context);
   ResetPool();
-  // The default configuration has controls of 0, which hold nothing but joints at 0.
+  // The default configuration has controls of 0, which only hold joints at 0.
   std::vector<bool> moved(static_cast<size_t>(model()->nv), !info.used_keyframe);
   if (options.seed) ApplyHomeNoise(*compiled, data.data, *options.seed, moved);
   PutBodies(options.body_poses);
@@ -308,7 +308,7 @@ void Scene::State::FinishReset(Scene& scene) {
     for (const auto& watch : present) {
       try {
         if (const auto observer = watch.observer.lock()) (observer.get()->*what)();
-      } catch (...) {  // no reason not to tell the others
+      } catch (...) {  // notify the others anyway
         if (!failed) failed = std::current_exception();
       }
       scene.open();

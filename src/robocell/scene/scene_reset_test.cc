@@ -1,4 +1,4 @@
-// Reset: what it restores, in which order, and that nothing else is left of the past.
+// Tests Reset: what it restores, in which order, and that nothing of the past remains.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -27,7 +27,7 @@ SceneSpec Busy() {
   return spec;
 }
 
-// Everything that can be written to the data before a reset.
+// Writes everything that can be written to the data before a reset.
 void LiveThrough(Scene& scene, Rng rng) {
   mjData* data = scene.data();
   const mjModel* m = scene.model();
@@ -104,7 +104,7 @@ TEST(Reset, KeepsServosHoldingTheNoisyPose) {
   }
 }
 
-// Servos that no group lists, one of them behind a tendon and a filter, hold what the noise moved.
+// Servos that no group lists, one of them behind a tendon and a filter, hold the noisy positions.
 TEST(Reset, ServosThatNoGroupListsHoldTheNoisyPoseToo) {
   ModelFolder folder;
   std::string model = kTwoJointArm;
@@ -128,7 +128,7 @@ TEST(Reset, ServosThatNoGroupListsHoldTheNoisyPoseToo) {
   EXPECT_NEAR(data->act[0], 2 * data->qpos[1], 1e-12);
 }
 
-// Writes down what the engine's data say of a body.
+// Records the engine's data of a body.
 struct Onlooker : SceneObserver {
   explicit Onlooker(const Scene& scene) : scene(scene.inner()) {}
   void OnReset() override { height = scene.data()->xpos[3 * body + 2]; }

@@ -1,4 +1,4 @@
-// Private to scene: what handles of a Scene share.
+// Private to scene: the state that handles of a Scene share.
 #pragma once
 
 #include <map>
@@ -14,9 +14,9 @@ struct Scene::State {
   explicit State(const std::string& scene)
       : context("scene '" + scene + "'"), name(scene), use(context) {}
 
-  // Of every tick, side by side.
+  // Read in every tick, so kept together.
   SceneNow now;
-  // Time of the data when poses last agreed with qpos. Time moves with every step, whoever makes
+  // Time of the data when poses last agreed with qpos. Every step changes the time, whatever made
   // it.
   double poses_at = -1;
   const std::string context;  // "scene 'pick'", for messages
@@ -41,31 +41,31 @@ struct Scene::State {
   std::map<std::string, uint64_t> mocap_puts;  // by body
   std::vector<mjtNum> warm_start;              // scratch
 
-  // After the compiled scene and the data were set.
+  // Call it after the compiled scene and the data were set.
   void Show() { now = {compiled->model(), data.data, compiled->generation()}; }
   void BindPool();
   internal::PooledObject* FindPooled(const std::string& object);
-  // The pool as the spec says.
+  // Resets the pool to the spec.
   void ResetPool();
-  // The pool as these positions have it.
+  // Adapts the pool to these positions.
   void FollowPool(const mjtNum* qpos);
-  // ArgumentError unless a free or mocap body of that name is in the scene, NotFoundError without
-  // one; the pool as it is now, or as a reset leaves it.
+  // Throws ArgumentError unless the named body of the scene is free or mocap, NotFoundError if
+  // there is none; with the present pool, or that after a reset.
   int RequireMovable(const std::string& body, bool after_reset = false) const;
-  // What RequireMovable gave, at rest; poses are not brought up to date.
+  // Puts a body of RequireMovable at rest; poses are not brought up to date.
   void PutBody(int body, const Pose& pose_in_world);
   void MoveBaseTarget(int body, const Pose& pose_in_world);
   void PutMocapBody(int body, const Pose& pose_in_world);
-  // Those that are there: a hook that ended a reset with an error may have removed some before.
+  // Skips missing bodies: a hook that ended a reset with an error may have removed some before.
   void PutBodies(const BodyPoses& poses);
-  // The parts of a reset: the state with the home noise and the bodies' poses; what hooks do to it;
-  // robots and other observers, stale forces, poses.
+  // The parts of a reset: the state with the home noise and the bodies' poses; the hooks; robots
+  // and other observers, stale forces, poses.
   ResetInfo RestoreStart(Scene& scene, const ResetOptions& options);
   void CallResetHooks(Scene& scene, const ResetOptions& options, const ResetInfo& info);
   void FinishReset(Scene& scene);
   // Compiles the scene with its present objects and without a pool, for files.
   std::shared_ptr<CompiledScene> WithoutPool();
-  // An Error that an object cannot be `what`.
+  // Throws Error that an object cannot be `what`.
   void RequireOwnModel(const char* what, const std::string& object) const;
   const mjModel* model() const { return compiled->model(); }
 };

@@ -1,13 +1,13 @@
-// SceneUse: which thread uses a scene now. A scene, with all that belongs to it, is used by one
-// thread at a time. Where those who call cannot know of each other, as the threads of Python, whose
-// lock long calls let go of, a call claims the scene for as long as it lasts:
+// SceneUse: which thread uses a scene now. One thread at a time may use a scene and everything that
+// belongs to it. Where callers cannot know of each other, like the threads of Python, whose lock
+// long calls release, a call claims the scene for its duration:
 //
 //   const SceneUse::Claim claim(scene.use(), "Env::Step");  // Error when another thread has it
 //
-// Nobody waits, so there is no deadlock: a reset hook that waits for another thread would wait for
-// ever if that one waited for the reset.
+// A claim never waits, so there is no deadlock: a reset hook that waits for another thread would
+// wait for ever if that one waited for the reset.
 //
-// Threads: all. A claim costs a few nanoseconds.
+// Any thread may use it. A claim costs a few nanoseconds.
 #pragma once
 
 #include <atomic>
@@ -33,9 +33,9 @@ class SceneUse {
   explicit SceneUse(std::string scene) : scene_(std::move(scene)) {}
 
   // Claims it for this thread, which may do so again before it ends: hooks call the scene that
-  // calls them. `call` says in messages what it is for, and lives as long as this. Each Begin has
-  // its End in the same thread.
-  // Error when another thread has it: "scene 'pick' is in use by another thread (Scene.step): ...".
+  // calls them. `call` names the call in messages, and must outlive the claim. Each Begin needs an
+  // End in the same thread. Throws Error if another thread has it: "scene 'pick' is in use by
+  // another thread (Scene.step): ...".
   void Begin(const char* call) {
     const std::thread::id self = std::this_thread::get_id();
     if (thread_.load(std::memory_order_relaxed) != self) {
@@ -61,7 +61,7 @@ class SceneUse {
  private:
   [[noreturn]] void ThrowInUse() const;
 
-  std::atomic<std::thread::id> thread_;  // the default: nobody's
+  std::atomic<std::thread::id> thread_;  // the default: no thread
   std::atomic<const char*> call_ = nullptr;
   int depth_ = 0;  // of that thread
   std::string scene_;

@@ -12,7 +12,7 @@
 namespace robocell {
 namespace {
 
-// In another thread; what it threw, else "".
+// Runs it in another thread; returns the text of its exception, else "".
 template <class Work>
 std::string Elsewhere(Work&& work) {
   std::string text;

@@ -33,7 +33,7 @@ class StabilityAnalysis {
   }
 
  private:
-  // What an actuator acts on, as seen along its joint or tendon.
+  // The load of an actuator, along its joint or tendon.
   struct Load {
     std::string what, unit;  // "joint 'hip'", "kg m2"
     std::string joint;       // whose armature would help; "" for several
@@ -66,7 +66,7 @@ class StabilityAnalysis {
                 .damping = m_->dof_damping[dof]};
   }
 
-  // A fixed tendon of joints of one kind, as of a gripper.
+  // A fixed tendon of joints of one kind, as in a gripper.
   std::optional<Load> LoadOfTendon(int tendon, int base) const {
     if (m_->tendon_invweight0[tendon] <= 0) return std::nullopt;
     const double moved = 1 / m_->tendon_invweight0[tendon];
@@ -91,7 +91,7 @@ class StabilityAnalysis {
                 .damping = damping};
   }
 
-  // Of the servo itself, as far as the integrator takes it implicitly.
+  // Returns the damping of the servo itself, as far as the integrator takes it implicitly.
   double ServoDamping(int actuator) const {
     const double gear = Gear(m_, actuator);
     const bool implicit =
@@ -100,7 +100,7 @@ class StabilityAnalysis {
     return implicit ? std::max(servo, 0.0) : 0;
   }
 
-  // Force = gain * ctrl + ... - k * length, whatever is before it.
+  // Applies to force = gain * ctrl + ... - k * length, whatever the other terms are.
   std::optional<UnstableServo> Judge(int actuator, const Load& load) const {
     const double gear = Gear(m_, actuator), dt = m_->opt.timestep;
     const double gain = -m_->actuator_biasprm[mjNBIAS * actuator + 1];

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The files of the models that can be found.
+// Returns the files of the models that can be found.
 std::set<fs::path> FilesOf(SceneSpec spec) {
   std::set<std::string> models;
   internal::ForEachModel(spec, [&](const std::string& name, const std::string& directory) {

@@ -1,5 +1,5 @@
-// Private to scene: the files that the models of a scene are read from, and whether they are still
-// as they were when it is compiled again, with an object more or less.
+// Private to scene: the files that the models of a scene are read from, and whether they are
+// unchanged when it is compiled again after an object was added or removed.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +14,10 @@ namespace robocell {
 class SourceFiles {
  public:
   SourceFiles() = default;
-  // As they are now. What cannot be found is the compiler's to log.
+  // Stores their present state. The compiler logs missing files.
   explicit SourceFiles(const SceneSpec& spec);
 
-  // The first of both whose time or size differs, "" when there is none.
+  // Returns the first file of both whose time or size differs, "" if there is none.
   std::string Difference(const SourceFiles& other) const;
 
  private:

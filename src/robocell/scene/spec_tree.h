@@ -1,8 +1,8 @@
-// Private to scene: reading and changing the tree of an mjSpec. Element lists, names, and poses
-// with everything an author may have used (frames around an element, Euler angles, axes) resolved.
+// Private to scene: reads and changes the tree of an mjSpec: element lists, names, and poses with
+// everything resolved that an author may have used (frames around an element, Euler angles, axes).
 //
-// Poses are in the parent body unless a name says otherwise. Nothing here checks for null elements:
-// the engine treats a null as a fatal error.
+// Poses are in the parent body unless a name indicates otherwise. Nothing here checks for null
+// elements: the engine treats a null as a fatal error.
 #pragma once
 
 #include <mujoco/mujoco.h>
@@ -16,44 +16,44 @@
 
 namespace robocell::internal {
 
-// Every element of a kind, in the engine's order.
+// Returns every element of a kind, in the engine's order.
 std::vector<mjsElement*> SpecElements(const mjSpec* spec, mjtObj kind);
-// "" for an element without a name.
+// Returns "" for an element without a name.
 std::string SpecName(mjsElement* element);
-// The names of a kind, without the unnamed.
+// Returns the names of a kind, without unnamed elements.
 std::vector<std::string> SpecNames(const mjSpec* spec, mjtObj kind);
-// "light 'lamp'"; "light 1 (unnamed, of body 'hand')" for the second light of that body, "light 1
-// (unnamed)" in the world.
+// Returns "light 'lamp'"; "light 1 (unnamed, of body 'hand')" for the second light of that body,
+// "light 1 (unnamed)" in the world.
 std::string DescribeSpecElement(mjsElement* element);
 void SetSpecName(mjsElement* element, const std::string& name, const std::string& context);
-// Elements of a kind directly in a body, or in its whole subtree.
+// Returns elements of a kind directly in a body, or in its whole subtree.
 std::vector<mjsElement*> BodyElements(mjsBody* body, mjtObj kind, bool whole_subtree = false);
-// The body's own free joint; null without one.
+// Returns the body's own free joint; null if it has none.
 mjsElement* FreeJointOf(mjsBody* body);
 
-// Kind of the target of an actuator with this transmission; mjOBJ_UNKNOWN for kinds that robocell
-// does not handle.
+// Returns the kind of the target of an actuator with this transmission; mjOBJ_UNKNOWN for kinds
+// that robocell does not handle.
 mjtObj TargetKind(mjtTrn transmission);
 
-// The element of that name, null when there is none. Frames are a kind like the others.
+// Returns the named element, null if there is none. Frames are a kind like the others.
 mjsElement* FindSpecElement(const mjSpec* spec, mjtObj kind, const std::string& name);
 mjsBody* WorldBody(mjSpec* spec);
 
-// Pose of a body, site, geom, camera or frame as written, without the frames around it. SpecError
-// for a site with fromto.
+// Returns the pose of a body, site, geom, camera or frame as written, without the frames around it.
+// Throws SpecError for a site with fromto.
 Pose OwnPose(mjsElement* element);
-// The frames around an element of a body in that body.
+// Returns the pose, in the body, of the frames around an element of the body.
 Pose FramePoseInParent(mjsElement* element);
-// Pose in the parent body, the frames around it included.
+// Returns the pose in the parent body, including the frames around the element.
 Pose PoseInParent(mjsElement* element);
-// The same in the world, with all joints at their reference.
+// Returns the same in the world, with all joints at their reference.
 Pose PoseInWorld(mjsElement* element);
 // Returns true if neither the body nor any body above it can move (no joints, not a mocap body).
 bool IsStatic(mjsBody* body);
-// The child of the world that a body hangs on.
+// Returns the child of the world that a body hangs on.
 mjsBody* TopBody(mjsBody* body);
 
-// Sets a pose as position and quaternion; what the author wrote instead is dropped.
+// Sets a pose as position and quaternion; the author's other attributes of it are dropped.
 template <class Placed>
 void SetPose(Placed* element, const Pose& pose) {
   pose.ToWxyz(element->pos, element->quat);
@@ -79,8 +79,9 @@ void ResolveFromTo(Stretched* element) {
   element->fromto[0] = std::numeric_limits<double>::quiet_NaN();
 }
 
-// Attaches a body of another spec to a body, with its subtree and all that refers to it, as a copy.
-// Its pose in the parent becomes `pose`. SpecError with the engine's text when it refuses.
+// Attaches a copy of a body of another spec, with its subtree and all elements that refer to it, to
+// a body. Its pose in the parent becomes `pose`. Throws SpecError with the engine's text if the
+// engine rejects it.
 void AttachBody(mjsBody* parent, mjsBody* child, const Pose& pose, const std::string& prefix,
                 const std::string& context);
 

@@ -1,4 +1,4 @@
-// The groups of a robot's configuration against the body tree of its model.
+// Checks the groups of a robot's configuration against the body tree of its model.
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
@@ -39,7 +39,7 @@ class GroupValidator {
     log_.Problem("robot '" + robot_.name + "'", field + ": " + message, field);
   }
 
-  // The element's body; nothing when there is none of this name.
+  // Returns the element's body; unset if there is no such element.
   std::optional<int> BodyOfRef(const ElementRef& ref, std::initializer_list<mjtObj> kinds) const {
     try {
       const ElementId element = FindElement(m_, robot_, ref, kinds);
@@ -54,7 +54,7 @@ class GroupValidator {
     return joint < 0 ? std::nullopt : std::optional(m_->jnt_bodyid[joint]);
   }
 
-  // Where the arm ends: its leaf, else the robot's tool point, else its last joint.
+  // Returns the body at the arm's end: its leaf, else the robot's tool point, else its last joint.
   std::optional<int> LeafBody(const MoveGroupConfig& group) const {
     if (group.leaf) return BodyOfRef(*group.leaf, {mjOBJ_SITE, mjOBJ_BODY});
     for (const auto& site : {robot_.tcp_site, robot_.attachment_site}) {
@@ -68,8 +68,8 @@ class GroupValidator {
     return name.starts_with(robot_.prefix) ? name.substr(robot_.prefix.size()) : name;
   }
 
-  // Joints on the way from the robot's root to a body, in order; nothing when it does not hang on
-  // the root.
+  // Returns the joints between the robot's root and a body, in order; unset if the body does not
+  // hang on the root.
   std::optional<std::vector<std::string>> JointsTo(int body) const {
     const int root = FindId(m_, mjOBJ_BODY, robot_.root_body);
     if (root < 0 || !IsInSubtree(m_, body, root)) return std::nullopt;
@@ -130,7 +130,7 @@ class GroupValidator {
                         HowToNameFirst(*joints), HowToBeginBehind(*joints, group.joints.names)));
   }
 
-  // The group that lists a joint; "" without.
+  // Returns the group that lists a joint; "" if there is none.
   std::string GroupWith(const std::string& joint) const {
     for (const auto& [name, group] : robot_.config.move_groups.entries()) {
       const std::vector<std::string>& names = group->joints.names;
@@ -139,8 +139,8 @@ class GroupValidator {
     return "";
   }
 
-  // Of an arm whose leaf is farther out than its joints, on a finger: the first joint on the way
-  // from there that another group has.
+  // For an arm whose leaf is farther out than its joints, on a finger: returns the first joint
+  // inwards from there that belongs to another group.
   std::string JointOfAnotherGroup(const std::vector<std::string>& joints,
                                   const MoveGroupConfig& group) const {
     const std::vector<std::string>& listed = group.joints.names;
@@ -152,7 +152,8 @@ class GroupValidator {
     return "";
   }
 
-  // Of an arm that hangs on a waist, which has a group of its own: "" unless it lists the rest.
+  // Advises about an arm that hangs on a waist with a group of its own: "" unless it lists the
+  // rest.
   std::string HowToBeginBehind(const std::vector<std::string>& joints,
                                const std::vector<std::string>& listed) const {
     if (listed.empty() || listed.size() >= joints.size()) return "";
@@ -169,7 +170,7 @@ class GroupValidator {
         last, name);
   }
 
-  // What the last joint of an arm carries and no other joint moves, sites first.
+  // Returns elements that only the last joint of an arm moves, sites first.
   std::string HowToNameALeaf(const std::string& last) const {
     const int carrier = BodyOfJoint(last).value();
     const std::vector<std::string> sites = CarriedBy(carrier, mjOBJ_SITE);
@@ -190,7 +191,7 @@ class GroupValidator {
     return names;
   }
 
-  // The first of them with more than one degree of freedom.
+  // Returns the first of them with more than one degree of freedom.
   std::string BallAmong(const std::vector<std::string>& joints) const {
     for (const std::string& joint : joints) {
       const int id = FindId(m_, mjOBJ_JOINT, robot_.prefix + joint);
@@ -200,7 +201,7 @@ class GroupValidator {
     return "";
   }
 
-  // The first joint listed that the root body itself has.
+  // Returns the first listed joint that belongs to the root body itself.
   std::string JointOfTheRoot(const MoveGroupConfig& group) const {
     const int root = FindId(m_, mjOBJ_BODY, robot_.root_body);
     for (const std::string& joint : group.joints) {
@@ -216,7 +217,7 @@ class GroupValidator {
     return "";
   }
 
-  // Degrees of freedom of the bodies for which `chosen` is true.
+  // Returns the degrees of freedom of the bodies for which `chosen` is true.
   template <class Chosen>
   std::vector<bool> Dofs(const Chosen& chosen) const {
     std::vector<bool> dofs(static_cast<size_t>(m_->nv));
@@ -229,7 +230,7 @@ class GroupValidator {
     if (!fingers) return;
     const std::string named = group.fingers.empty() ? ".joints" : ".fingers";
     if ((*fingers)[0] == (*fingers)[1]) {
-      // Of two parts of one body the gripper tells.
+      // For two parts of one body the gripper reports it.
       if (group.fingers.size() != 2 || group.fingers[0] != group.fingers[1]) return;
       return Problem(field + named, fmt::format("both fingers are {}; name one body of each finger",
                                                 Describe(group.fingers[0])));

@@ -1,4 +1,4 @@
-// Groups of a robot file that do not fit the body tree of its model.
+// Tests groups of a robot file that do not fit the body tree of its model.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -12,8 +12,8 @@
 namespace robocell::internal {
 namespace {
 
-// For an angle that only makes sense in degrees, a length that only makes sense in millimetres, or
-// limits that only make sense in radians.
+// Hints at an angle that only makes sense in degrees, a length that only makes sense in
+// millimetres, or limits that only make sense in radians.
 std::string UnitHint(int joint_type, double value, const mjtNum* range) {
   const double metres = value / 1000;
   if (joint_type == mjJNT_SLIDE && metres >= range[0] && metres <= range[1])
@@ -30,7 +30,7 @@ std::string UnitHint(int joint_type, double value, const mjtNum* range) {
       lower, upper);
 }
 
-// Joints whose home a robot's file says.
+// Returns the joints whose home a robot's file sets.
 std::set<std::string> ConfiguredJoints(const std::vector<RobotRecord>& robots) {
   std::set<std::string> joints;
   for (const RobotRecord& robot : robots) {
@@ -43,7 +43,7 @@ std::set<std::string> ConfiguredJoints(const std::vector<RobotRecord>& robots) {
   return joints;
 }
 
-// The reference position if it is inside the limits, else the middle between them.
+// Returns the reference position if it is inside the limits, else the middle between them.
 double NearestHome(const mjModel* model, int joint) {
   const double reference = model->qpos0[model->jnt_qposadr[joint]];
   const mjtNum* range = model->jnt_range + 2 * joint;
@@ -51,7 +51,7 @@ double NearestHome(const mjModel* model, int joint) {
   return inside ? reference : (range[0] + range[1]) / 2;
 }
 
-// Of a group for which neither the robot's file nor its model says a home.
+// Warns about a group without a home in the robot's file or its model.
 void WarnOfReference(const mjModel* model, const PartKey& home, const RobotRecord& robot,
                      const std::string& group_name, const MoveGroupConfig& group, CompileLog& log) {
   std::vector<std::string> wrong;

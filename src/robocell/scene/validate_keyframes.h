@@ -1,5 +1,5 @@
-// Private to scene: is a pose `home` one that the joints can take? Asked of a robot's file and of
-// the keyframes that the parts' own models bring.
+// Private to scene: checks that the joints can take the pose `home`, both of a robot's file and of
+// the keyframes in the parts' own models.
 #pragma once
 
 #include <mujoco/mujoco.h>
@@ -14,12 +14,12 @@
 
 namespace robocell::internal {
 
-// How far outside its limits a number from a file may be: files round.
+// How far outside its limits a number from a file may be, because files round.
 inline constexpr double kLimitSlack = 1e-4;
 
-// "2 is outside the limits -1 to 1 of joint 'elbow'", with a hint at degrees that were meant as
-// radians; nothing for what is inside, for joints without limits, and for free and ball joints.
-// `shown` is the joint's name in the message.
+// Returns "2 is outside the limits -1 to 1 of joint 'elbow'", with a hint at degrees that were
+// meant as radians; unset for a value inside, for joints without limits, and for free and ball
+// joints. `shown` is the joint's name in the message.
 std::optional<std::string> OutsideLimits(const mjModel* model, int joint, double value,
                                          const std::string& shown);
 

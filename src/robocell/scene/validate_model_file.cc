@@ -17,7 +17,7 @@
 namespace robocell::internal {
 namespace {
 
-constexpr size_t kHead = 1 << 16;  // bytes in which the first element stands
+constexpr size_t kHead = 1 << 16;  // bytes that contain the first element
 
 std::string HeadOf(const std::string& file) {
   std::string head(kHead, '\0');
@@ -27,7 +27,7 @@ std::string HeadOf(const std::string& file) {
   return head;
 }
 
-// The name of the first element: "mujoco", "robot"; "" when there is none.
+// Returns the name of the first element: "mujoco", "robot"; "" if there is none.
 std::string RootElement(std::string_view xml) {
   for (size_t at = 0; (at = xml.find('<', at)) != std::string_view::npos; ++at) {
     const std::string_view rest = xml.substr(at + 1);
@@ -84,8 +84,8 @@ void ValidateActuatorTargets(const Part& part, CompileLog& log) {
   }
 }
 
-// The engine leaves joints that the keyframe has no numbers for at their reference. So it does for
-// those of an attached model, which the author may have meant.
+// The engine leaves joints without numbers in the keyframe at their reference, including those of
+// an attached model, which the author may have intended.
 void ValidateHomeKeyLength(const Part& part, CompileLog& log) {
   mjsElement* element = FindSpecElement(part.spec.get(), mjOBJ_KEY, "home");
   if (!element) return;
@@ -118,7 +118,7 @@ void ValidateHomeKeyControls(const Part& part, CompileLog& log) {
   std::vector<std::string> actuators;
   for (mjsElement* actuator : SpecElements(part.spec.get(), mjOBJ_ACTUATOR))
     actuators.push_back(DescribeSpecElement(actuator));
-  // Which of them have several inputs is known only after compiling: more numbers may be right.
+  // The actuators with several inputs are only known after compiling: more numbers may be correct.
   if (given == 0 || given >= static_cast<int>(actuators.size())) return;
   const std::vector<std::string> left_out(actuators.begin() + given, actuators.end());
   log.WarnAt(part.file, part.place,

@@ -1,4 +1,4 @@
-// Private to scene: finds problems in a part's own model file that would get lost when the part is
+// Private to scene: finds problems in a part's own model file that would be lost when the part is
 // put into a scene: the engine drops elements that refer to nothing, and keyframes are read by
 // name.
 #pragma once
@@ -8,27 +8,26 @@
 
 namespace robocell::internal {
 
-// A problem when the file is no MJCF but a URDF, which has no actuators, sites or cameras: for
-// robots; a passive tool and an object need none.
+// Reports a file that is not MJCF but a URDF, which has no actuators, sites or cameras: for robots;
+// a passive tool and an object need none.
 void ValidateIsMjcf(const std::string& file, const std::string& place, const std::string& field,
                     CompileLog& log);
 
-// A problem for each actuator whose joint, tendon, site or body is not in the model.
+// Reports each actuator whose joint, tendon, site or body is not in the model.
 void ValidateActuatorTargets(const Part& part, CompileLog& log);
 
-// A problem when the keyframe `home` has more numbers than the model's joints, as for the engine; a
-// warning when it has fewer.
+// Reports a problem if the keyframe `home` has more numbers than the model's joints, like the
+// engine; a warning if it has fewer.
 void ValidateHomeKeyLength(const Part& part, CompileLog& log);
 
-// A warning when it has fewer controls than there are actuators.
+// Warns if it has fewer controls than there are actuators.
 void ValidateHomeKeyControls(const Part& part, CompileLog& log);
 
-// Reports a warning for each other keyframe with the wrong count of numbers in qpos, and leaves it
-// out.
+// Warns of each other keyframe with the wrong count of numbers in qpos, and leaves it out.
 void ValidatePresetSizes(Part& part, CompileLog& log);
 
-// What to say of a robot whose keyframes are all called otherwise; "" when there is a `home` or no
-// keyframe at all.
+// Returns a remark about a robot whose keyframes all have other names; "" if there is a `home` or
+// no keyframe at all.
 std::string OtherKeys(const Part& part);
 
 }  // namespace robocell::internal

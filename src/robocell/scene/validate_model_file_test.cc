@@ -1,4 +1,5 @@
-// What a model's file names and has not, keyframes of another model, files of another kind.
+// Tests elements that a model's file names but lacks, keyframes of another model, files of another
+// kind.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -40,8 +41,8 @@ TEST_F(ModelFile, AKeyframeOfAnotherModel) {
                              "joints need 4, in this order: hip, knee, l, r");
 }
 
-// The engine completes the keyframe, here of a model that another one is attached to; it is the
-// oracle.
+// The oracle is the engine, which completes the keyframe, here of a model that another one is
+// attached to.
 TEST_F(ModelFile, AKeyframeOfTheOwnJointsOnly) {
   AtomicWrite(folder_.path() / "tool.xml",
               "<mujoco model=\"tool\"><worldbody><body name=\"t\"><joint name=\"spin\"/>"
@@ -97,7 +98,7 @@ TEST_F(ModelFile, AHomeThatDegreesPutOutsideTheLimits) {
                          "<compiler angle=\"radian\"/>");
 }
 
-// A model that is made to be looked at alone brings a floor. In its world it is left there; in a
+// A model that is made for viewing alone brings a floor. In its world the floor is left out; in a
 // body it would come along.
 TEST_F(ModelFile, AFloorThatTheModelBrings) {
   const std::string plane = "geom name=\"ground\" type=\"plane\" size=\"0 0 1\"/>";

@@ -13,7 +13,7 @@
 namespace robocell::internal {
 namespace {
 
-// One robot. Messages name the field, then what is wrong with it.
+// Checks one robot. Messages name the field, then the problem.
 class RobotValidator {
  public:
   RobotValidator(const mjModel* model, const RobotRecord& robot, CompileLog& log)
@@ -38,7 +38,7 @@ class RobotValidator {
     return fmt::format("{}[{}]", field, i);
   }
 
-  // Ids of the elements that a field names; -1 for each that is missing, after reporting it.
+  // Returns ids of the elements that a field names; reports each missing one and returns -1 for it.
   std::vector<int> Ids(mjtObj kind, const std::string& field, const NameList& names) {
     std::vector<int> ids;
     for (const std::string& name : names) {
@@ -58,7 +58,7 @@ class RobotValidator {
     return text.rfind(place_ + ": ", 0) == 0 ? text.substr(place_.size() + 2) : text;
   }
 
-  // `shown` is the field as the message has it.
+  // `shown` is the field in the message.
   void Element(const std::string& shown, const std::string& field, const ElementRef& ref,
                std::initializer_list<mjtObj> kinds) {
     try {

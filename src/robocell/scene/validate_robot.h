@@ -1,5 +1,5 @@
-// Private to scene: whether everything that a robot's configuration names is in the compiled model,
-// and fits. What is wrong becomes a problem of the log. Advice is diagnose's.
+// Private to scene: checks that the compiled model has everything that a robot's configuration
+// names, and that it fits. Problems go to the log. Advice belongs to diagnose.
 #pragma once
 
 #include <mujoco/mujoco.h>
@@ -12,19 +12,20 @@
 
 namespace robocell::internal {
 
-// The joints at their reference, with the poses, tendons and actuator moments that follow from it.
+// Returns data with the joints at their reference and the resulting poses, tendons and actuator
+// moments.
 DataPtr AtReference(const mjModel* model);
 
 void ValidateRobot(const mjModel* model, const RobotRecord& robot, CompileLog& log);
 
-// validate_groups.cc: an arm's joints are those from the root to its leaf, in this order; a
-// gripper's actuators do not move the whole hand. What is missing is passed over: ValidateRobot
-// says so. `reference` is AtReference.
+// validate_groups.cc: checks that an arm's joints are those from the root to its leaf, in order,
+// and that a gripper's actuators do not move the whole hand. Skips missing elements, which
+// ValidateRobot reports. `reference` is AtReference.
 void ValidateGroups(const mjModel* model, const mjData* reference,
                     const std::vector<RobotRecord>& robots, CompileLog& log);
 
-// validate_tool_points.cc: a TCP given twice, as the leaf of the arm and as attachment_site *
-// tcp_offset, must be the same.
+// validate_tool_points.cc: checks that a TCP given twice, as the leaf of the arm and as
+// attachment_site * tcp_offset, is the same.
 void ValidateToolPoints(const mjModel* model, const mjData* reference,
                         const std::vector<RobotRecord>& robots, CompileLog& log);
 

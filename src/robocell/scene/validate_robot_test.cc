@@ -1,4 +1,4 @@
-// What a robot file names and its model has not.
+// Tests elements that a robot file names and its model lacks.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// The tool centre point of a robot can be given in two ways; they must agree.
+// The tool centre point of a robot can be given in two ways, which must agree.
 #include <fmt/format.h>
 
 #include "robocell/base/error.h"
@@ -28,7 +28,7 @@ Point PointOf(const mjModel* model, const mjData* data, const ElementId& element
           model->body_weldid[model->site_bodyid[element.id]]};
 }
 
-// The leaf of the only arm; null when there are several arms or it has none.
+// Returns the leaf of the only arm; null if there are several arms or it has none.
 const ElementRef* OnlyLeaf(const RobotRecord& robot) {
   const ElementRef* leaf = nullptr;
   int arms = 0;
@@ -48,7 +48,7 @@ void ValidateToolPoint(const mjModel* model, const mjData* data, const RobotReco
   try {
     found = FindElement(model, robot, *leaf, {mjOBJ_SITE, mjOBJ_BODY});
   } catch (const NotFoundError&) {
-    return;  // ValidateRobot says so
+    return;  // ValidateRobot reports it
   }
   const Point a = PointOf(model, data, found);
   const Point b = PointOf(model, data, {mjOBJ_SITE, FindId(model, mjOBJ_SITE, *robot.tcp_site)});

@@ -1,4 +1,4 @@
-// A TCP that is given in two ways.
+// Tests a TCP that is given in two ways.
 #include <gtest/gtest.h>
 
 #include "robocell/base/error.h"

@@ -40,7 +40,7 @@ struct AttachmentSpec {
       "Drop the pose that the model file gives its root instead of composing with it.");
   }
   Pose pose() const { return PlacementPose(pos, euler, quat); }
-  // It is called by its prefix, without one by its file, as scenes do.
+  // Names it by its prefix, else by its file, as scenes do.
   std::string Label() const { return LabelOf("attachment", prefix.empty() ? mjcf_path : prefix); }
   void Validate(Problems& problems) const;
 };

@@ -12,7 +12,7 @@
 namespace robocell {
 namespace {
 
-constexpr double kLeastDistance = 1e-9;  // metres; of two points that have a direction
+constexpr double kLeastDistance = 1e-9;  // metres between two points that give a direction
 
 // Camera axes x right, y up, looking along -z, towards `target`; z of the parent is up.
 Eigen::Matrix3d LookAt(const Eigen::Vector3d& from, const Eigen::Vector3d& target) {
@@ -63,7 +63,7 @@ void CameraConfig::Validate(Problems& problems) const {
 
 namespace {
 
-// H.264 encodes no longer side, and OpenGL draws none on common drivers.
+// H.264 does not encode longer sides, and OpenGL draws none on common drivers.
 constexpr int kLongestSide = 16384;
 
 constexpr std::string_view kCorrectTheSize =

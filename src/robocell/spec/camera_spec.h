@@ -1,5 +1,5 @@
-// Cameras as two things: where a camera is (CameraSpec), and what is taken from it (CameraConfig, a
-// stream). Placement uses MuJoCo's camera axes: x right, y up, looking along -z.
+// Cameras: CameraSpec places a camera, CameraConfig is a stream of its images. Placement uses
+// MuJoCo's camera axes: x right, y up, looking along -z.
 #pragma once
 
 #include <array>
@@ -13,8 +13,8 @@
 
 namespace robocell {
 
-// A camera that is added to the scene: one of a given lens, or a model that holds one and what is
-// around it (`mjcf_path`), whose root body then stands at the pose.
+// A camera that is added to the scene: one with a given lens, or a model that contains a camera and
+// its surroundings (`mjcf_path`), whose root body then stands at the pose.
 struct CameraSpec {
   std::string name = {};
   std::string mjcf_path = {};
@@ -43,13 +43,13 @@ struct CameraSpec {
       "Point in the parent to look at, metres, with the parent's z up; instead of a rotation.");
     v("attach_to", &CameraSpec::attach_to, "Parent of the camera.");
   }
-  // Pose in the parent. Requires a valid spec.
+  // Returns the pose in the parent. Requires a valid spec.
   Pose pose() const;
   std::string Label() const { return LabelOf("camera", name); }
   void Validate(Problems& problems) const;
 };
 
-// One stream of images from a camera of the scene.
+// A stream of images from a camera of the scene.
 struct CameraConfig {
   std::string name = {};
   std::string camera = {};
@@ -85,7 +85,8 @@ struct CameraConfig {
   void Validate(Problems& problems) const;
 };
 
-// The quality of images. Everything costly is off by default, and records hold what was used.
+// The quality of images. Every costly effect is off by default, and records store the quality that
+// was used.
 struct RenderQuality {
   bool shadows = false;
   bool reflections = false;
@@ -105,7 +106,7 @@ struct RenderQuality {
 };
 
 // The back end that renders images, and its quality. In YAML a word stands for the back end, and
-// for a quality one of the names of render_quality.h: {backend: soft, quality: standard}.
+// one of the names of render_quality.h for a quality: {backend: soft, quality: standard}.
 struct RendererConfig {
   std::string backend = "auto";
   RenderQuality quality = {};
@@ -123,7 +124,7 @@ struct RendererConfig {
   void Validate(Problems& problems) const;
 };
 
-// The streams of a run and the size they share.
+// The streams of a run and their common size.
 struct CameraSystemConfig {
   std::array<int, 2> resolution = {320, 240};
   List<CameraConfig> streams = {};

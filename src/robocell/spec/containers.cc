@@ -15,8 +15,8 @@ struct NumberedNames {
   std::string_view stem, first, last, tail;
 };
 
-// Split at the last number of `first` that leaves the same stem and tail in both; nothing when none
-// does.
+// Splits at the last number of `first` that leaves the same stem and tail in both; unset if there
+// is none.
 std::optional<NumberedNames> SplitAtNumber(std::string_view first, std::string_view last) {
   for (size_t end = first.size(); end > 0; --end) {
     if (!IsDigit(first[end - 1])) continue;

@@ -1,6 +1,5 @@
-// Containers of specs. Elements live in boxes: copying the container copies them deeply, while one
-// element keeps its address when the container grows, so that Python can hold and edit an element
-// in place.
+// Containers of specs. Elements live in boxes: copying the container copies them deeply, and an
+// element keeps its address when the container grows, so that Python can hold and edit it in place.
 //
 //   List<RobotSpec> robots;
 //   robots.push_back({.path = "arm.xml", .prefix = "left_"});
@@ -53,7 +52,7 @@ class List {
   const T& back() const { return *boxes_.back(); }
   T& push_back(T value) { return *boxes_.emplace_back(std::make_shared<T>(std::move(value))); }
 
-  // The boxes themselves, for Python: an element put in stays the same object.
+  // The boxes themselves, for Python: an element that is put in stays the same object.
   std::vector<Box<T>>& boxes() { return boxes_; }
   const std::vector<Box<T>>& boxes() const { return boxes_; }
 
@@ -119,12 +118,12 @@ class Map {
     return nullptr;
   }
   T* find(std::string_view key) { return const_cast<T*>(std::as_const(*this).find(key)); }
-  // Adds an empty value when the key is new.
+  // Adds an empty value if the key is new.
   T& operator[](std::string_view key) {
     if (T* value = find(key)) return *value;
     return *entries_.emplace_back(std::string(key), std::make_shared<T>()).second;
   }
-  // NotFoundError with the nearest keys when absent.
+  // Throws NotFoundError with the nearest keys if the key is absent.
   const T& at(std::string_view key) const {
     if (const T* value = find(key)) return *value;
     throw NotFoundError(NoSuchName("", "entry", key, keys()));
@@ -153,8 +152,8 @@ class Map {
   std::vector<Entry> entries_;
 };
 
-// A spec that may be unset: like std::optional, in a box of its own, so that Python can hold and
-// edit what is set while the field is assigned or unset.
+// A spec that may be unset: like std::optional, but in a box of its own, so that Python can hold
+// and edit the value while the field is assigned or unset.
 template <class T>
 class Maybe {
  public:
@@ -200,8 +199,8 @@ struct NameList {
   NameList() = default;
   NameList(std::initializer_list<std::string> list) : names(list) {}
   NameList(std::vector<std::string> list) : names(std::move(list)) {}
-  // Expands "joint1..joint7"; a name without ".." stands for itself. ArgumentError when the range
-  // is not numbered.
+  // Expands "joint1..joint7"; a name without ".." stands for itself. Throws ArgumentError for a
+  // range without numbers.
   static NameList Expand(std::string_view text);
 
   size_t size() const { return names.size(); }

@@ -1,4 +1,5 @@
-// CtrlMode: what the joints of an arm are driven by: position servos, velocity servos or motors.
+// CtrlMode: the actuators that drive the joints of an arm: position servos, velocity servos or
+// motors.
 #pragma once
 
 #include <array>

@@ -9,7 +9,7 @@
 namespace robocell {
 namespace {
 
-// Which attributes make sense for which kind of element.
+// Returns the attributes that a kind of element can have.
 std::vector<std::string> AttributesOf(ElementKind kind) {
   switch (kind) {
     case ElementKind::kBody:
@@ -39,7 +39,7 @@ bool IsTarget(std::string_view field) {
   return std::find(kTargets.begin(), kTargets.end(), field) != kTargets.end();
 }
 
-// `{geom: {body: finger}}` reads as a reference to a body; what was meant has an index.
+// `{geom: {body: finger}}` reads as a reference to a body; the intended one needs an index.
 void ValidateTargetKind(const std::optional<ElementRef>& ref, ElementKind kind,
                         std::string_view field, Problems& problems) {
   if (!ref || !ref->kind || *ref->kind == kind) return;
@@ -47,7 +47,7 @@ void ValidateTargetKind(const std::optional<ElementRef>& ref, ElementKind kind,
                             "'s name, or {body: name, index: 0} if it has none");
 }
 
-// What an actuator acts on says which it is; it sits in no body.
+// An actuator is identified by what it acts on; it belongs to no body.
 void ValidateActuator(const std::optional<ElementRef>& ref, Problems& problems) {
   using enum ElementKind;
   if (!ref) return;

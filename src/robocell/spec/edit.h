@@ -1,6 +1,6 @@
-// Small changes to a model while it is loaded, so that no file has to be copied. One edit changes,
-// adds or deletes one element and sets some of its attributes; units are SI and radians, euler in
-// degrees, quaternions xyzw.
+// Small changes to a model while it is loaded, which save a copy of its file. One edit changes,
+// adds or deletes one element and sets some of its attributes; units are SI and radians, euler
+// angles are in degrees, quaternions xyzw.
 //
 //   edits:
 //     - {body: link_base, pos: [0, 0, 0]}
@@ -21,8 +21,8 @@
 namespace robocell {
 
 struct Edit {
-  // What is changed: exactly one of these, or one of the add_* (then `body` or `site` says where),
-  // or `remove`.
+  // The element to change: exactly one of these, or one of the add_* fields (then `body` or `site`
+  // gives the place), or `remove`.
   std::optional<ElementRef> body = {};
   std::optional<ElementRef> site = {};
   std::optional<ElementRef> joint = {};
@@ -92,9 +92,9 @@ struct Edit {
     v("condim", &Edit::condim, "Contact dimension of a geom: 1, 3, 4 or 6.");
     v("type", &Edit::type, "Type of an added sensor.");
   }
-  // The kind of element that is changed or added, and whether it is added.
+  // Returns the kind of element that is changed or added, and whether it is added.
   ElementKind kind() const;
-  // "edit of joint 'elbow'".
+  // Returns a label for messages: "edit of joint 'elbow'".
   std::string Label() const;
   void Validate(Problems& problems) const;
 };

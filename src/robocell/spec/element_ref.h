@@ -1,4 +1,4 @@
-// How a spec points at an element of a model, named or not.
+// References from a spec to an element of a model, with or without a name.
 #pragma once
 
 #include <optional>
@@ -35,20 +35,19 @@ struct EnumNames<ElementKind> {
 };
 
 // A named element, or the index-th element of its kind directly under a body; {body: {body: hand,
-// index: 1}} is hand's second child.
-// In YAML `link_tcp` (any kind that the field allows), `{site: link_tcp}` or `{geom: {body:
-// left_finger, index: 3}}`.
+// index: 1}} is hand's second child. In YAML `link_tcp` (any kind that the field allows), `{site:
+// link_tcp}` or `{geom: {body: left_finger, index: 3}}`.
 struct ElementRef {
   std::optional<ElementKind> kind = {};
   std::string name = {};
-  std::string body = {};  // for unnamed elements: the body it sits in ...
-  int index = 0;          // ... and which of that body's elements of this kind, from 0
+  std::string body = {};  // for unnamed elements: the parent body ...
+  int index = 0;          // ... and the index among its elements of this kind, from 0
 
   bool empty() const { return name.empty() && body.empty(); }
   bool operator==(const ElementRef&) const = default;
 };
 
-// "site 'link_tcp'" or "geom 3 of body 'left_finger'", for messages.
+// Describes it for messages: "site 'link_tcp'" or "geom 3 of body 'left_finger'".
 std::string Describe(const ElementRef& ref);
 
 }  // namespace robocell

@@ -1,4 +1,4 @@
-// How an environment is acted on: what actions mean, what they are relative to.
+// The actions of an environment: their meaning and their reference.
 #pragma once
 
 #include <array>
@@ -21,8 +21,8 @@ struct EnumNames<ControlMode> {
 };
 
 enum class RelativeTo {
-  kLastStep,          // what the robot was last sent to
-  kConfiguredOrigin,  // where it was at the reset, or what was set since
+  kLastStep,          // the robot's last target
+  kConfiguredOrigin,  // the position at the reset, or the origin set since
   kNone,              // nothing: actions are absolute
 };
 template <>
@@ -33,7 +33,8 @@ struct EnumNames<RelativeTo> {
       std::pair{RelativeTo::kNone, "none"}};
 };
 
-// The largest step of one action: metres and radians; joints in their own unit, as the rotation.
+// The largest step of one action: metres and radians; joints use their own unit with the rotation's
+// limit.
 struct StepLimit {
   double translation = 0;
   double rotation = 0;

@@ -22,7 +22,7 @@ bool HasGroup(const RobotConfig& config, MoveGroupKind kind) {
   return false;
 }
 
-// `gripper_offsets: {lft: ...}`: every key must be a robot.
+// Every key of `gripper_offsets: {lft: ...}` must be a robot.
 void ValidateRobotKeys(const std::vector<std::string>& keys, std::string_view field,
                        const EnvConfig& env, Problems& problems) {
   Problems::Scope scope(problems, field);
@@ -32,7 +32,7 @@ void ValidateRobotKeys(const std::vector<std::string>& keys, std::string_view fi
   }
 }
 
-// What hangs at a robot's attachment site needs one.
+// A part at a robot's attachment site requires the site.
 void RequireAttachmentSite(const EnvConfig& env, const std::string& robot, const std::string& what,
                            Problems& problems) {
   const RobotConfig* config = env.robots.find(robot);
@@ -65,7 +65,7 @@ void ValidateGrippers(const EnvConfig& env, Problems& problems) {
   }
 }
 
-// Robots that nobody placed stand in each other.
+// Robots without a pose overlap.
 void ValidateStands(const EnvConfig& env, Problems& problems) {
   if (!env.alternative_combined_robot_mjcf.empty()) {
     if (!env.robot_to_shared_base_frame.empty())
@@ -90,7 +90,7 @@ void ValidateStands(const EnvConfig& env, Problems& problems) {
   }
 }
 
-// One number for joints, two for poses, or none.
+// Requires one number for joints, two for poses, or none.
 void ValidateLimitOfMode(const EnvConfig& env, const char* field, const std::vector<double>& limit,
                          Problems& problems) {
   const size_t count = limit.size();
@@ -103,7 +103,7 @@ void ValidateLimitOfMode(const EnvConfig& env, const char* field, const std::vec
                          count, count == 1 ? "number" : "numbers"));
 }
 
-// The objects that a task names are among those that move with the rig.
+// A task's objects must be among those that move with the rig.
 class TaskValidator {
  public:
   TaskValidator(const EnvConfig& env, Problems& problems) : env_(env), problems_(problems) {}
@@ -168,7 +168,7 @@ void ValidateEnvTask(const EnvConfig& env, Problems& problems) {
   if (const auto* place = env.task->If<PickAndPlaceTaskConfig>()) validator.Validate(*place);
 }
 
-// What an object's mass is matters only where it can move.
+// An object's mass only matters if it can move.
 void ValidateVariedMass(const EnvObject& object, const ObjectVariation& range, Problems& problems) {
   const ObjectVariation plain;
   if (!object.fixed.value_or(false) || range.mass == plain.mass) return;
@@ -270,7 +270,7 @@ void ValidateCameraAdds(const EnvConfig& env, Problems& problems) {
                          " Unset, the camera belongs to the rig, and its offset is in the root "
                          "frame");
     }
-    // A model is there for its housing too.
+    // A camera model may be there for its housing alone.
     if (camera->xml_path.empty() && !IsStreamed(env, name)) {
       problems.Add(
           fmt::format("no stream takes images of this camera; add {{name: {0}, camera: "
@@ -312,7 +312,7 @@ Pose EnvConfig::robot_in_shared_base(const std::string& robot) const {
 
 namespace {
 
-// A list of one number is written as that number, too: its problems are called without an index.
+// A list of one number may be written as that number: its problems are then named without an index.
 void NameSingleNumber(const std::vector<double>& list, const char* field, Problems& problems) {
   if (list.size() != 1) return;
   const std::string path = JoinPath(problems.path(), field), entry = path + "[0]";

@@ -1,6 +1,6 @@
-// EnvConfig: a cell of one or several robots as an environment: the robots, the frames that they
-// share, what is placed in which frame, and its cameras. Usually a YAML file; see
-// docs/environments.md. EnvSceneSpec (env/env_scene.h) turns it into a scene.
+// EnvConfig: a cell of one or several robots as an environment: the robots, their common frames,
+// the objects in each frame, and its cameras. Usually a YAML file; see docs/environments.md.
+// EnvSceneSpec (env/env_scene.h) turns it into a scene.
 //
 //   robots: {left: fr3.yaml, right: fr3.yaml}
 //   robot_to_shared_base_frame: {left: {pos: [0, 0.3, 0]}, right: {pos: [0, -0.3, 0]}}
@@ -9,9 +9,9 @@
 //   camera_adds: {wrist: {robot_name: left, offset: {pos: [0.05, 0, 0], euler: [180, 0, 0]}}}
 //   cameras: {streams: [{name: wrist, camera: wrist}]}
 //
-// Names in the scene: robots are called as here, their elements begin with `robot{name}_`; grippers
-// are robots of their own, `gripper{name}` with the prefix `gripper{name}_`; elements of objects
-// begin with `{id}_`; cameras keep their name.
+// Names in the scene: robots have the names of this file, their elements begin with `robot{name}_`;
+// grippers are robots of their own, `gripper{name}` with the prefix `gripper{name}_`; elements of
+// objects begin with `{id}_`; cameras keep their name.
 #pragma once
 
 #include <optional>
@@ -63,7 +63,7 @@ struct EnvConfig {
   SimSettings sim = {};
   WrapperConfig wrappers = {};
   SimOptions options = {};
-  // Where the file was: relative paths start here. Not a field. Neither is where each value stood.
+  // Folder of the file, where relative paths start. Like the locations of values it is not a field.
   std::string source_dir = {};
   Locations locations = {};
 
@@ -139,20 +139,20 @@ struct EnvConfig {
   }
   void Validate(Problems& problems) const;
 
-  // What max_relative_movement says, or its default; infinite without a limit.
+  // Returns max_relative_movement or its default; infinite without a limit.
   StepLimit step_limit() const;
-  // The value of max_target_lead, or its default. In joint mode the rotation applies to hinges and
-  // the translation to slides.
+  // Returns max_target_lead or its default. In joint mode the rotation applies to hinges and the
+  // translation to slides.
   StepLimit target_lead() const;
-  // Whether the robot's gripper is one of `grippers`, and not its own.
+  // Returns true if the robot's gripper is one of `grippers`, and not its own.
   bool has_mounted_gripper(const std::string& robot) const;
-  // What add_floor says, or its default.
+  // Returns add_floor or its default.
   bool has_added_floor() const;
-  // The pose of the robot's base in the shared base frame.
+  // Returns the pose of the robot's base in the shared base frame.
   Pose robot_in_shared_base(const std::string& robot) const;
 
-  // Reads an environment file and the robot files it names. SpecError lists all problems with
-  // file:line:column.
+  // Reads an environment file and the robot files that it names. Throws SpecError with all problems
+  // and their file:line:column.
   static EnvConfig Load(const std::string& path);
 };
 

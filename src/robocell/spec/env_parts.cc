@@ -11,7 +11,7 @@ namespace robocell {
 
 namespace {
 
-constexpr double kMostSteps = 1e6;  // of the engine: such a step hardly ends
+constexpr double kMostSteps = 1e6;  // engine steps: a longer step hardly ends
 
 void ValidateDuration(const char* field, double seconds, double timestep, Problems& problems) {
   if (!(timestep > 0 && seconds / timestep > kMostSteps)) return;
@@ -64,7 +64,7 @@ void CameraAdderConfig::Validate(Problems& problems) const {
 
 void SimSettings::Validate(Problems& problems) const {
   internal::ValidateTimestep(timestep, 1, "timestep", problems);
-  // What is no number is told where it is read.
+  // The reader reports values that are not numbers.
   if (frequency > 0 && timestep > 0 && std::isfinite(timestep) && frequency * timestep > 1) {
     problems.AddAt("frequency",
                    fmt::format("{:g} Hz is more often than the engine steps, every {:g} "

@@ -1,4 +1,4 @@
-// Parts of an EnvConfig: what is placed in one of its frames, and how its simulation runs.
+// Parts of an EnvConfig: the objects in its frames, and the settings of its simulation.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@
 
 namespace robocell {
 
-// A model, or a primitive, placed in the frame of the dictionary that it stands in.
+// A model, or a primitive, placed in the frame of the dictionary that contains it.
 struct EnvObject {
   std::string mjcf_path = {};
   Pose offset = {};
@@ -24,11 +24,11 @@ struct EnvObject {
   std::optional<Vec3> friction = {};
 
   static constexpr Vec4 kRgba = {0.8, 0.8, 0.8, 1};
-  static constexpr Vec3 kFriction = {1, 0.005, 0.0001};  // the engine's own
+  static constexpr Vec3 kFriction = {1, 0.005, 0.0001};  // the engine's default
 
   static constexpr const char* kTypeName = "EnvObject";
   static constexpr bool kWrittenAsPair = true;  // in Python: (mjcf_path, offset)
-  // Said where names and objects stand in the place of one object's fields.
+  // Added to messages where names and objects stand in place of one object's fields.
   static constexpr const char* kWhenNested =
       "objects by name stand where one object is expected; those that follow a robot's wrist go "
       "into robot_frame_objects: {robot: {id: ...}}, all others are {id: ...} without a robot";
@@ -52,12 +52,12 @@ struct EnvObject {
       "Sliding, torsional and rolling friction of a primitive. Unset: the engine's own.",
       Bound::kNonNegative);
   }
-  // As an object of a scene, without its name and place.
+  // Returns it as an object of a scene, without its name and place.
   SceneObject AsSceneObject() const;
   void Validate(Problems& problems) const;
 };
 
-// How an object's model differs from episode to episode; drawn at each reset.
+// How an object's model varies between episodes; drawn at each reset.
 struct ObjectVariation {
   Vec2 mass = {1, 1};
   Vec2 friction = {1, 1};
@@ -78,7 +78,7 @@ struct ObjectVariation {
   void Validate(Problems& problems) const;
 };
 
-// Where a camera is added: in the root frame, or at a robot's attachment site.
+// The place of an added camera: in the root frame, or at a robot's attachment site.
 struct CameraAdderConfig {
   std::string xml_path = {};
   std::optional<double> fovy = {};
@@ -107,7 +107,7 @@ struct CameraAdderConfig {
   void Validate(Problems& problems) const;
 };
 
-// How the simulation runs, and when a step of the environment ends.
+// Settings of the simulation, and when a step of the environment ends.
 struct SimSettings {
   double timestep = 0.002;
   bool async_control = false;
@@ -137,7 +137,7 @@ struct SimSettings {
   void Validate(Problems& problems) const;
 };
 
-// What is around the robots' actions and observations.
+// Settings around the robots' actions and observations.
 struct WrapperConfig {
   bool binary_gripper = true;
   bool home_on_reset = true;

@@ -39,7 +39,7 @@ TEST(FieldPlaces, StandInTheMessagesOfFiles) {
               HasSubstr("It is a field of `cameras`: cameras.renderer"));
 }
 
-// The parser gives a value that is not there the place of what comes after it.
+// The parser gives a missing value the place of what comes after it.
 TEST(FieldPlaces, AValueThatIsNotThereIsToldWhereItsNameIs) {
   const std::string begin = "run: a\nrobot: {name: b, model: c}\n";
   EXPECT_THAT(ParseError<RunConfig>(begin + "task:\noutput: d\n"), HasSubstr(":3:1: task: "));

@@ -1,5 +1,5 @@
-// How a spec struct declares its fields, once. YAML, equality, validation, Python and the reference
-// docs all come from this one declaration:
+// A spec struct declares its fields once. YAML, equality, validation, Python and the reference docs
+// all use this declaration:
 //
 //   struct CameraMount {
 //     std::string name;
@@ -24,7 +24,7 @@
 
 namespace robocell {
 
-// Ranges that numbers can be held to. All numbers must be finite in any case.
+// Ranges that numbers may be restricted to. All numbers must be finite in any case.
 enum class Bound { kNone, kPositive, kNonNegative, kFraction };
 
 namespace detail {
@@ -48,7 +48,7 @@ void ForEachField(T& object, F&& f) {
       });
 }
 
-// The names of T's fields in order of declaration.
+// Returns the names of T's fields in order of declaration.
 template <HasFields T>
 std::vector<std::string> FieldNames() {
   std::vector<std::string> names;
@@ -77,7 +77,7 @@ concept HasEnumNames = requires {
   EnumNames<E>::kNames.size();
 };
 
-// False for a number that is none of the enum's values, as only a cast makes one.
+// Returns false for a number that is not a value of the enum; only a cast makes one.
 template <HasEnumNames E>
 bool IsNamed(E value) {
   for (const auto& [v, name] : EnumNames<E>::kNames) {

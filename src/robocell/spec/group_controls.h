@@ -1,5 +1,5 @@
-// Which controllers a move group can have, by the group's kind. An arm can have all of them, as far
-// as its actuators go; the others are driven by position servos only, and a gripper only by its
+// The controllers that a move group can have, by the group's kind. An arm can have all of them that
+// its actuators allow; the others are driven by position servos only, and a gripper only by its
 // opening.
 #pragma once
 
@@ -13,11 +13,12 @@ namespace robocell::internal {
 
 std::vector<ControlKind> ControlsOf(MoveGroupKind group);
 
-// "a gripper", "an arm", "a base" or "a generic group", for messages.
+// Returns the kind with its article for messages: "a gripper", "an arm", "a base" or "a generic
+// group".
 const char* WithArticle(MoveGroupKind group);
 
-// Why a group of this kind cannot have the controller of that name, with those that it can have;
-// "" when it can. Controllers that users registered are not known here: "".
+// Returns why a group of this kind cannot have the named controller, with those that it can have;
+// "" if it can. Controllers that users registered are not known here: "".
 std::string WhyNotControlledBy(MoveGroupKind group, std::string_view controller);
 
 }  // namespace robocell::internal

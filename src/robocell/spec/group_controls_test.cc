@@ -18,7 +18,7 @@ using testing::ValidationError;
 constexpr MoveGroupKind kKinds[] = {MoveGroupKind::kArm, MoveGroupKind::kGripper,
                                     MoveGroupKind::kBase, MoveGroupKind::kGeneric};
 
-// A robot with one group of each kind, called like its kind.
+// A robot with one group of each kind, named like its kind.
 RobotConfig OneOfEach() {
   return {.name = "robot",
           .model = "robot.xml",
@@ -67,7 +67,7 @@ TEST(GroupControls, ControllersOfUsersAreNotJudged) {
   EXPECT_NE(WhyNotControlledBy(MoveGroupKind::kGripper, "differential_ik"), "");
 }
 
-// Scenes, environments and runs hold robot files: all of them check these.
+// Scenes, environments and runs contain robot files, and all of them check these.
 TEST(GroupControls, EveryFileThatHoldsARobotRefusesThem) {
   RobotConfig robot = OneOfEach();
   robot.control["gripper"] = ControlKind::kRelativeJointPosition;

@@ -27,14 +27,14 @@
 
 namespace robocell {
 
-// What a field of a kind may be.
+// The types that a field of a kind can have.
 using KindField =
     std::variant<bool*, int*, int64_t*, double*, std::string*, Vec2*, Vec3*, Vec4*,
                  std::vector<double>*, std::vector<std::string>*, NameList*, Pose*,
                  std::optional<int>*, std::optional<double>*, std::optional<std::string>*,
                  std::optional<Vec2>*, std::optional<Vec3>*, std::optional<Pose>*>;
 
-// One field of a kind's struct, for those who know no struct.
+// A field of a kind's struct, for code that does not know the struct.
 struct KindFieldRef {
   std::string name;
   KindField value;
@@ -42,25 +42,25 @@ struct KindFieldRef {
   Bound bound = Bound::kNone;
 };
 
-// The fields of one kind, their type hidden.
+// The fields of one kind, without their type.
 class KindFields {
  public:
   virtual ~KindFields() = default;
   virtual std::shared_ptr<KindFields> Clone() const = 0;
   virtual std::vector<KindFieldRef> refs() = 0;
   virtual std::string type_name() const = 0;
-  // Checks of the fields together; each by itself is checked already.
+  // Checks the fields together; each by itself is already checked.
   virtual void Validate(Problems& /*problems*/) const {}
-  // The struct itself.
+  // Returns the struct itself.
   virtual void* value() = 0;
   virtual const std::type_info& type() const = 0;
 
   std::vector<std::string> names() const;
-  // `other` is of the same kind.
+  // Requires `other` to be of the same kind.
   bool Equals(const KindFields& other) const;
 };
 
-// Of a struct that declares its fields.
+// The fields of a struct that declares them.
 template <HasFields T>
 class KindFieldsOf final : public KindFields {
  public:
@@ -91,24 +91,24 @@ concept NamesItsKind = requires {
   { T::kKind } -> std::convertible_to<const char*>;
 };
 
-// The kinds of one sort by their names, with the defaults of their fields. Any thread.
+// The kinds of one sort by name, with the defaults of their fields. Any thread may use it.
 class KindRegistry {
  public:
   using Kinds = std::map<std::string, std::shared_ptr<const KindFields>>;
 
-  // `noun` is what messages call the sort, `key` the field that names a kind.
+  // `noun` is the word for the sort in messages, `key` the field that names a kind.
   KindRegistry(const char* noun, const char* key, Kinds kinds)
       : noun_(noun), key_(key), kinds_(std::move(kinds)) {}
 
-  // Makes a kind known. `defaults` are copied for each spec of that kind. ArgumentError for a kind
-  // that is taken, unless `replace` allows it, and for an empty name.
+  // Registers a kind. `defaults` are copied for each spec of that kind. Throws ArgumentError for an
+  // empty name, and for a kind that is taken unless `replace` allows it.
   void Register(const std::string& kind, std::shared_ptr<const KindFields> defaults, bool replace);
-  // All kinds, in alphabetical order.
+  // Returns all kinds in alphabetical order.
   std::vector<std::string> kinds() const;
   bool Has(const std::string& kind) const;
-  // A copy of the defaults. NotFoundError lists the kinds.
+  // Returns a copy of the defaults. Throws NotFoundError that lists the kinds.
   std::shared_ptr<KindFields> Make(const std::string& kind) const;
-  // The first kind with a field of this name; "" without one.
+  // Returns the first kind with a field of this name; "" if there is none.
   std::string KindWith(const std::string& field) const;
   const char* noun() const { return noun_; }
   const char* key() const { return key_; }
@@ -122,7 +122,7 @@ class KindRegistry {
 
 class KindSpec {
  public:
-  // Also what moving does: none is ever without fields.
+  // Moving copies too: no spec is ever without fields.
   KindSpec(const KindSpec& other)
       : registry_(other.registry_), kind_(other.kind_), fields_(other.fields_->Clone()) {}
   KindSpec& operator=(const KindSpec& other) {
@@ -137,15 +137,16 @@ class KindSpec {
   }
 
   const std::string& kind() const { return kind_; }
-  // Changes the kind; the fields are its defaults. NotFoundError lists the kinds.
+  // Changes the kind and sets the fields to its defaults. Throws NotFoundError that lists the
+  // kinds.
   void SetKind(const std::string& kind);
   const KindRegistry& registry() const { return *registry_; }
   const KindFields& fields() const { return *fields_; }
   KindFields& fields() { return *fields_; }
-  // For those who keep a reference to the fields: it outlives the spec.
+  // For callers that keep a reference to the fields: it outlives the spec.
   const std::shared_ptr<KindFields>& shared_fields() const { return fields_; }
 
-  // The struct when the fields are of that type, else null.
+  // Returns the struct if the fields have that type, else null.
   template <class T>
   const T* If() const {
     return fields_->type() == typeid(T) ? static_cast<const T*>(fields_->value()) : nullptr;
@@ -154,7 +155,7 @@ class KindSpec {
   T* If() {
     return const_cast<T*>(std::as_const(*this).If<T>());
   }
-  // The same; SpecError for another kind.
+  // The same, but throws SpecError for another kind.
   template <NamesItsKind T>
   const T& As() const {
     if (const T* fields = If<T>()) return *fields;
@@ -166,7 +167,7 @@ class KindSpec {
   }
 
  protected:
-  // A kind with its defaults. NotFoundError lists the kinds.
+  // Makes a kind with its defaults. Throws NotFoundError that lists the kinds.
   KindSpec(const KindRegistry& registry, const std::string& kind)
       : registry_(&registry), kind_(kind), fields_(registry.Make(kind)) {}
   template <NamesItsKind T>
@@ -182,7 +183,7 @@ class KindSpec {
   std::shared_ptr<KindFields> fields_;
 };
 
-// Adds what is wrong with the fields, each by itself and together.
+// Adds the problems of the fields, each by itself and together.
 void ValidateKind(const KindSpec& spec, Problems& problems);
 
 }  // namespace robocell

@@ -8,14 +8,14 @@ namespace robocell {
 namespace {
 
 // Returns true if an entry of a list or map that is not in the file was added to it later: the
-// fields around it say nothing of where it came from. A list whose entries have no places of their
-// own is one that stands there in another form.
+// locations of the fields around it do not apply. A list whose entries have no locations of their
+// own was written in another form.
 bool IsAddedLater(const SourceMap& sources, const std::string& list, bool is_index) {
   if (!is_index) return sources.contains(list + std::string(kAnyKey));
   return !sources.contains(list) || sources.contains(list + "[0]");
 }
 
-// The location of the path or of the nearest part around it; "" when there is none.
+// Returns the location of the path or of the nearest part around it; "" if there is none.
 std::string NearestSource(const SourceMap& sources, std::string path) {
   while (true) {
     if (const auto it = sources.find(path); it != sources.end()) return it->second;
@@ -53,7 +53,7 @@ namespace {
 
 constexpr std::string_view kEnd = ": ";
 
-// Takes ":12" off the end; false when there is none.
+// Removes ":12" from the end; returns false if there is no such suffix.
 bool CutNumber(std::string_view& text) {
   const size_t colon = text.rfind(':');
   if (colon == std::string_view::npos || colon + 1 == text.size()) return false;

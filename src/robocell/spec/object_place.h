@@ -1,5 +1,5 @@
-// ObjectPlace: where an object starts, in relation to something else: an object of the same start
-// or a body of the scene.
+// ObjectPlace: where an object starts in relation to another object of the same start, or to a body
+// of the scene.
 //
 //   start:
 //     places:
@@ -53,7 +53,7 @@ struct ObjectPlace {
   }
   void Validate(Problems& problems) const;
 
-  // Which of the three it says, and of what. Valid places say one.
+  // Returns the relation that is set, and its reference. A valid place sets exactly one.
   Relation relation() const;
   const std::string& reference() const;
 };

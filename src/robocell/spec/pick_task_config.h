@@ -1,5 +1,5 @@
-// The fields of the built-in kinds of tasks, pick and pick_and_place. What the tasks do with them
-// is in task/pick_task.h and task/pick_and_place_task.h.
+// The fields of the built-in kinds of tasks, pick and pick_and_place. task/pick_task.h and
+// task/pick_and_place_task.h use them.
 #pragma once
 
 #include <optional>
@@ -11,12 +11,12 @@
 
 namespace robocell {
 
-// A lift of 5 cm cannot be mistaken: an object that is tipped over or nudged by closing fingers
-// rises by one or two centimetres, and scripted experts lift by ten.
+// A lift of 5 cm cannot be mistaken: an object that tips over or that closing fingers push rises by
+// one or two centimetres, and scripted experts lift by ten.
 inline constexpr double kLiftHeight = 0.05;
 
 // Visits the fields that every task has which picks an object up: those of environments and the
-// lift, then those of runs.
+// lift, followed by those of runs.
 template <class T, class V>
 void PickedObjectFields(V&& v) {
   v("object", &T::object,
@@ -97,12 +97,12 @@ struct PickAndPlaceTaskConfig {
 
 class TaskSpec;
 
-// What both kinds say of a run.
+// The common fields of both kinds in a run.
 struct PickRun {
   NameList objects;
   double lift_height;
 };
-// Of a task of either kind; unset for others.
+// Returns the fields of a task of either kind; unset for other tasks.
 std::optional<PickRun> PickRunOf(const TaskSpec& task);
 
 }  // namespace robocell

@@ -14,13 +14,13 @@
 namespace robocell {
 namespace {
 
-constexpr double kPolicyMs = 66, kControlMs = 2, kSimMs = 2;  // unless something is given
+constexpr double kPolicyMs = 66, kControlMs = 2, kSimMs = 2;  // unless one is given
 
-// More than these and one action takes longer than anybody waits.
+// With more steps than these, one action takes longer than anybody waits.
 constexpr double kMostStepsPerAction = 1e6;
 constexpr double kMostTicks = 1e9;
 
-// One of the times, as it was given: in ms or in Hz.
+// A time as it was given: in ms or in Hz.
 struct GivenTime {
   const char* ms_field;
   const char* hz_field;
@@ -31,11 +31,11 @@ struct GivenTime {
   bool is_given() const { return ms || hz; }
   const char* field() const { return hz ? hz_field : ms_field; }
   double period_ms() const { return hz ? 1000 / *hz : ms.value_or(default_ms); }
-  // "33.3 ms" or "30 Hz".
+  // Formats "33.3 ms" or "30 Hz".
   std::string Text() const {
     return hz ? fmt::format("{:g} Hz", *hz) : fmt::format("{:g} ms", ms.value_or(default_ms));
   }
-  // "control_ms (2 ms)"
+  // Formats "control_ms (2 ms)".
   std::string Named() const { return fmt::format("{} ({})", field(), Text()); }
   bool is_positive() const { return period_ms() > 0 && std::isfinite(period_ms()); }
 };
@@ -46,7 +46,7 @@ GivenTime PolicyOf(const Rates& rates) {
 GivenTime SimOf(const Rates& rates) {
   return {"sim_ms", "sim_hz", rates.sim_ms, rates.sim_hz, kSimMs};
 }
-// Where nothing is given and 2 ms are no whole number of steps, controllers run at every step.
+// Without a given value, controllers run at every step if 2 ms are not a whole number of steps.
 GivenTime ControlOf(const Rates& rates) {
   const double step = SimOf(rates).period_ms();
   return {"control_ms", "control_hz", rates.control_ms, rates.control_hz,
@@ -58,9 +58,9 @@ int Ticks(double whole_ms, double part_ms) {
   return times <= kMostTicks ? static_cast<int>(times) : 0;
 }
 
-// A number that is taken as it is written: "31.25", "500/17". A file may say fractions.
+// Formats a number exactly: "31.25", "500/17". A file may contain fractions.
 std::string Exactly(double value) {
-  constexpr int64_t kLargest = 1'000'000;  // longer fractions are no help to a reader
+  constexpr int64_t kLargest = 1'000'000;  // longer fractions do not help a reader
   std::string digits = fmt::format("{:.6g}", value);
   if (std::stod(digits) == value) return digits;
   if (!(value > 0) || value > kLargest) return fmt::format("{}", value);
@@ -68,16 +68,16 @@ std::string Exactly(double value) {
   return ratio.num <= kLargest && ratio.den <= kLargest ? ratio.Text() : fmt::format("{}", value);
 }
 
-// The time of `count` parts in the unit that the user chose, the other one behind it: "32 ms (31.25
-// Hz)".
+// Formats the time of `count` parts in the unit that the user chose, with the other one behind it:
+// "32 ms (31.25 Hz)".
 std::string Nearest(double ms, bool in_hz) {
   const double hz = 1000 / ms;
   return in_hz ? fmt::format("{} Hz ({} ms)", Exactly(hz), Exactly(ms))
                : fmt::format("{} ms ({} Hz)", Exactly(ms), Exactly(hz));
 }
 
-// The rate that the user means: the one given, or a whole number that the time is close to. 0 when
-// there is none.
+// Returns the rate that the user probably means: the given one, or a whole number near the time. 0
+// if there is none.
 double MeantHz(const GivenTime& time) {
   if (time.hz) return *time.hz;
   const double hz = 1000 / time.period_ms(), whole = std::round(hz);
@@ -85,7 +85,8 @@ double MeantHz(const GivenTime& time) {
   return is_close ? whole : 0;
 }
 
-// Steps per second that `hz` divides: near those of now, and divided by two as often as possible.
+// Returns a number of steps per second that `hz` divides: near the present one, and divisible by
+// two as often as possible.
 double SuitableSimHz(double hz, double now_hz) {
   const auto twos = [](int n) {
     int count = 0;
@@ -102,7 +103,7 @@ double SuitableSimHz(double hz, double now_hz) {
   return hz * best;
 }
 
-// Whether these rates would be taken: advice that is refused helps nobody.
+// Returns true if these rates are valid: advice must be.
 bool IsTaken(const Rates& rates) {
   constexpr int64_t kMost = std::numeric_limits<int>::max();
   if (SimOf(rates).period_ms() < internal::kShortestTimestep * 1000) return false;
@@ -115,8 +116,8 @@ bool IsTaken(const Rates& rates) {
   }
 }
 
-// ". For exactly 30 Hz set policy_hz: 30 and sim_hz: 480"; "" when no round rate was meant or no
-// timestep makes it. Numbers are exact, as digits or fractions, so that they can be copied.
+// Returns ". For exactly 30 Hz set policy_hz: 30 and sim_hz: 480"; "" if no round rate was meant or
+// no timestep gives it. Numbers are exact, as digits or fractions, so that they can be copied.
 std::string HowToGet(const GivenTime& time, const Rates& rates) {
   const double hz = MeantHz(time);
   if (hz == 0) return "";
@@ -164,7 +165,7 @@ void ValidateStepsPerAction(const GivenTime& policy, const GivenTime& sim, Probl
                              policy.Text(), steps, sim.period_ms(), kMostStepsPerAction));
 }
 
-// A video holds its rate as a ratio of two numbers of 31 bits.
+// A video stores its rate as a ratio of two 31-bit numbers.
 void ValidateRatio(const Rates& rates, Problems& problems) {
   constexpr int64_t kMost = std::numeric_limits<int>::max();
   std::string text = "more digits than fit";
@@ -180,7 +181,7 @@ void ValidateRatio(const Rates& rates, Problems& problems) {
                              text));
 }
 
-// ArgumentError with what Validate finds.
+// Throws ArgumentError with the problems that Validate finds.
 void RequireWhole(const Rates& rates) {
   if (rates.sim_steps() > 0 && rates.control_ticks() > 0) return;
   Problems problems;

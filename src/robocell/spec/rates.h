@@ -1,6 +1,6 @@
-// How often the engine steps, controllers run and actions are taken (one recorded row each), as
-// times in ms or as rates in Hz. All are whole multiples of the engine's step, so that rows, videos
-// and times agree exactly however long an episode is.
+// The rates of engine steps, controllers and actions (one recorded row each), as times in ms or as
+// rates in Hz. All are whole multiples of the engine's step, so that rows, videos and times agree
+// exactly however long an episode is.
 //
 //   rates: {policy_ms: 66}                  # the defaults: 2 ms steps, 500/33 rows per second
 //   rates: {sim_hz: 480, policy_hz: 30}     # exactly 30 rows and frames per second
@@ -45,15 +45,15 @@ struct Rates {
       Bound::kPositive);
     v("max_steps", &Rates::max_steps, "Largest number of actions in an episode.", Bound::kPositive);
   }
-  // Whole numbers of control ticks per action and of engine steps per control tick; 0 where a time
-  // is no multiple of the next shorter one.
+  // Return whole numbers of control ticks per action and of engine steps per control tick; 0 where
+  // a time is not a multiple of the next shorter one.
   int control_ticks() const;
   int sim_steps() const;
-  // Exact: the engine's timestep in seconds, and actions per second. ArgumentError of rates that
-  // are not whole multiples of each other, here and below.
+  // Return exact values: the engine's timestep in seconds, and actions per second. These and the
+  // functions below throw ArgumentError for rates that are not whole multiples of each other.
   Ratio timestep() const;
   Ratio policy_rate() const;
-  // Seconds per action and per control tick.
+  // Return seconds per action and per control tick.
   double policy_period() const;
   double control_period() const;
   void Validate(Problems& problems) const;

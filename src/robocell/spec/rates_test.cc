@@ -1,5 +1,5 @@
-// Rates are whole multiples of the engine's step, in ms or in Hz, and exact: what does not fit is
-// rejected with the nearest that do.
+// Tests that rates are exact whole multiples of the engine's step, in ms or in Hz: others are
+// rejected with the nearest valid ones.
 #include "robocell/spec/rates.h"
 
 #include <gmock/gmock.h>
@@ -61,7 +61,7 @@ TEST(Rates, InHertzAreExact) {
   EXPECT_EQ((Rates{.policy_hz = 31.25}.policy_rate()), (Ratio{125, 4}));
 }
 
-// The number that stands at a place of a message, which may be a fraction.
+// Returns the number at a position of a message, which may be a fraction.
 double NumberAt(const std::string& text, size_t at) {
   size_t end = 0;
   const double number = std::stod(text.substr(at), &end);
@@ -107,7 +107,7 @@ TEST(Rates, AsTheMessageSaysAreValid) {
   }
 }
 
-// The suggestions can be used as written: as fractions where digits are not exact.
+// The suggestions can be used as printed: as fractions where digits are not exact.
 TEST(Rates, ThatAreCalledTheNearestAreTaken) {
   int tried = 0;
   for (const double step_ms : {2.0, 1.0, 1000.0 / 480, 1000.0 / 999, 0.7}) {
@@ -147,7 +147,7 @@ TEST(Rates, AreAdvisedOnlyWhereTheAdviceIsTaken) {
   EXPECT_THAT(ValidationError(Rates{.policy_hz = 1e9}), Not(HasSubstr("For exactly")));
 }
 
-// No ratio with a denominator of 0, no period of 0 s.
+// A ratio has no denominator of 0, and no period is 0 s.
 TEST(Rates, ThatAreNoWholeMultiplesHaveNoPeriods) {
   for (const Rates& rates :
        {Rates{.policy_hz = 30, .sim_hz = 479.52}, Rates{.control_hz = 300}, Rates{.policy_ms = 65},

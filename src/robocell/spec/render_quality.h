@@ -18,7 +18,7 @@
 namespace robocell {
 
 std::vector<std::string> RenderQualities();
-// NotFoundError for any other name.
+// Throws NotFoundError for any other name.
 RenderQuality NamedQuality(std::string_view name);
 
 }  // namespace robocell

@@ -19,7 +19,7 @@
 namespace robocell {
 namespace {
 
-// Names that end in numbers, "joint1" to "joint7": their common beginning, and the numbers.
+// The common beginning and the numbers of names like "joint1" to "joint7".
 struct Numbered {
   std::string stem;
   std::set<int> numbers;
@@ -28,7 +28,7 @@ struct Numbered {
 std::optional<Numbered> NumberedOf(const NameList& names) {
   Numbered out;
   for (const std::string& name : names.names) {
-    const size_t digits = name.find_last_not_of("0123456789") + 1;  // 0 when there is nothing else
+    const size_t digits = name.find_last_not_of("0123456789") + 1;  // 0 if the name has only digits
     const size_t count = name.size() - digits;
     if (count == 0 || count > 4) return std::nullopt;
     const std::string stem = name.substr(0, digits);
@@ -39,7 +39,7 @@ std::optional<Numbered> NumberedOf(const NameList& names) {
   return out.numbers.empty() ? std::nullopt : std::optional(out);
 }
 
-// ". Is 'joint4' missing?" when the other list has a number that this one lacks; "" else.
+// Returns ". Is 'joint4' missing?" if the other list has a number that this one lacks; "" else.
 std::string WhatIsMissing(const NameList& shorter, const NameList& longer) {
   const std::optional<Numbered> few = NumberedOf(shorter), many = NumberedOf(longer);
   if (!few || !many) return "";
@@ -47,7 +47,7 @@ std::string WhatIsMissing(const NameList& shorter, const NameList& longer) {
   for (const int number : many->numbers) {
     if (!few->numbers.contains(number)) missing.push_back(fmt::format("{}{}", few->stem, number));
   }
-  if (missing.size() != longer.size() - shorter.size()) return "";  // they are numbered otherwise
+  if (missing.size() != longer.size() - shorter.size()) return "";  // their numbering differs
   return fmt::format(". {} {} missing?", missing.size() == 1 ? "Is" : "Are", ListNames(missing));
 }
 
@@ -89,7 +89,7 @@ void ValidateGripper(const MoveGroupConfig& group, Problems& problems) {
   }
 }
 
-// `home: {amr: ...}`: every key must be a group.
+// Every key of `home: {amr: ...}` must be a group.
 template <class T>
 void ValidateGroupKeys(const Map<T>& map, std::string_view field,
                        const Map<MoveGroupConfig>& groups, Problems& problems) {
@@ -100,7 +100,7 @@ void ValidateGroupKeys(const Map<T>& map, std::string_view field,
   }
 }
 
-// Each group has a controller that groups of its kind can have.
+// Requires each group to have a controller that its kind allows.
 void ValidateControls(const RobotConfig& robot, Problems& problems) {
   Problems::Scope scope(problems, "control");
   for (const auto& [key, kind] : robot.control.entries()) {
@@ -139,7 +139,8 @@ void ValidateLengths(const Map<std::vector<double>>& map, std::string_view field
   }
 }
 
-// As the configuration has them; what arms find in their model is checked where it is known.
+// Checks the groups of the configuration; elements that arms find in their model are checked where
+// the model is known.
 void ValidateGroupsApart(const RobotConfig& robot, Problems& problems) {
   std::vector<internal::GroupParts> groups;
   for (const auto& [name, group] : robot.move_groups.entries()) {
@@ -150,9 +151,9 @@ void ValidateGroupsApart(const RobotConfig& robot, Problems& problems) {
     problems.AddAt(shared.field, shared.message);
 }
 
-// Groups may share joints, which start in one place.
+// Groups may share joints, which have one start.
 void ValidateHomesAgree(const RobotConfig& robot, Problems& problems) {
-  std::map<std::string, std::pair<std::string, double>> said;  // joint: group, value
+  std::map<std::string, std::pair<std::string, double>> said;  // joint -> group, value
   for (const auto& [name, values] : robot.home.entries()) {
     const MoveGroupConfig* group = robot.move_groups.find(name);
     if (!group || group->joints.size() != values->size()) continue;

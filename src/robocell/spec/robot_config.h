@@ -68,7 +68,7 @@ struct EnumNames<ControlKind> {
       std::pair{ControlKind::kCartesianImpedance, "cartesian_impedance"}};
 };
 
-// What a controller drives the joints by.
+// Returns the actuators that a controller uses.
 CtrlMode ModeOf(ControlKind kind);
 
 struct BaseConfig {
@@ -107,7 +107,7 @@ struct GripperCtrl {
   }
 };
 
-// Where a gripper's first joint stands at the ends of its travel, metres or radians.
+// The positions of a gripper's first joint at the ends of its travel, metres or radians.
 struct GripperJointRange {
   double open = 0;
   double closed = 0;
@@ -185,8 +185,8 @@ struct RobotConfig {
   Map<ControlKind> control = {};
   std::vector<ElementRef> collision_geoms = {};
   std::vector<std::string> ignored_collision_geoms = {};
-  double arrival_tolerance = 0.002;  // rad; of slides see slide_arrival_tolerance()
-  // m. What a hinge turns by 1 rad 0.1 m away moves as far.
+  double arrival_tolerance = 0.002;  // rad; see slide_arrival_tolerance() for slides
+  // Returns metres: the displacement of a point 0.1 m from a hinge that turns by the tolerance.
   double slide_arrival_tolerance() const { return 0.1 * arrival_tolerance; }
   std::optional<double> reach = {};
   std::optional<bool> gravcomp = {};
@@ -195,8 +195,8 @@ struct RobotConfig {
   std::optional<double> force_limit = {};
   List<CameraSpec> cameras = {};
   List<ForceTorqueSensorSpec> ft_sensors = {};
-  // Where the file was: relative model paths start here. Not a field: it is no property of the
-  // robot. Neither is where each value stood in it.
+  // Folder of the file, where relative model paths start. It is not a field, and neither are the
+  // locations of values, because they are not properties of the robot.
   std::string source_dir = {};
   Locations locations = {};
 
@@ -244,11 +244,11 @@ struct RobotConfig {
   }
   void Validate(Problems& problems) const;
 
-  // The modes that its `control` needs, position included: what a scene has to declare where nobody
-  // switches (RobotSpec::control_modes).
+  // Returns the modes that its `control` needs, including position: a scene declares these if its
+  // robots do not switch modes (RobotSpec::control_modes).
   std::vector<CtrlMode> used_modes() const;
 
-  // Reads a robot file. SpecError lists all problems with file:line:column.
+  // Reads a robot file. Throws SpecError with all problems and their file:line:column.
   static RobotConfig Load(const std::string& path);
 };
 

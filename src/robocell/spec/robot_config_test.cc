@@ -72,7 +72,7 @@ TEST(RobotConfig, AJointThatIsLeftOutOfANumberedListIsNamed) {
   arm.joints = {"j1", "j2", "j3", "j4"};
   arm.actuators = {"servo1", "servo2"};
   EXPECT_THAT(ValidationError(robot), HasSubstr("4 joints. Are servo3, servo4 missing?"));
-  // Numbered otherwise, or not at all: nothing is guessed.
+  // Names with other numbers or none give no guess.
   for (const std::string first : {"servo0", "shoulder", "7"}) {
     arm.actuators = {first, "servo1", "servo2"};
     EXPECT_THAT(ValidationError(robot), Not(HasSubstr("missing?"))) << first;

@@ -1,4 +1,4 @@
-// RobotSpec: a robot in a scene: which one, called what, standing where.
+// RobotSpec: a robot in a scene: its model, name and pose.
 #pragma once
 
 #include <optional>
@@ -56,7 +56,7 @@ struct RobotSpec {
   Pose pose() const { return PlacementPose(pos, euler, quat); }
   const BaseConfig& EffectiveBase() const;
   bool can_switch_to(CtrlMode mode) const;
-  // Without a name it is called by its prefix.
+  // Without a name its prefix identifies it.
   std::string Label() const { return LabelOf("robot", name.value_or(prefix)); }
   void Validate(Problems& problems) const;
 };

@@ -1,4 +1,4 @@
-// The reference in docs/robots.md has exactly the fields that the specs declare.
+// Tests that the reference in docs/robots.md has exactly the fields that the specs declare.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 namespace robocell {
 namespace {
 
-// The first cells of the table below "### <heading>", without their backticks.
+// Returns the first cells of the table below "### <heading>", without their backticks.
 std::vector<std::string> FieldsOnPage(const std::string& heading) {
   std::istringstream page(ReadFile(SourceDir() + "/docs/robots.md"));
   std::vector<std::string> fields;

@@ -8,7 +8,7 @@ namespace robocell {
 
 namespace {
 
-// What only environments can do with a task that picks something up.
+// Rejects options of a pick task that only environments have.
 class PickValidator {
  public:
   explicit PickValidator(Problems& problems) : problems_(problems) {}

@@ -1,5 +1,5 @@
-// RunConfig: what to generate. The run file, the command line's --set paths and the Python object
-// have these fields.
+// RunConfig: the dataset to generate. The run file, the command line's --set paths and the Python
+// object have the same fields.
 //
 //   run: xarm7_pick
 //   robot: xarm7.yaml
@@ -36,7 +36,7 @@ struct EnumNames<Keep> {
                                         std::pair{Keep::kAll, "all"}};
 };
 
-// A robot given by file or in place. `file` is remembered for messages; `config` is what counts.
+// A robot given by a file or inline. Only `config` counts; `file` is kept for messages.
 struct RobotSource {
   std::string file = {};
   RobotConfig config = {};
@@ -64,7 +64,7 @@ struct RunConfig {
   int64_t seed = 0;
   std::string output = {};
   std::vector<std::string> imports = {};
-  // Folder of the run file, and where each value stood in it; not fields.
+  // Folder of the run file, and the locations of its values; not fields.
   std::string source_dir = {};
   Locations locations = {};
 
@@ -109,18 +109,18 @@ struct RunConfig {
   }
   void Validate(Problems& problems) const;
 
-  // Reads a run file and the robot file it names. SpecError lists all problems with
+  // Reads a run file and the robot file that it names. Throws SpecError with all problems and their
   // file:line:column.
   static RunConfig Load(const std::string& path);
 };
 
-// A module or library that a run file imports, and where the file says so: "run.yaml:3:11".
+// A module or library that a run file imports, and its place in the file: "run.yaml:3:11".
 struct RunImport {
   std::string name;
   std::string place;
 };
-// What `imports` of a run file names, before the rest of it can be read. Nothing of a file that
-// cannot be read: Load says what is wrong with it.
+// Returns the `imports` of a run file before the rest of it can be read. Empty for a file that
+// cannot be read: Load reports its problems.
 std::vector<RunImport> ImportsOfRunFile(const std::string& path);
 
 }  // namespace robocell

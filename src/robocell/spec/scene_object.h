@@ -20,7 +20,7 @@ struct EnumNames<Shape> {
                                         std::pair{Shape::kCylinder, "cylinder"}};
 };
 
-// Which kinds of friction act at a contact; the numbers are MuJoCo's condim.
+// The kinds of friction at a contact; the numbers are MuJoCo's condim.
 enum class Condim { kTangential = 3, kTorsional = 4, kRolling = 6 };
 template <>
 struct EnumNames<Condim> {
@@ -88,8 +88,8 @@ struct SceneObject {
   void Validate(Problems& problems) const;
 };
 
-// The full name of an element of a model object, without building a scene: ("table", "table_top")
-// -> "table_table_top".
+// Returns the full name of an element of a model object without building a scene: ("table",
+// "table_top") -> "table_table_top".
 std::string SceneObjectElementName(const std::string& object, const std::string& element);
 
 }  // namespace robocell

@@ -1,11 +1,11 @@
-// SceneSourceSpec: what `scenes:` of a run file says: where its scenes come from, which of them are
-// used, and the fields of that kind of source (kind_fields.h).
+// SceneSourceSpec: `scenes:` of a run file: the source of its scenes, the selected ones, and the
+// fields of that kind of source (kind_fields.h).
 //
 //   scenes: {source: files, files: [lab.xml, shop.xml], houses: [1]}
 //
 //   run.scenes = FilesScenes{.files = {"lab.xml"}};
 //
-// tabletop and files are there; others come with RegisterSceneSource (scenes/scene_source.h).
+// tabletop and files are built in; RegisterSceneSource (scenes/scene_source.h) adds others.
 #pragma once
 
 #include <optional>
@@ -26,7 +26,7 @@ struct IndexList {
   bool operator==(const IndexList&) const = default;
 };
 
-// The built-in table on a floor, as often as it is asked for.
+// The built-in table on a floor, as often as requested.
 struct TabletopScenes {
   static constexpr const char* kKind = "tabletop";
   static constexpr const char* kTypeName = "TabletopScenes";
@@ -56,9 +56,9 @@ class SceneSourceSpec : public KindSpec {
       "Scenes of the source, by their numbers from 0: a list or 0..3. Unset: all of them, or the "
       "first one of a source without end.";
 
-  // Tabletop.
+  // Makes a tabletop source.
   SceneSourceSpec() : SceneSourceSpec(std::string(TabletopScenes::kKind)) {}
-  // A kind with its defaults. NotFoundError lists the kinds.
+  // Makes a kind with its defaults. Throws NotFoundError that lists the kinds.
   explicit SceneSourceSpec(const std::string& kind) : KindSpec(SceneSourceRegistry(), kind) {}
   template <NamesItsKind T>
   SceneSourceSpec(T fields) : SceneSourceSpec(std::string(T::kKind)) {
@@ -71,7 +71,7 @@ class SceneSourceSpec : public KindSpec {
   IndexList houses = {};
 };
 
-// Adds what is wrong with the fields, and with `houses` by itself.
+// Adds the problems of the fields, and of `houses` by itself.
 void ValidateScenes(const SceneSourceSpec& scenes, Problems& problems);
 
 }  // namespace robocell

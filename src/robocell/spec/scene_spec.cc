@@ -8,7 +8,7 @@
 namespace robocell {
 namespace {
 
-// Only names that are given; the others are made unique later.
+// Checks given names only; the others are made unique later.
 void ValidateRobotNames(const List<RobotSpec>& robots, Problems& problems) {
   std::set<std::string> seen;
   for (size_t i = 0; i < robots.size(); ++i) {
@@ -38,7 +38,7 @@ void SceneSpec::Validate(Problems& problems) const {
       problems.AddAt("add_skybox", "is required without a base scene: true or false");
   }
   if (timestep) internal::ValidateTimestep(*timestep, 1, "timestep", problems);
-  // A robot that is part of another's model has that one's prefix.
+  // A robot that is part of another robot's model has that robot's prefix.
   std::vector<std::string> prefixes;
   for (const RobotSpec& robot : robots) {
     const std::string of_its_own = "of the robot at " + std::to_string(prefixes.size());

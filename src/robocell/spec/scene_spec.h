@@ -1,5 +1,5 @@
-// SceneSpec: what is in a scene and where. Plain data: Scene::Build or CompileScene turn it into a
-// simulation.
+// SceneSpec: the contents of a scene and their poses. Plain data: Scene::Build or CompileScene
+// turns it into a simulation.
 //
 //   SceneSpec spec{.timestep = 0.002, .add_floor = true, .add_skybox = true};
 //   spec.robots.push_back({.path = "arm.xml"});
@@ -35,7 +35,8 @@ struct SceneSpec {
   List<RobotSpec> robots = {};
   List<SceneObject> objects = {};
   List<CameraSpec> cameras = {};
-  // Where the file was: relative paths start here. Not a field: it is no property of the scene.
+  // Folder of the file, where relative paths start. Not a field, because it is not a property of
+  // the scene.
   std::string source_dir = {};
   Locations locations = {};
 
@@ -61,7 +62,7 @@ struct SceneSpec {
   }
   void Validate(Problems& problems) const;
 
-  // Reads a scene file. SpecError lists all problems with file:line:column.
+  // Reads a scene file. Throws SpecError with all problems and their file:line:column.
   static SceneSpec Load(const std::string& path);
 };
 

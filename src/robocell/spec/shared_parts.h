@@ -1,6 +1,6 @@
-// Actuators and joints that two move groups of a robot share although both are commanded: what the
-// one sends the other overwrites, and a dataset has actions that never acted. A group without
-// actuators may list joints of others (to be locked for inverse kinematics, or read).
+// Finds actuators and joints that two commanded move groups of a robot share: each group overwrites
+// the other's commands, and a dataset would contain actions that never took effect. A group without
+// actuators may list joints of others (to lock them for inverse kinematics, or to read them).
 #pragma once
 
 #include <string>
@@ -15,13 +15,13 @@ struct GroupParts {
   bool names_actuators = true;
 };
 
-// At the field of the group that comes later, so far as it says it.
+// A shared element, at the field of the later group if that group names it.
 struct SharedParts {
   std::string field;  // "move_groups.wrist.actuators[0]"
   std::string message;
 };
 
-// One entry for each two groups that share something.
+// Returns one entry for each two groups that share something.
 std::vector<SharedParts> FindSharedParts(const std::vector<GroupParts>& groups);
 
 }  // namespace robocell::internal

@@ -1,4 +1,5 @@
-// Every YAML file that robocell ships is valid, and no key of it can be misspelled unnoticed.
+// Tests that every YAML file of robocell is valid, and that no key of it can be misspelled
+// unnoticed.
 #include <algorithm>
 #include <filesystem>
 #include <map>
@@ -27,7 +28,7 @@ struct Key {
   bool is_name;      // chosen by the author, such as a move group's
 };
 
-// In the next `names` levels keys are chosen by the author.
+// Collects keys; the author chooses those in the next `names` levels.
 void CollectKeys(const YAML::Node& node, int names, std::vector<Key>& out) {
   if (node.IsSequence()) {
     for (const YAML::Node& item : node) CollectKeys(item, 0, out);
@@ -53,7 +54,7 @@ void CollectKeys(const YAML::Node& node, int names, std::vector<Key>& out) {
   }
 }
 
-// Three slips of the hand: a letter lost, two swapped, one doubled.
+// Returns three typing errors: a letter lost, two swapped, one doubled.
 std::set<std::string> Misspellings(const std::string& key) {
   std::set<std::string> out;
   const size_t middle = key.size() / 2;
@@ -74,7 +75,7 @@ void Parse(const std::string& text, const std::string& folder) {
   ParseYaml<T>(text, "f.yaml", folder);
 }
 
-// What kind of file it is shows in its keys.
+// The keys of a file show its kind.
 Parser ParserFor(const std::string& text) {
   const YAML::Node root = YAML::Load(text);
   if (root["run"]) return Parse<RunConfig>;
@@ -98,7 +99,7 @@ void ExpectEveryMisspellingIsNoticed(const std::string& text, const std::string&
   const bool is_env = ParserFor(text) == Parser(Parse<EnvConfig>);
   static const std::regex kPlace(R"(\.yaml:\d+:\d+: )");
   for (const Key& key : keys) {
-    if (is_env && key.is_name) continue;  // nobody need refer to it
+    if (is_env && key.is_name) continue;  // may be unused
     for (const std::string& wrong : Misspellings(key.name)) {
       std::string damaged = text;
       damaged.replace(key.offset, key.name.size(), wrong);
@@ -118,7 +119,8 @@ std::vector<fs::path> ShippedFiles() {
   std::vector<fs::path> files;
   for (const char* folder : {"examples", "models"}) {
     for (const auto& entry : fs::recursive_directory_iterator(fs::path(SourceDir()) / folder)) {
-      // What needs code of its own is read by tests/integration/test_own_tasks.py, test_plugin.py.
+      // Files that need code of their own are read by tests/integration/test_own_tasks.py,
+      // test_plugin.py.
       const bool is_yaml = entry.path().extension() == ".yaml";
       if (is_yaml && ImportsOfRunFile(entry.path().string()).empty()) files.push_back(entry.path());
     }

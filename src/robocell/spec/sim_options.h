@@ -1,5 +1,5 @@
-// The engine's options for the whole scene. They are set after everything is put together: options
-// of the parts would otherwise be lost or mixed. Meanings: MuJoCo's XML reference, <option>.
+// The engine's options for the whole scene. They are set after the parts are put together: options
+// of the parts would otherwise be lost or mixed. MuJoCo's XML reference, <option>, explains them.
 #pragma once
 
 #include <array>

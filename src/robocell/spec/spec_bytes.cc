@@ -1,5 +1,5 @@
-// One overload of Write per kind of field. Whatever has a variable length is preceded by it, so
-// that no two specs run into the same bytes.
+// One overload of Write per kind of field. A length precedes each value of variable length, so that
+// different specs never give the same bytes.
 #include "robocell/spec/spec_bytes.h"
 
 #include <array>

@@ -16,7 +16,7 @@ using testing::RandomSpec;
 
 SceneSpec RandomScene(uint64_t seed) { return RandomSpec(seed).Make<SceneSpec>(); }
 
-// Equality of specs, field by field, is the second opinion.
+// The oracle is the equality of specs, field by field.
 TEST(SpecBytes, AreTheSameForEqualSpecsAndOtherOnesForOthers) {
   std::vector<SceneSpec> specs;
   std::vector<std::string> bytes;
@@ -31,7 +31,7 @@ TEST(SpecBytes, AreTheSameForEqualSpecsAndOtherOnesForOthers) {
   }
 }
 
-// Every field that differs makes them differ, with all else random.
+// Every differing field changes the bytes; all others are random.
 TEST(SpecBytes, NoFieldIsForgotten) {
   SceneSpec scene = RandomScene(3);
   scene.robots.push_back({.prefix = "left_"});

@@ -42,7 +42,8 @@ bool MayBeOfType(const fs::path& file, const std::string& type) {
   return IsText(text) && !internal::yaml::IsOtherKindOfText(text, type);
 }
 
-// Those that may be of the `type`: neither those of another one nor what is no text.
+// Returns the files that may be of the `type`: neither files of another type nor files without
+// text.
 std::vector<std::string> SpecFilesIn(const fs::path& folder, const std::string& type) {
   std::vector<std::string> names = FolderNamesIfAny(folder);
   std::erase_if(names, [&](const std::string& name) {
@@ -61,7 +62,7 @@ std::string Listing(const fs::path& folder, const std::string& kind,
   return fmt::format(" In {}: {}.", place, ListNames(names, 8));
 }
 
-// How many bytes the UTF-8 character at `i` has; 0 when there is none.
+// Returns the number of bytes of the UTF-8 character at `i`; 0 if there is none.
 size_t CharacterLength(std::string_view text, size_t i) {
   const auto byte = [&](size_t k) -> unsigned {
     return i + k < text.size() ? static_cast<unsigned char>(text[i + k]) : 0u;

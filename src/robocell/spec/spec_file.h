@@ -1,4 +1,4 @@
-// Reads spec files as text. The error for a missing file lists what is there instead.
+// Reads spec files as text. The error for a missing file lists the existing ones.
 #pragma once
 
 #include <cstdint>
@@ -7,18 +7,18 @@
 
 namespace robocell {
 
-inline constexpr uint64_t kMostSpecBytes = uint64_t{16} << 20;  // no spec file is bigger
+inline constexpr uint64_t kMostSpecBytes = uint64_t{16} << 20;  // the largest spec file
 
-// The content of the file; `type` is the spec that is wanted, "RobotConfig". IoError with
-// MissingSpecFile when there is no such file, and for a larger one.
+// Returns the content of the file; `type` is the expected spec, "RobotConfig". Throws IoError with
+// MissingSpecFile if there is no such file, and for a larger one.
 std::string ReadSpecFile(const std::string& path, const std::string& type);
 
-// "no robot file 'xarm.yaml'. In /data: demo.yaml, xarm7.yaml. Did you mean 'xarm7.yaml'? ...";
-// what a folder, a pipe or a device is; "" when `path` is a file.
+// Returns "no robot file 'xarm.yaml'. In /data: demo.yaml, xarm7.yaml. Did you mean 'xarm7.yaml'?
+// ...", or a description of a folder, a pipe or a device; "" if `path` is a file.
 std::string MissingSpecFile(const std::string& path, const std::string& type);
 
-// SpecError unless `text` can be the text of a YAML file: UTF-8 without zero bytes. `source` stands
-// for the file in messages.
+// Throws SpecError unless `text` can be the text of a YAML file: UTF-8 without zero bytes. `source`
+// stands for the file in messages.
 void RequireText(std::string_view text, const std::string& source);
 
 }  // namespace robocell

@@ -64,7 +64,7 @@ TEST(SpecFile, FilesThatAreNoTextAreNotOffered) {
   AtomicWrite(folder.path() / "arm.yaml", "name: a\nmodel: b.xml\n# \xC3\xA4\n");
   AtomicWrite(folder.path() / "garbage.yaml", std::string("\0\1\2binary", 9));
   AtomicWrite(folder.path() / "latin1.yaml", "name: \xE4rm\n");
-  // A character that what is looked at cuts in two.
+  // The inspected beginning of the file cuts a character in two.
   AtomicWrite(folder.path() / "long.yaml",
               "name: a\n#" + std::string((1 << 16) - 10, '-') + "\xC3\xA4\n");
   EXPECT_THAT(MissingSpecFile(in + "/nope.yaml", "RobotConfig"),

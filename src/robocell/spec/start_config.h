@@ -1,6 +1,6 @@
-// StartConfig: `start:` of a run file: where objects and the robot's base are when an episode
-// begins, and what has to hold before. It is the same for all tasks; what the
-// stages do with it is in task/start_sampler.h and task/base_placement.h.
+// StartConfig: `start:` of a run file: the places of objects and of the robot's base at the start
+// of an episode, and its conditions. It is the same for all tasks; the stages in
+// task/start_sampler.h and task/base_placement.h use it.
 //
 //   start: {base_distance: [0.3, 0.6], base_height_offset: -0.25, visible_from: [exo_camera]}
 #pragma once
@@ -56,8 +56,8 @@ struct StartConfig {
   void Validate(Problems& problems) const;
 };
 
-// For messages about a field that stands elsewhere: " It is a field of `start`: ..."; "" for a name
-// that is none of its fields.
+// Returns a hint for messages about a misplaced field: " It is a field of `start`: ..."; "" for a
+// name that is not one of its fields.
 std::string StartHint(const std::string& name);
 
 }  // namespace robocell

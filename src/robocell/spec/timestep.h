@@ -1,5 +1,5 @@
-// The shortest and the longest step of the engine that make sense: another number was meant in
-// another unit. With a shorter one nothing ever ends: at 10 us a simulated second is 100 000 steps.
+// The shortest and the longest useful engine step: a number beyond was meant in another unit. With
+// a shorter step nothing ever ends: at 10 us a simulated second is 100 000 steps.
 #pragma once
 
 #include <fmt/format.h>
@@ -13,7 +13,7 @@ namespace robocell::internal {
 
 constexpr double kShortestTimestep = 1e-5, kLongestTimestep = 0.1;  // seconds
 
-// What is wrong with a step; "" when nothing is. `per_second`: 1 for a value in s, 1000 for ms.
+// Returns the problem of a step; "" if it is valid. `per_second`: 1 for a value in s, 1000 for ms.
 inline std::string TimestepProblem(double value, double per_second) {
   const bool too_long = value > kLongestTimestep * per_second;
   if (!too_long && !(value > 0 && value < kShortestTimestep * per_second)) return "";

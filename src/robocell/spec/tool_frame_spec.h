@@ -1,4 +1,4 @@
-// What is in a robot's hand: the tool that joins its chain, and force-torque sensors.
+// The tool at the end of a robot's chain, and its force-torque sensors.
 //
 //   ToolFrameSpec tool{.tool_body = "g_base",
 //                      .tcp_site = "g_pinch",
@@ -13,7 +13,7 @@
 
 namespace robocell {
 
-// The engine has a force sensor and a torque sensor at one site; a robot has the two as one, whose
+// The engine has a force sensor and a torque sensor at one site; a robot combines the two, and the
 // reading is the load on the sensor (robot/robot.h). Names are without the robot's prefix.
 struct ForceTorqueSensorSpec {
   std::string name = {};
@@ -37,7 +37,7 @@ struct ForceTorqueSensorSpec {
       "Subtract the weight of the robot's parts beyond the sensor (gripper, tool) from the "
       "reading.");
   }
-  // The names of the two.
+  // Return the names of the two engine sensors.
   std::string force() const { return force_sensor.empty() ? name + "_force" : force_sensor; }
   std::string torque() const { return torque_sensor.empty() ? name + "_torque" : torque_sensor; }
   std::string Label() const { return LabelOf("sensor", name); }
@@ -60,7 +60,7 @@ struct ToolFrameSpec {
   void Validate(Problems& problems) const;
 };
 
-// Reports two force-torque sensors of one name.
+// Reports two force-torque sensors of the same name.
 void ValidateFtSensors(const List<ForceTorqueSensorSpec>& sensors, Problems& problems);
 
 }  // namespace robocell

@@ -21,7 +21,7 @@ inline constexpr Vec4 kIdentityQuat = {0, 0, 0, 1};  // xyzw
 inline Eigen::Vector3d ToEigen(const Vec3& v) { return {v[0], v[1], v[2]}; }
 inline Vec3 ToVec3(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
 
-// The kind of element that something is attached to.
+// The kinds of elements to which something can be attached.
 enum class AttachKind {
   kWorld,       // the world frame
   kRoot,        // the rig's root frame: root_frame_to_world

@@ -12,7 +12,7 @@ namespace robocell {
 
 namespace {
 
-// What a field with this bound takes.
+// Describes the valid values of a field with this bound.
 const char* Wanted(Bound bound) {
   switch (bound) {
     case Bound::kPositive:

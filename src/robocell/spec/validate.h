@@ -1,5 +1,5 @@
-// Checks that follow from the field declarations: finite numbers, ranges, and the Validate of
-// nested specs.
+// Checks that follow from the field declarations: finite numbers, ranges, and the Validate
+// functions of nested specs.
 #pragma once
 
 #include <cmath>
@@ -21,7 +21,7 @@ namespace robocell {
 
 void ValidateNumber(double value, Bound bound, Problems& problems);
 
-// Reports a value that is no IsNamed one.
+// Reports a value that is not an IsNamed one.
 void ReportEnumNumber(int number, const std::vector<std::string>& names, Problems& problems);
 template <HasEnumNames E>
 void ValidateEnum(E value, Problems& problems) {
@@ -30,9 +30,10 @@ void ValidateEnum(E value, Problems& problems) {
 
 void ValidateAttachTarget(const AttachTarget& target, Problems& problems);
 void ValidateElementRef(const ElementRef& ref, Problems& problems);
-// A name that becomes part of columns' names and of files': without '/' and control characters.
+// Reports a name with '/' or control characters, which cannot become part of names of columns and
+// files.
 void ValidateNamePart(const std::string& name, std::string_view field, Problems& problems);
-// Degrees; that it is positive says its field.
+// Checks degrees; the field's bound requires a positive number.
 void ValidateFovy(const std::optional<double>& fovy, Problems& problems);
 void ValidateNameList(const NameList& names, Problems& problems);
 
@@ -62,7 +63,7 @@ struct IsArray : std::false_type {};
 template <class T, size_t N>
 struct IsArray<std::array<T, N>> : std::true_type {};
 
-// One overload for every kind of field; values that cannot be wrong by themselves fall through.
+// One overload for every kind of field; values that are always valid by themselves fall through.
 template <class T>
 void ValidateValue(const T& value, Bound bound, Problems& problems) {
   if constexpr (std::is_floating_point_v<T> ||
@@ -107,7 +108,7 @@ void ValidateFields(const T& spec, Problems& problems) {
   if constexpr (requires { spec.Validate(problems); }) spec.Validate(problems);
 }
 
-// SpecError with all problems of `spec`; `what` names it ("scene 'pick'").
+// Throws SpecError with all problems of `spec`; `what` names it ("scene 'pick'").
 template <HasFields T>
 void RequireValid(const T& spec, std::string_view what) {
   Problems problems;
@@ -120,7 +121,7 @@ void ValidatePlacement(const Vec3& euler, const Vec4& quat, Problems& problems);
 void ValidateUnitQuat(const Vec4& quat, Problems& problems);
 // Reports a range whose lower end is above its upper end.
 void ValidateRange(const Vec2& range, std::string_view field, Problems& problems);
-// Reports names (or prefixes, as `what` says) that two entries of a list share.
+// Reports names (or prefixes, by `what`) that two entries of a list share.
 void ValidateUnique(const std::vector<std::string>& names, std::string_view list,
                     std::string_view what, Problems& problems);
 // Reports an empty string.

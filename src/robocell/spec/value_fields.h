@@ -1,5 +1,5 @@
 // ValueFields: the fields of a kind of task that has no C++ struct, such as one written in Python:
-// names with values, whose types and defaults are those that were registered.
+// names with values, whose types and defaults were registered.
 //
 //   RegisterTaskFields("stack", std::make_shared<ValueFields>(ValueFields({{"height", 0.05}})));
 #pragma once
@@ -25,13 +25,13 @@ struct ValueField {
 
 class ValueFields final : public KindFields {
  public:
-  // `type_name` is what messages call the fields' owner.
+  // `type_name` is the owner of the fields in messages.
   explicit ValueFields(std::vector<ValueField> fields, std::string type_name = "task")
       : fields_(std::move(fields)), type_name_(std::move(type_name)) {}
 
   std::vector<ValueField>& list() { return fields_; }
   const std::vector<ValueField>& list() const { return fields_; }
-  // Null for a name that is none of the fields'.
+  // Returns null for a name that is not one of the fields.
   ValueField* find(const std::string& name);
 
   std::shared_ptr<KindFields> Clone() const override;

@@ -1,6 +1,6 @@
 // Specs from and to YAML. Every problem of a file is reported at once, with file:line:column, the
-// nearest field for a misspelled key, and the values an option can have. The reader follows the
-// field declarations; see fields.h.
+// nearest field for a misspelled key, and the values that an option can have. The reader follows
+// the field declarations; see fields.h.
 //
 //   RobotConfig robot = LoadYaml<RobotConfig>("xarm7.yaml");
 //   std::string text = ToYaml(robot);
@@ -15,12 +15,13 @@
 namespace robocell {
 
 // T: RobotConfig, SceneSpec, RunConfig, RobotSpec, SceneObject, CameraSpec, CameraSystemConfig,
-// AttachmentSpec, EnvConfig. SpecError when the file is not valid, IoError when it cannot be read.
+// AttachmentSpec, EnvConfig. Throws SpecError if the file is not valid, IoError if it cannot be
+// read.
 template <class T>
 T LoadYaml(const std::string& path);
 
 // `source` stands for the file name in messages; relative paths inside start at `directory`;
-// `overrides` as LoadYaml takes them.
+// `overrides` as for LoadYaml.
 template <class T>
 T ParseYaml(std::string_view text, const std::string& source = "yaml",
             const std::string& directory = "", const std::vector<std::string>& overrides = {});
@@ -28,12 +29,12 @@ T ParseYaml(std::string_view text, const std::string& source = "yaml",
 template <class T>
 std::string ToYaml(const T& spec);
 
-// What ToYaml wrote, also of a spec that is not finished: no validation. Any spec struct, not only
-// those above; SpecError for text that ToYaml did not write.
+// Reads the output of ToYaml, also of an unfinished spec: no validation. Works for any spec struct,
+// not only those above; throws SpecError for other text.
 template <class T>
 T FromYamlUnchecked(std::string_view text);
 
-// Like LoadYaml, with values of single fields replaced first, as in "start.base_distance=[0.2,
+// Like LoadYaml, but first replaces values of single fields, as in "start.base_distance=[0.2,
 // 0.4]". The replacements go through the same checks, and messages name them as "--set
 // start.base_distance=...".
 template <class T>

@@ -26,7 +26,7 @@ std::string Joined(const std::vector<std::string>& words) {
   return out;
 }
 
-// The scalars in a list, or those that names have.
+// Collects the scalars in a list, or the values of names.
 std::vector<std::string> Scalars(const YAML::Node& node) {
   std::vector<std::string> out;
   for (const auto& entry : node) {
@@ -67,7 +67,8 @@ std::vector<std::string> Shared(const std::vector<std::string>& keys,
   return out;
 }
 
-// The kind of file that has more of the keys than `type`, whose fields are given; null for none.
+// Returns the kind of file that has more of the keys than `type`, whose fields are given; null for
+// none.
 const FileKind* OtherKind(const std::vector<std::string>& keys, const std::string& type,
                           const std::vector<std::string>& fields) {
   const FileKind* best = nullptr;

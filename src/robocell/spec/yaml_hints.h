@@ -1,4 +1,4 @@
-// What the writer of a YAML file probably meant, when a value has the wrong form or the file is of
+// Guesses what the writer of a YAML file meant when a value has the wrong form or the file is of
 // another kind. Included by yaml*.cc and their tests only.
 #pragma once
 
@@ -12,39 +12,41 @@ class Node;
 
 namespace robocell::internal::yaml {
 
-// "a robot file", "an environment file".
+// Returns the noun with its article: "a robot file", "an environment file".
 std::string WithArticle(std::string_view noun);
 
-// The node as it could stand in a line of YAML, shortened: "[0, 0, 0.1]".
+// Formats the node as it could stand in a line of YAML, shortened: "[0, 0, 0.1]".
 std::string Short(const YAML::Node& node);
 
-// "; write [0, 0, 0.1]" for numbers that are given as one text ("0 0 0.1") or with names ({x: 0, y:
-// 0, z: 0.1}) where a list of `count` is wanted; else "".
+// Returns "; write [0, 0, 0.1]" for numbers given as one text ("0 0 0.1") or with names ({x: 0, y:
+// 0, z: 0.1}) where a list of `count` is expected; else "".
 std::string ListHint(const YAML::Node& node, size_t count);
 
-// How to give one entry in a list, for names with values in its place.
+// Explains how to write an entry of a list, for names with values in its place.
 std::string DashHint(const YAML::Node& node);
 
-// How to give names with values, for a list in their place; `lists`: each value is a list.
+// Explains how to write names with values, for a list in their place; `lists`: each value is a
+// list.
 std::string NamesHint(const YAML::Node& node, bool lists);
 
-// "; write [0, 0, 0.1]" for several numbers in one text ("0 0 0.1"); else "".
+// Returns "; write [0, 0, 0.1]" for several numbers in one text ("0 0 0.1"); else "".
 std::string NumbersHint(const YAML::Node& node);
 
-// "; write it without the quotes" for a text that is a list but for its quotes; else "".
+// Returns "; write it without the quotes" for a text that is a list but for its quotes; else "".
 std::string QuotedListHint(const YAML::Node& node);
 
-// "there is no blank after ..." for a text like `joints:[a, b]` that begins with one of the fields
-// and a colon; else "".
+// Returns "there is no blank after ..." for a text like `joints:[a, b]` that begins with one of the
+// fields and a colon; else "".
 std::string NoBlankHint(const std::string& text, const std::vector<std::string>& fields);
 
-// The first line, from 1, up to line `last` that is indented with a tab; 0 when there is none.
+// Returns the first line, from 1, up to line `last` that is indented with a tab; 0 if there is
+// none.
 int TabbedLine(std::string_view text, int last);
 
 // Returns true if a text is a model file (XML) rather than YAML.
 bool LooksLikeXml(std::string_view text);
 
-// A file of the project's: what it is called, what type it becomes, how it is used.
+// A kind of file: its name, its type, its use.
 struct FileKind {
   std::string type;  // "RobotConfig"
   std::string what;  // "robot file"
@@ -53,16 +55,16 @@ struct FileKind {
   std::vector<std::string> fields;
 };
 
-// The kind of file that becomes a `type`; one called by its type when it is none of the main kinds.
+// Returns the kind of file of a `type`; one named after the type if it is none of the main kinds.
 FileKind FileKindOf(const std::string& type);
 
-// "" unless the document's fields are those of another kind of file rather than of `type`'s; else
-// what kind it is and how to use it.
+// Returns the actual kind of the file and how to use it if the document's fields belong to another
+// kind of file than that of `type`; else "".
 std::string OtherKindOfFile(const YAML::Node& root, const std::string& type,
                             const std::vector<std::string>& fields, const std::string& source);
 
-// Returns true if a text's fields, those that begin its lines, are those of another kind of file
-// than `type`'s.
+// Returns true if a text's fields, those at the beginning of its lines, belong to another kind of
+// file than that of `type`.
 bool IsOtherKindOfText(std::string_view text, const std::string& type);
 
 }  // namespace robocell::internal::yaml

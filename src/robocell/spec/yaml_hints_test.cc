@@ -1,4 +1,4 @@
-// What is said about a value of the wrong form, a misspelt field, and a file of another kind.
+// Tests the hints for a value of the wrong form, a misspelt field, and a file of another kind.
 #include "robocell/spec/yaml_hints.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// --set path.to.field=value: the same checks, and messages that name the option.
+// Tests --set path.to.field=value: the same checks, and messages that name the option.
 #include <filesystem>
 #include <fstream>
 
@@ -53,7 +53,7 @@ TEST_F(OverrideTest, WhatAnEmptyFileLacksIsMissingInTheFile) {
   const std::string error = Error({"output=elsewhere"});
   EXPECT_THAT(error, HasSubstr("run.yaml: run: is required"));
   EXPECT_THAT(error, ::testing::Not(HasSubstr("--set output")));
-  // What a part lacks that only the option made is the option's.
+  // A missing field of a part that only the option made is a problem of the option.
   EXPECT_THAT(Error({"run=r", "cameras.streams=[{name: wrist}]"}),
               HasSubstr("--set cameras.streams"));
 }
@@ -134,7 +134,7 @@ TEST_F(OverrideTest, APathThatLeadsNowhereIsAnError) {
   EXPECT_THAT(Error({"task..x=1"}), HasSubstr("--set task..x=1: "));
 }
 
-// As a shell hands it over that met a blank.
+// The shell splits a value at a blank.
 TEST_F(OverrideTest, ABracketWithoutItsEndIsNamed) {
   EXPECT_EQ(
       Error({"start.base_distance=[0.3,"}),

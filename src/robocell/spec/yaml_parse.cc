@@ -1,4 +1,4 @@
-// Text to tree, and what is refused before the spec is looked at.
+// Parses text to a tree, and rejects text before the spec is read.
 #include <fmt/format.h>
 
 #include <sstream>
@@ -16,8 +16,8 @@ namespace {
 
 constexpr int kMostDepth = 64;  // no spec file is deeper
 
-// yaml-cpp's parser recurses: refuse depth before it runs. Counts the brackets of flow collections;
-// indentation; and the marks of nested block entries.
+// yaml-cpp's parser recurses, so depth is rejected before it runs. Counts the brackets of flow
+// collections, indentation, and the marks of nested block entries.
 bool TooDeep(std::string_view text) {
   int depth = 0;
   size_t indent = 0;
@@ -38,8 +38,8 @@ bool TooDeep(std::string_view text) {
   return false;
 }
 
-// Refuses a second document as soon as it starts: some broken texts, such as ", 1", are documents
-// without end to yaml-cpp 0.7. And quotes without an end, which it takes for texts.
+// Rejects a second document as soon as it starts: some broken texts, such as ", 1", are documents
+// without end to yaml-cpp 0.7. Also rejects quotes without an end, which yaml-cpp takes for texts.
 class OneDocument : public YAML::EventHandler {
  public:
   OneDocument(std::string_view text, const std::string& source) : text_(text), source_(source) {}
@@ -75,7 +75,7 @@ void RequireOneDocument(const std::string& text, const std::string& source) {
   while (parser.HandleNextDocument(handler)) continue;
 }
 
-// A shell that meets the blanks of a list hands over its beginning.
+// A shell that splits a list at blanks passes only its beginning.
 void RequireWholeValue(const std::string& text, size_t equals) {
   const std::string value = text.substr(equals + 1);
   const char open = UnclosedBracket(value);

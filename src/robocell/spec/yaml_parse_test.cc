@@ -1,4 +1,4 @@
-// Files made to hurt: nesting, aliases, sizes, noise. They end in a SpecError, quickly.
+// Tests malicious files: nesting, aliases, sizes, noise. They quickly end in a SpecError.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -35,7 +35,7 @@ bool ParseDouble(const std::string& text, double& out) {
   return error == std::errc() && rest == end;
 }
 
-// 1/480 or 500/33: numbers that no decimal has exactly.
+// Parses 1/480 or 500/33: numbers without an exact decimal.
 bool ParseFraction(const std::string& text, double& out) {
   const size_t bar = text.find('/');
   if (bar == std::string::npos) return false;
@@ -57,14 +57,14 @@ bool IsWhole(const std::string& text) {
   return text.size() > digits && text.find_first_not_of("0123456789", digits) == std::string::npos;
 }
 
-// "; write 1000" for 1e3 or 1000.0.
+// Returns "; write 1000" for 1e3 or 1000.0.
 std::string WholeNumberHint(const std::string& text) {
   double value = 0;
   if (!ParseDouble(text, value) || std::floor(value) != value || std::abs(value) > 1e15) return "";
   return fmt::format("; write {:.0f}", value);
 }
 
-// Whether `path` is `root` itself or a part of it.
+// Returns true if `path` is `root` itself or a part of it.
 bool IsAtOrBelow(std::string_view path, std::string_view root) {
   if (root.empty()) return true;
   if (!path.starts_with(root)) return false;
@@ -85,7 +85,7 @@ void Reader::RememberEmpty(const YAML::Node& key, const YAML::Node& value) {
   empty_.emplace_back(value, key.Mark());
 }
 
-// The parser places a value that is not there at whatever comes next in the file.
+// The parser places a missing value at the next token of the file.
 YAML::Mark Reader::MarkOf(const YAML::Node& node) const {
   if (node.IsNull()) {
     for (auto it = empty_.rbegin(); it != empty_.rend(); ++it)
@@ -97,9 +97,10 @@ YAML::Mark Reader::MarkOf(const YAML::Node& node) const {
 std::string Reader::At(const YAML::Node& node) const {
   const std::string& path = problems_.path();
   const YAML::Mark mark = MarkOf(node);
-  const bool made_up = mark.is_null();  // stands for what the file does not have
+  const bool made_up = mark.is_null();  // stands for a missing value
   for (auto it = overrides_.rbegin(); it != overrides_.rend(); ++it) {
-    // Of an empty file nothing but what was set is there: what else is missing is missing in the file.
+    // In an empty file only the overridden fields exist; other missing fields are missing in the
+    // file.
     const bool made_for_it = made_up && !path.empty() && IsAtOrBelow(it->path, path);
     if (IsAtOrBelow(path, it->path) || made_for_it) {
       return "--set " + it->text;
@@ -294,7 +295,7 @@ void Reader::Read(const YAML::Node& node, SceneSourceSpec& out) {
     const std::string kind = node.IsScalar() ? node.Scalar() : "tabletop";
     return FailNotFields(node, "scene source", "; write {source: " + kind + "}");
   }
-  // Files say enough.
+  // Files give enough information.
   const bool files = node["files"].IsDefined() || IsOneOf("files", OverriddenKeys());
   const auto read_houses = [&](const YAML::Node& value) {
     ReadExplainedValue(value, "houses", SceneSourceSpec::kHousesDoc, out.houses);
@@ -380,7 +381,7 @@ std::vector<std::string> Reader::OverriddenKeys() const {
 
 namespace {
 
-// "streams.0.camera" -> "streams[0].camera"
+// Converts "streams.0.camera" to "streams[0].camera".
 std::string WithIndicesInBrackets(const std::string& path) {
   std::string out;
   for (size_t from = 0; from < path.size();) {
@@ -412,8 +413,8 @@ void Reader::ReportUnusedOverrides() {
 void Reader::AppendUnread(const Problems& found) {
   const std::vector<Problem> read = problems_.list();
   for (const Problem& p : found.list()) {
-    // A value that could not be read keeps its default, about which nothing needs to be said twice.
-    // The same of a list with such a value in it.
+    // A value that could not be read keeps its default, and its problem is reported once. The same
+    // holds for a list with such a value in it.
     const auto unread = [&](const Problem& q) {
       const bool in_list = q.path.starts_with(p.path + "[") && !p.path.empty();
       return !q.path.empty() && (in_list || IsAtOrBelow(p.path, q.path));
@@ -499,7 +500,7 @@ void Reader::Read(const YAML::Node& node, NameList& out) {
   } else {
     expand(node);
   }
-  // Of half a list nothing is said that compares it with others.
+  // An incomplete list is not compared with others.
   if (problems_.list().size() > problems_before) out.names.clear();
 }
 
@@ -530,8 +531,7 @@ void Reader::Read(const YAML::Node& node, IndexList& out) {
 }
 
 Vec4 Reader::NormalizedFromWxyz(const Vec4& q) {
-  // Numbers copied from a file carry few digits; a clearly wrong length is left for the check to
-  // report.
+  // Numbers copied from a file have few digits; the validation reports a clearly wrong length.
   const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
   const double scale = std::abs(norm - 1) < 1e-3 ? 1 / norm : 1;
   return {q[1] * scale, q[2] * scale, q[3] * scale, q[0] * scale};

@@ -1,11 +1,11 @@
 // Private to spec: the generic reader behind yaml.h, one overload of Read per kind of field. Only
 // yaml*.cc and their tests include it (heavy header).
 //
-// The reader walks the declared fields, never the file's structure: what it does for one value is
+// The reader walks the declared fields, never the file's structure: the work for one value is
 // bounded by the spec, and a limit on the number of values read keeps aliases from exploding.
 //
-// Templates know the types of fields and no more: the rest is compiled once, not for each of a
-// hundred types.
+// Templates know only the types of fields: the rest is compiled once, not for each of a hundred
+// types.
 #pragma once
 
 #include <algorithm>
@@ -34,8 +34,8 @@
 
 namespace robocell::internal::yaml {
 
-// The tree of one document. SpecError with source:line:column when the text is not YAML, is too
-// large or too deep, or holds more than one document.
+// Returns the tree of one document. Throws SpecError with source:line:column if the text is not
+// YAML, is too large or too deep, or holds more than one document.
 YAML::Node ParseText(std::string_view text, const std::string& source);
 
 // A field given from outside the file; `path` as in messages: "cameras.streams[0].width".
@@ -46,7 +46,7 @@ struct Override {
   bool used = false;
 };
 
-// ArgumentError unless it has the form path=value.
+// Throws ArgumentError unless it has the form path=value.
 Override ParseOverride(const std::string& text);
 
 class Reader {
@@ -59,7 +59,7 @@ class Reader {
 
   void AddOverride(Override value) { overrides_.push_back(std::move(value)); }
 
-  // Reads a whole document and validates what was read. All that is wrong is in problems().
+  // Reads a whole document and validates the result. problems() has all problems.
   template <HasFields T>
   void ReadDocument(const YAML::Node& root, T& out) {
     Mark(root);
@@ -77,7 +77,7 @@ class Reader {
 
   const Problems& problems() const { return problems_; }
 
-  // For text that is no file of anybody's: the spec gets no locations.
+  // For text that is not a user's file: the spec gets no locations.
   void ForgetLocations() { keep_locations_ = false; }
 
   void Read(const YAML::Node& node, bool& out);
@@ -157,10 +157,10 @@ class Reader {
     std::string name = {};
     std::function<void(const YAML::Node& value)> read = {};
   };
-  // The kind that a map names, `implied` when it names none, and the fields of that kind.
+  // Reads the kind that a map names (`implied` if it names none), and the fields of that kind.
   void ReadKind(const YAML::Node& node, KindSpec& out, const std::string& implied,
                 const NamedReader& more);
-  // A value by its key; what is wrong with it is explained by `doc`.
+  // Reads a value by its key; `doc` explains its problems.
   template <class T>
   void ReadExplainedValue(const YAML::Node& node, const std::string& name, const std::string& doc,
                           T& out) {
@@ -168,21 +168,21 @@ class Reader {
   }
 
  private:
-  // Read() of a type that is not told.
+  // Read() with the type hidden.
   using ReadInto = void (*)(Reader&, const YAML::Node&, void* out);
   template <class T>
   static void ReadIntoA(Reader& reader, const YAML::Node& node, void* out) {
     reader.Read(node, *static_cast<T*>(out));
   }
 
-  // Values that are written without the names of fields.
+  // Reads values that are written without the names of fields.
   template <class T>
   static constexpr bool kPlain =
       std::is_arithmetic_v<T> || HasEnumNames<T> || std::is_same_v<T, std::string> ||
       std::is_same_v<T, NameList> || std::is_same_v<T, IndexList> || IsArray<T>::value;
 
-  // "; write {size: [0.2, 0.2, 0.3]}" when what stands in the place of T's fields would do as the
-  // value of one of them; else the fields.
+  // Returns "; write {size: [0.2, 0.2, 0.3]}" if the node in place of T's fields fits as the value
+  // of one of them; else the fields.
   template <HasFields T>
   std::string FieldHint(const YAML::Node& node) const {
     if (node.IsNull()) return "";
@@ -219,44 +219,45 @@ class Reader {
     return !other.empty();
   }
 
-  // Whether what is read that way has no problems.
+  // Returns true if reading it that way gives no problems.
   bool Fits(const YAML::Node& node, ReadInto read, void* out) const;
-  // What FieldHint says of the field that fits, nullptr for none.
+  // Returns the text of FieldHint for the field that fits, nullptr for none.
   static std::string FieldsHint(const YAML::Node& node, const char* fits,
                                 const std::vector<std::string>& names);
 
-  // "file.yaml:3:7" of a node at the current path, or "--set ..." of what replaced it.
+  // Returns "file.yaml:3:7" of a node at the current path, or "--set ..." of the option that
+  // replaced it.
   std::string At(const YAML::Node& node) const;
   void RememberEmpty(const YAML::Node& key, const YAML::Node& value);
   YAML::Mark MarkOf(const YAML::Node& node) const;
-  // Remembers where the current path stands, for the checks that run after reading.
+  // Stores the location of the current path for the checks that run after reading.
   void Mark(const YAML::Node& node);
   void Fail(const YAML::Node& node, const std::string& message);
-  // Says what was expected, what is there, and what may have been meant ("; write ...").
+  // Reports the expected form, the actual one, and the probable intention ("; write ...").
   void FailKind(const YAML::Node& node, const std::string& expected, const std::string& hint = "");
   void FailNoFields(const YAML::Node& root, const char* type, const std::string& example);
   void FailNotFields(const YAML::Node& node, const char* type, const std::string& hint);
-  // What stands at the current path: the file's node, or the override's.
+  // Returns the value at the current path: the file's node, or the override's.
   YAML::Node Effective(const YAML::Node& node);
-  // Keys below the current path that overrides lead to.
+  // Returns the keys below the current path that overrides lead to.
   std::vector<std::string> OverriddenKeys() const;
   void ReportUnusedOverrides();
-  // Takes over what validation found about values that could be read.
+  // Adds the problems that validation found in values that could be read.
   void AppendUnread(const Problems& found);
-  // Adds the field's documentation to what was just found wrong with its value as a whole.
+  // Adds the field's documentation to the problems just found in its value as a whole.
   void ExplainField(std::string_view name, std::string_view doc, size_t first_problem);
   template <class Int>
   void ReadWhole(const YAML::Node& node, Int& out);
   bool ReadScalar(const YAML::Node& node, const std::string& expected, std::string& out);
-  // Which of the names it is; when it is none, that is a problem.
+  // Returns the index of the name; reports a problem if it is none of the names.
   std::optional<size_t> ReadOneOf(const YAML::Node& node, const std::vector<std::string>& names);
-  // Whether it is a list of that many; when it is not, that is a problem.
+  // Returns true for a list of that length; otherwise reports a problem.
   bool IsListOf(const YAML::Node& node, size_t count, const char* items);
   void ReadRobotFile(const YAML::Node& node, RobotConfig& out);
   void ReadAttachWord(const YAML::Node& node, AttachTarget& out);
 
-  // Says of the last key's value what seems to have been cut off from it, in the place of what was
-  // said.
+  // Replaces the problem of the last key's value by a report of the part that was probably cut off
+  // from it.
   void TellStray(const YAML::Node& key, const Stray& stray);
 
   static bool IsOneOf(const std::string& name, const std::vector<std::string>& names) {
@@ -275,7 +276,7 @@ class Reader {
       std::function<void(const YAML::Node& key, const std::string& name, const YAML::Node& value)>;
   using IsStrange = std::function<bool(const std::string& name)>;
   // Calls f(key node, key, value) once for each key, then for keys that only overrides have.
-  // `strange(key)`: no key of this map; in the place of a value it may be what lost its
+  // `strange(key)`: the map has no such key; instead of an entry it may be a field that lost its
   // indentation.
   void ForEachKey(const YAML::Node& node, const OnKey& f, const IsStrange& strange);
 
@@ -337,11 +338,11 @@ class Reader {
   void FailField(const YAML::Node& key, const std::string& name, const YAML::Node& value,
                  const char* type, const std::vector<std::string>& names, const char* when_nested,
                  const std::string& more = "");
-  // Where a field belongs that one of the values in the file was given, and the file itself has.
+  // Returns where a field of the top level belongs that was given inside one of the file's values.
   std::string TopLevelHint(const std::string& name) const;
 
-  // The value of a misspelt field counts as that of the field that was probably meant, so that it
-  // is not reported as missing too, nor what follows from that.
+  // The value of a misspelt field counts as that of the field that was probably meant, so that the
+  // field is not reported as missing too, nor any consequence of that.
   template <class T>
   void ReadAsMeant(const YAML::Node& node, const std::string& name, const YAML::Node& value,
                    T& out) {
@@ -351,7 +352,7 @@ class Reader {
     ReadField(meant, value, out);
     ForgetProblemsOf(meant, before);
   }
-  // Empty when there is none, or when it is there itself.
+  // Returns "" if there is no such field, or if the file has it.
   static std::string MeantField(const YAML::Node& node, const std::string& name,
                                 const std::vector<std::string>& fields);
   void ForgetProblemsOf(const std::string& field, size_t first_problem);
@@ -385,10 +386,10 @@ class Reader {
   std::vector<std::string> root_fields_;  // of the type that the whole file is
   std::shared_ptr<SourceMap> sources_ = std::make_shared<SourceMap>();
   Problems problems_{Locations(sources_)};
-  std::vector<std::string> unread_;  // paths of fields that were misspelt and could not be read
+  std::vector<std::string> unread_;  // paths of misspelt fields that could not be read
   std::vector<Override> overrides_;
   bool keep_locations_ = true;
-  // Values that are not there ("task:" with nothing), and where their names are.
+  // Missing values ("task:" with nothing), and the places of their names.
   std::vector<std::pair<YAML::Node, YAML::Mark>> empty_;
   size_t values_ = 0;
   size_t indices_ = 0;

@@ -11,7 +11,7 @@ bool IsNumber(const YAML::Node& key) {
   return YAML::convert<double>::decode(key, number);
 }
 
-// Returns true if no `:` stands behind the key: its null then stands at its end, but for a blank.
+// Returns true if no `:` follows the key: its null is then at its end, except for a blank.
 bool IsWithoutColon(const YAML::Node& key, const YAML::Node& null) {
   return null.Mark().pos <= key.Mark().pos + static_cast<int>(key.Scalar().size()) + 1;
 }

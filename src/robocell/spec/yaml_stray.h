@@ -1,5 +1,5 @@
-// Entries of a map that were meant as a part of the value before them: what comes after the comma
-// of a list without brackets ({arm: 0, 0, 0}), and fields that were not indented below their name.
+// Entries of a map that were meant as a part of the value before them: values after the comma of a
+// list without brackets ({arm: 0, 0, 0}), and fields that were not indented below their name.
 // Included by yaml*.cc and their tests only.
 #pragma once
 
@@ -12,18 +12,19 @@ class Node;
 
 namespace robocell::internal::yaml {
 
-// Looks at the entries of one map, in their order.
+// Checks the entries of one map in order.
 class Stray {
  public:
   explicit Stray(const YAML::Node& map);
 
-  // Returns true if this entry is no entry of the map but a part of the last one; it is kept then.
-  // `strange`: the map has no use for such a name.
+  // Returns true, and keeps the entry, if it is not an entry of the map but a part of the last one.
+  // `strange`: the map has no such field.
   bool IsPartOfLast(const YAML::Node& key, const YAML::Node& value, bool strange);
-  // An entry of the map; there were `problems` before it was read.
+  // Sets the last entry of the map; there were `problems` before it was read.
   void SetLast(const YAML::Node& key, const YAML::Node& value, size_t problems);
 
-  // Of the last entry: its problems begin there, and what to say of it with all its parts.
+  // Return the index of the first problem of the last entry, and the report about it with all its
+  // parts.
   size_t problems() const { return problems_; }
   std::string Text() const;
 

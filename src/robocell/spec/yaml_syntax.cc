@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::string_view kBlank = " \t\r";
 
-// Lines and columns count from 0, as the parser's do.
+// Lines and columns count from 0, like the parser's.
 struct TextPlace {
   int line = 0, column = 0;
 };
@@ -56,8 +56,8 @@ struct OpenBracket {
 
 char ClosingOf(char bracket) { return bracket == '[' ? ']' : '}'; }
 
-// The brackets that are open at a place. Quoted texts, comments and brackets within a text outside
-// of brackets do not count.
+// Finds the brackets that are open at a place. Quoted texts, comments and brackets within a text
+// outside of brackets do not count.
 class BracketScan {
  public:
   BracketScan(const std::vector<std::string_view>& lines, TextPlace end) {
@@ -111,7 +111,7 @@ std::string StillOpen(const OpenBracket& open, bool at_end) {
 
 // --- Fields and lists in lines of their own ------------------------------------------------------
 
-// The line above that says something; -1 when there is none.
+// Returns the previous line with content; -1 if there is none.
 int LineAbove(const std::vector<std::string_view>& lines, int line) {
   for (int i = std::min<int>(line, static_cast<int>(lines.size())) - 1; i >= 0; --i) {
     const std::string_view text = Trimmed(lines[i]);
@@ -120,7 +120,7 @@ int LineAbove(const std::vector<std::string_view>& lines, int line) {
   return -1;
 }
 
-// "has no `: `; write `name: value`" for a line that is no field; "" for one that is.
+// Returns "has no `: `; write `name: value`" for a line that is not a field; "" for a field.
 std::string NoField(std::string_view line) {
   const std::string_view text = Trimmed(line);
   const size_t colon = text.find(':');
@@ -137,7 +137,7 @@ std::string_view Before(std::string_view line, TextPlace at) {
   return line.substr(0, std::min(static_cast<size_t>(at.column), line.size()));
 }
 
-// A `: ` where no name can end.
+// Explains a `: ` where no name can end.
 std::string ColonOutOfPlace(const std::vector<std::string_view>& lines, TextPlace at) {
   const std::string_view line = LineAt(lines, at);
   if (Before(line, at).find(": ") != std::string_view::npos)
@@ -157,7 +157,7 @@ std::string ColonOutOfPlace(const std::vector<std::string_view>& lines, TextPlac
   return "this `:` follows no name; a text that holds `: ` must be in quotes";
 }
 
-// Something that is not part of what stands above.
+// Explains a line that is not part of what stands above it.
 std::string OutOfPlace(const std::vector<std::string_view>& lines, TextPlace at) {
   const std::string_view line = LineAt(lines, at);
   if (!Trimmed(Before(line, at)).empty())
@@ -171,7 +171,7 @@ std::string OutOfPlace(const std::vector<std::string_view>& lines, TextPlace at)
          "column, what belongs to a field further to the right";
 }
 
-// Returns true if a bracket stands directly behind a colon: a text to the parser, no value.
+// Returns true if a bracket directly follows a colon: a text to the parser, not a value.
 bool IsBehindColon(const std::vector<std::string_view>& lines, TextPlace bracket) {
   const std::string_view line = LineAt(lines, bracket);
   const auto column = static_cast<size_t>(bracket.column);
@@ -209,7 +209,7 @@ std::string BeginsWithSign(const std::vector<std::string_view>&, TextPlace) {
   return fmt::format("a text that begins with `{}` must be in quotes", c);
 }
 
-// What the parser says -> what is said of the text. Beginnings of its messages.
+// Beginnings of the parser's messages, and our explanation of each.
 const std::vector<std::pair<std::string_view, Explain>>& Explanations() {
   using Lines = std::vector<std::string_view>;
   static const std::vector<std::pair<std::string_view, Explain>> kExplanations = {

@@ -1,4 +1,4 @@
-// What is said about a text that is no YAML. The parser's own words must not come through.
+// Tests the messages about a text that is not YAML. The parser's own words must not appear.
 #include "robocell/spec/yaml_syntax.h"
 
 #include <fmt/format.h>
@@ -23,7 +23,7 @@ using ::testing::StartsWith;
 
 struct BrokenText {
   const char* text;
-  const char* error;  // how its message begins, without the file
+  const char* error;  // the beginning of its message, without the file
 };
 
 const std::vector<BrokenText>& BrokenTexts() {
@@ -100,7 +100,7 @@ TEST(YamlSyntax, SaysWhatIsWrongAndWhere) {
   }
 }
 
-// Every shortening of a file, every file without one of its characters.
+// Tries every prefix of a file, and every file without one of its characters.
 TEST(YamlSyntax, TheParsersWordsDoNotComeThrough) {
   const std::string text =
       "name: 'it''s'\nmodel: \"a\\\"b\"\nhome: {arm: [0, 1], b: {c: [d]}}\nedits:\n  - body: a\n"

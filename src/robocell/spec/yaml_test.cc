@@ -1,4 +1,4 @@
-// What the reader says about wrong files: where, what, and what could be meant.
+// Tests the reader's messages about invalid files: the place, the problem, the probable intention.
 #include "robocell/spec/yaml.h"
 
 #include <gmock/gmock.h>
@@ -61,7 +61,7 @@ TEST(Yaml, AValueThatCouldNotBeReadIsNotReportedTwice) {
 }
 
 TEST(Yaml, AProblemHidesNoOtherOneBesideIt) {
-  // "home" is no parent of "home_noise".
+  // "home" is not a parent of "home_noise".
   const std::string error =
       RobotError("move_groups: {arm: {joints: [a]}}\nhome: 3\nhome_noise: {arm: [-1]}\n");
   EXPECT_THAT(error, HasSubstr("f.yaml:4:7: home: expected names with values, found '3'"));
@@ -256,7 +256,7 @@ TEST(Yaml, UnreadableFilesAreIoErrors) {
                        "/nonexistent/robot.yaml");
 }
 
-// What is compared with a list that could not be read would be compared with nothing.
+// A comparison with an unreadable list would be meaningless.
 TEST(Yaml, AListThatCannotBeReadIsOneProblem) {
   const std::string start = "name: a\nmodel: b\nmove_groups: {arm: {kind: arm, actuators: s1..s2, ";
   EXPECT_THAT(ParseError<RobotConfig>(start + "joints: [j1, [j2]]}}\nhome: {arm: [0, 1]}\n"),

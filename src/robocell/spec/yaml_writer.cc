@@ -16,7 +16,7 @@ void Writer::EndMap() { out_ << YAML::EndMap; }
 
 void Writer::WriteKind(const KindSpec& value) {
   WriteField(value.registry().key(), value.kind());
-  // What is empty is left out, unless that would bring back a default that is not.
+  // Empty values are left out, unless that would restore a default that is not empty.
   const auto is_absent = [](const KindFieldRef& field) {
     return std::visit([](const auto* of) { return IsAbsent(*of); }, field.value);
   };
@@ -44,7 +44,7 @@ void Writer::Write(const std::string& value) { out_ << value; }
 void Writer::Write(const NameList& value) {
   out_ << YAML::Flow << YAML::BeginSeq;
   for (const std::string& name : value) {
-    if (name.find("..") != std::string::npos) out_ << YAML::DoubleQuoted;  // no range
+    if (name.find("..") != std::string::npos) out_ << YAML::DoubleQuoted;  // not a range
     out_ << name;
   }
   out_ << YAML::EndSeq;

@@ -1,8 +1,8 @@
 // Private to spec: the generic writer behind ToYaml, one overload of Write per kind of field. Only
 // yaml*.cc and their tests include it.
 //
-// Unset optionals and empty containers are left out; numbers are written with as many digits as
-// they need to come back to the bit.
+// Unset optionals and empty containers are left out; numbers have enough digits to be read back to
+// the bit.
 #pragma once
 
 #include <yaml-cpp/yaml.h>
@@ -80,7 +80,7 @@ class Writer {
     [[maybe_unused]] static const T kDefault{};
     T::Fields([&](const char* name, auto member, const char*, Bound = Bound::kNone) {
       const auto& field = value.*member;
-      // What is empty is left out, unless that would bring back a default that is not.
+      // Empty values are left out, unless that would restore a default that is not empty.
       if (IsAbsent(field) && IsAbsent(kDefault.*member)) return;
       WriteKey(name);
       Write(field);
@@ -106,9 +106,9 @@ class Writer {
     for (const auto& value : values) Write(value);
     EndSequence();
   }
-  // The kind and its fields, within a map.
+  // Writes the kind and its fields within a map.
   void WriteKind(const KindSpec& value);
-  // What does not depend on a type is compiled once.
+  // Code that does not depend on a type is compiled once.
   void BeginMap();
   void WriteKey(const char* key);
   void WriteKey(const std::string& key);

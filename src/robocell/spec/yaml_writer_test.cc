@@ -1,4 +1,4 @@
-// What is written comes back: every field of every spec, to the bit.
+// Tests that every field of every spec is read back as written, to the bit.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -37,8 +37,8 @@ T Read(const std::string& text) {
   return spec;
 }
 
-// A field of T, and how to give it another value than `plain` has. What is checked of it is
-// compiled once for T, not once for each field, which took longest of all tests.
+// A field of T, and how to give it another value than `plain` has. Its checks are compiled once for
+// T, not once for each field, which took the longest of all tests.
 template <class T>
 struct Field {
   std::string name;

@@ -18,10 +18,10 @@ namespace robocell {
 namespace {
 
 constexpr double kWidening = 0.15;        // share of the range that each further attempt spreads by
-constexpr int kBearings = 72;             // directions that a base pose is looked for in
+constexpr int kBearings = 72;             // directions in which a base pose is searched
 constexpr double kRangeTolerance = 1e-6;  // metres
 
-// Folds a number into [0, 1] at the ends.
+// Reflects a number into [0, 1] at the ends.
 double Reflected(double u) {
   u = std::abs(u);
   return u > 1 ? std::max(0.0, 2 - u) : u;

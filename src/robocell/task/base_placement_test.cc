@@ -70,7 +70,7 @@ TEST(BasePlacement, EachConditionRefusesForItsReason) {
 TEST(BasePlacement, VisibilityIsJudgedInTheImageOfTheStream) {
   PickScene made = MakePickScene(ObjectOnTheTable("box"));
   made.scene.Forward();
-  made.run.start.visible_share = 2;  // always refused, with the share that is seen
+  made.run.start.visible_share = 2;  // always refused, with the visible share
   made.run.start.visible_from = {"exo_camera"};
   const auto seen = [&] {
     return ValidateVisibility(made.scene, made.target_body, made.run)->detail;

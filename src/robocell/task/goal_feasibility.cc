@@ -24,16 +24,16 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr const char* kContext = "trying whether an object can rest at its goal";
-constexpr double kSeconds = 1.5;      // that an object has to come to rest ...
-constexpr double kLook = 0.05;        // ... and between looks at it
+constexpr double kSeconds = 1.5;      // time for an object to come to rest ...
+constexpr double kLook = 0.05;        // ... and between two checks
 constexpr double kStillSpeed = 0.01;  // m/s
 constexpr double kStillTurn = 0.1;    // rad/s
 constexpr double kInside = 0.002;     // m; contacts at rest are less deep
-constexpr double kLost = 0.05;        // m beyond the tolerance, from where it does not come back
-constexpr double kAside = 0.8;        // of the tolerance, where it is put down beside the place
-constexpr double kHandLength = 0.15;  // m from a TCP to what its gripper can still touch
+constexpr double kLost = 0.05;        // m beyond the tolerance, from which it does not come back
+constexpr double kAside = 0.8;        // share of the tolerance for a try beside the place
+constexpr double kHandLength = 0.15;  // m from a TCP to the farthest point of its gripper
 
-// As it is, turned about the vertical, and lying on each side.
+// The object's rotations to try: as it is, turned about the vertical, and lying on each side.
 std::array<Eigen::Quaterniond, 8> Turns() {
   std::array<Eigen::Quaterniond, 8> turns;
   const std::array<Vector3d, 8> rpy = {{{0, 0, 0},
@@ -49,7 +49,7 @@ std::array<Eigen::Quaterniond, 8> Turns() {
   return turns;
 }
 
-// The same scene without contacts of robots, and without their motors.
+// Returns the same scene without the robots' contacts and motors.
 ModelPtr WithoutRobots(const Scene& scene) {
   ModelPtr model = CopyModel(scene.model());
   for (const RobotRecord& robot : scene.compiled()->robots()) {
@@ -82,7 +82,7 @@ class Trial {
     return false;
   }
 
-  // What becomes of the object at a place, as it stands now.
+  // Describes what happens to the object at a place in its present orientation.
   std::string Fate(const RestPlace& place) {
     PutAt(place, Vector3d::Zero(), Eigen::Quaterniond::Identity());
     if (const int contact = Deepest(); contact >= 0) return Inside(contact);
@@ -122,7 +122,7 @@ class Trial {
     return geom >= 0 && IsInSubtree(model_.get(), model_->geom_bodyid[geom], object_);
   }
 
-  // The contact in which the object is deepest inside of something, -1 when it is in nothing.
+  // Returns the contact in which the object is deepest inside something, or -1 without one.
   int Deepest() const {
     int deepest = -1;
     double depth = kInside;
@@ -173,7 +173,7 @@ class Trial {
     return false;
   }
 
-  Scene scene_;  // owns what the copies were made of
+  Scene scene_;  // owns the sources of the copies
   ModelPtr model_;
   DataPtr data_, start_;
   int object_;
@@ -227,7 +227,7 @@ std::string WhyOutOfReach(const std::vector<Robot>& robots, const Vector3d& plac
 }
 
 double HeightOverSupport(const Scene& scene, const Vector3d& place, int without) {
-  constexpr int kMostLayers = 32;                 // that do not count
+  constexpr int kMostLayers = 32;                 // layers that do not count
   constexpr double kFromAbove = 0.1, kOn = 1e-4;  // m
   const mjModel* m = scene.model();
   std::vector<int> bases;

@@ -1,5 +1,5 @@
-// Whether a goal can be met at all: an object can come to rest there, and a robot can bring it
-// there. Both look for what no episode could do: a goal that passes may still be hard.
+// Checks whether a goal is possible at all: an object can come to rest there, and a robot can bring
+// it there. Both checks only find what no episode could do: a goal that passes may still be hard.
 //
 //   if (const std::string why = WhyNoRest(scene, "cube", at, 0.03); !why.empty()) ...
 //       // "there it is 35 mm inside table"
@@ -15,30 +15,32 @@
 
 namespace robocell::internal {
 
-// Where an object is to rest: a place in the frame of a body, whose body may give way.
+// A place at which an object is to rest, in the frame of a body, which may give way.
 struct RestPlace {
   int frame = 0;  // body id; 0, the world's, does not move
   Eigen::Vector3d at = Eigen::Vector3d::Zero();
 };
 
-// "" when the root of a free object, a body, can come to rest within `tolerance` of one of the
-// places; else what becomes of it at the first. It is put down at each place and beside it, upright
-// as it is now, turned and lying, in a simulation of its own in which robots are no obstacles. The
-// present state is where everything else is.
+// Returns "" if the root of a free object (a body) can come to rest within `tolerance` of one of
+// the places, else what happens to it at the first one. The check puts the object down at and
+// beside each place, upright as it is now, turned and lying, in a simulation of its own in which
+// robots do not count as obstacles. All other objects are where they are in the present state.
 std::string WhyNoRest(const Scene& scene, int object, std::span<const RestPlace> places,
                       double tolerance);
 
-// "" when one of the robots may get to within `slack` of a place in the world, or of a point straight
-// below it down to the height `lowest`, metres; else how far the nearest of them is from it. The
-// bound is that of the arms' links stretched out. Robots whose base can move get everywhere.
+// Returns "" if one of the robots may reach to within `slack` of a place in the world, or of a
+// point straight below it down to the height `lowest` (metres); else the distance of the nearest
+// robot. The bound is the length of the stretched arm. Robots with a movable base reach everything.
 std::string WhyOutOfReach(const std::vector<Robot>& robots, const Eigen::Vector3d& place,
                           double lowest, double slack);
 
-// How high a place in the world is above what is under it and collides, metres: negative inside of
-// something, infinite above nothing. Robots and the subtree of the body `without` do not count.
+// Returns the height in metres of a place in the world above the nearest collision geometry under
+// it: negative inside something, infinite above nothing. Robots and the subtree of the body
+// `without` do not count.
 double HeightOverSupport(const Scene& scene, const Eigen::Vector3d& place, int without);
 
-// The farthest point of a body's geoms from the body's origin, metres; no less than the truth.
+// Returns the distance in metres from the body's origin to the farthest point of its geoms, or an
+// upper bound of it.
 double RadiusOf(const mjModel* model, int body);
 
 }  // namespace robocell::internal

@@ -24,11 +24,10 @@ constexpr double kLeastOverlap = 0.012;  // of pad and object along the approach
 constexpr double kDeepGrip = 0.02;  // one of the heights tried: this far below a grip at the top
 constexpr double kOpenClearance = 0.006;  // beside the object when the gripper is open, per finger
 constexpr double kLeastWidth = 0.006;
-constexpr double kLeastAboveClosed =
-    0.005;                              // wider than the closed gripper, or holding cannot be seen
-constexpr double kLeastRange = 5e-4;    // of widths that are held; a smaller one is none
-constexpr double kTouchDepth = 0.0015;  // rays this near to the first touch end under the pad
-constexpr double kMostPadUsed = 0.008;  // half width of the pad that rays are spread over
+constexpr double kLeastAboveClosed = 0.005;  // wider than the closed gripper, to notice holding
+constexpr double kLeastRange = 5e-4;         // of widths that are held; a smaller one is none
+constexpr double kTouchDepth = 0.0015;       // rays this near to the first touch end under the pad
+constexpr double kMostPadUsed = 0.008;       // half width of the pad that rays are spread over
 constexpr int kRaysAcross = 3, kRaysAlong = 3;
 constexpr int kLeastHits = 3;
 
@@ -44,14 +43,15 @@ Interval ExtentAlong(const mjModel* m, const mjData* d, const std::vector<int>& 
 
 double Length(const Interval& interval) { return interval.upper - interval.lower; }
 
-// The angle of a horizontal direction that belongs to the body.
+// Returns the angle of a horizontal direction that is fixed in the body.
 double BodyYaw(const mjData* d, int body) {
   const double* r = d->xmat + 9 * body;
   const int column = std::hypot(r[0], r[3]) > 0.5 ? 0 : 1;
   return std::atan2(r[3 + column], r[column]);
 }
 
-// Axes of the grasp frame with the approach straight down; x at an angle to the world's x.
+// Returns the axes of a grasp frame whose approach points straight down, with x at an angle to the
+// world's x.
 Eigen::Matrix3d TopDown(double yaw) {
   const Eigen::Vector3d x(std::cos(yaw), std::sin(yaw), 0), z(0, 0, -1);
   Eigen::Matrix3d axes;
@@ -59,15 +59,15 @@ Eigen::Matrix3d TopDown(double yaw) {
   return axes;
 }
 
-// What the pads would meet.
+// The contacts that the pads would make.
 struct Squeeze {
-  double left, right;  // where they touch, along the closing direction from the point asked
+  double left, right;  // where they touch, along the closing direction from the given point
   double square;       // cosine of the worse side's mean normal to the closing direction
-  double cover;        // share of the rays that end where a pad touches, the worse side's
+  double cover;        // share of the worse side's rays that end where a pad touches
   double width() const { return left - right; }
 };
 
-// Where the rays over the pads' area end.
+// The ends of the rays over the pads' area.
 struct PadRays {
   struct Hit {
     double at;      // along the closing direction
@@ -124,7 +124,7 @@ class CandidateSearch {
   bool HasHeight() const { return !Heights().empty(); }
 
  private:
-  // Heights of the pads' middle.
+  // Returns the candidate heights of the pads' centre.
   std::vector<double> Heights() const {
     if (geoms_.empty()) return {};
     const double width = std::clamp(Thickness(), shape_.closed_gap(), shape_.open_gap());
@@ -144,7 +144,7 @@ class CandidateSearch {
     return heights;
   }
 
-  // Across the thinnest horizontal direction.
+  // Returns the extent across the thinnest horizontal direction.
   double Thickness() const {
     double least = 1e9;
     for (int i = 0; i < kYaws; ++i) {
@@ -166,7 +166,7 @@ class CandidateSearch {
     }
   }
 
-  // Rays from both sides over the pads' area.
+  // Casts rays from both sides over the pads' area.
   PadRays Cast(const Eigen::Vector3d& at, const Eigen::Matrix3d& axes) const {
     const Eigen::Vector3d x = axes.col(0), y = axes.col(1);
     const double up = std::min(half_height_, height_.upper - at.z()) - 0.001;

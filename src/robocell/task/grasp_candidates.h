@@ -1,11 +1,11 @@
-// Grasp candidates: where a parallel gripper could take an object from above, found with rays on
-// the object's collision geometry. This is pure geometry: it does not use the arm, its reach or the
-// other objects.
+// Grasp candidates: where a parallel gripper could grasp an object from above, found with rays on
+// the object's collision geometry. This is pure geometry: the arm, its reach and the other objects
+// play no part.
 //
 // A grasp is a place between the pads; the TCP follows from it by the gripper's shape at the
-// object's width. Faces are antipodal: the rays that end where a pad will touch meet the surface
+// object's width. Faces are antipodal: the rays that end where a pad will touch hit the surface
 // within 25 degrees of the closing direction. Closing directions are taken in the object's own
-// frame, so flat faces are met exactly.
+// frame, so that flat faces are hit exactly.
 #pragma once
 
 #include <string>
@@ -23,23 +23,24 @@ struct GraspCandidate {
   double cost = 0;   // lower is better
 };
 
-// Best first; empty when the object is too large, too small or too flat for this gripper. The
-// object's lowest point is taken for what it stands on. `tcp_now`: grasps that need less turning
-// are preferred. Poses in `data` must be up to date.
+// Returns the candidates, best first; empty when the object is too large, too small or too flat for
+// this gripper. The object is taken to stand on the height of its lowest point. Grasps that need
+// less turning from `tcp_now` are preferred. Poses in `data` must be up to date.
 std::vector<GraspCandidate> FindGrasps(const mjModel* model, const mjData* data, int object_body,
                                        const GripperShape& shape, const Pose& tcp_now);
 
-// The widths of objects that a gripper can hold, from the distances of its fingers (metres): wider
-// than the closed gripper, and with clearance on both sides in the open one.
+// The widths of objects that a gripper can hold, computed from the distances of its fingers
+// (metres): wider than the closed gripper, and with clearance on both sides in the open one.
 struct HeldWidths {
   double least, most;
 };
 HeldWidths WidthsHeld(double closed_gap, double open_gap);
-// "holds from 0.007 to 0.078 m"; of a gripper that opens too little, why it holds nothing.
+// Returns "holds from 0.007 to 0.078 m", or, for a gripper that opens too little, why it holds
+// nothing.
 std::string DescribeHeldWidths(double closed_gap, double open_gap);
 
-// For an object without a candidate, its size and the gripper's: "it is 0.30 m wide where it is
-// narrowest and 0.30 m high, and the gripper holds from 0.007 to 0.078 m".
+// Describes the sizes of an object without a candidate and of the gripper: "it is 0.30 m wide where
+// it is narrowest and 0.30 m high, and the gripper holds from 0.007 to 0.078 m".
 std::string SizesForGrasp(const mjModel* model, const mjData* data, int object_body,
                           const GripperShape& shape);
 

@@ -33,7 +33,7 @@ TEST(CastRay, AgreesWithTheEnginesRays) {
   Rng rng = Rng::Stream(1, "rays");
   for (const char* kind : {"box", "cylinder", "sphere", "bracket", "mug"}) {
     PickScene pick = MakePickScene(ObjectOnTheTable(kind));
-    // Far from everything else; the engine is asked for solid geoms only.
+    // The object is far from everything else, and the engine casts rays at solid geoms only.
     pick.scene.SetBodyPose(pick.target_body, Pose({30, 0, 5}, RandomQuaternion(rng)));
     const mjModel* m = pick.scene.model();
     const std::vector<int> geoms =
@@ -88,7 +88,8 @@ TEST(FindGrasps, CandidatesComeFromAboveBestFirstAndStayOffTheTable) {
   }
 }
 
-// The pads' middle lies midway between what rays meet on both sides, where no edge is in the way.
+// The centre of the pads lies midway between the points that rays hit on both sides, except near
+// edges.
 TEST(FindGrasps, TheObjectIsCentredBetweenThePads) {
   for (const char* kind : {"box", "cylinder", "sphere", "bottle", "nut", "spool"}) {
     const PickScene pick = MakePickScene(ObjectOnTheTable(kind));
@@ -109,7 +110,7 @@ TEST(FindGrasps, TheObjectIsCentredBetweenThePads) {
   }
 }
 
-// Up to the few that are accepted by a hair.
+// A few candidates that are only just accepted may differ.
 TEST(FindGrasps, TurnWithTheObject) {
   const PickScene a = MakePickScene(ObjectOnTheTable("bracket", 0.2));
   const PickScene b = MakePickScene(ObjectOnTheTable("bracket", 1.9));

@@ -11,9 +11,9 @@
 namespace robocell {
 namespace {
 
-constexpr size_t kBatch = 8;  // candidates solved at once: mostly the first or second is taken
-// Near home, so that the way there is short, but it need not be proven that nothing is nearer: that
-// takes ten times as long.
+constexpr size_t kBatch = 8;  // candidates solved at once: usually the first or second is taken
+// The solution should be near home for a short path, but proving that none is nearer would take ten
+// times as long.
 constexpr int kRestarts = 40;
 constexpr double kJustBefore =
     0.003;  // metres between the pads and the object just before they touch
@@ -83,8 +83,8 @@ std::optional<GraspMotion> GraspMotions::TryCandidate(const GraspCandidate& gras
                                                       const JointVector& q) {
   const GripperShape& shape = planning_.shape();
   const double open = shape.open_gap();
-  // Nothing but the pads may arrive first. The named fingers need not be the innermost geoms: the
-  // gap of the closed gripper is theirs.
+  // Nothing but the pads may arrive first. The named fingers need not be the innermost geoms, and
+  // the gap of the closed gripper is measured between the named fingers.
   const double before = std::min(open, grasp.width + shape.closed_gap() + kJustBefore);
   if (!IsFree(q, {.gap = open}) || !IsFree(q, {.gap = before})) return std::nullopt;
   const Pose tcp = world_in_base_ * grasp.tcp_in_world;

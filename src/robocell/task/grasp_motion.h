@@ -1,5 +1,5 @@
-// From grasp candidates to joint motions: which of them the arm can reach from straight above and
-// leave straight up, without touching anything it should not.
+// Turns grasp candidates into joint motions: selects those that the arm can reach from straight
+// above and leave straight up without touching anything that it should not.
 //
 //   GraspMotions motions(planning, candidates, home);
 //   while (std::optional<GraspMotion> motion = motions.Next()) ...
@@ -25,32 +25,33 @@ struct GraspMotion {
 };
 
 struct GraspMotionOptions {
-  double above = 0.08;  // of the pregrasp, metres
+  double above = 0.08;  // height of the pregrasp, metres
   double lift = 0.10;   // metres
-  int most = 60;        // candidates looked at
+  int most = 60;        // candidates tried at most
 };
-// For a task that asks for a lift of `height` metres: a little more, since objects slip.
+// Returns options for a task that requires a lift of `height` metres: a little more, since objects
+// slip.
 GraspMotionOptions GraspMotionsToLift(double height);
 
 class GraspMotions {
  public:
-  // `home`: joint positions that solutions should be near. The planning scene is used, and must
-  // live as long.
+  // `home`: joint positions that solutions should be near. `planning` is modified and must outlive
+  // this object.
   GraspMotions(PlanningScene& planning, std::vector<GraspCandidate> candidates,
                const JointVector& home, const GraspMotionOptions& options = {});
 
-  // The next best one; unset when there is none left.
+  // Returns the next best motion; unset when none is left.
   std::optional<GraspMotion> Next();
-  // Why the candidates so far were no good: "of 15 grasps 12 out of reach (the nearest by 0.08 m),
-  // 3 in collision".
+  // Returns why the candidates so far were rejected: "of 15 grasps 12 out of reach (the nearest by
+  // 0.08 m), 3 in collision".
   std::string Reasons() const;
-  // Returns true if most of those that were no good collide; else most are out of reach.
+  // Returns true if most of the rejected candidates collide; else most are out of reach.
   bool MostCollide() const;
 
  private:
   void SolveMore();
   std::optional<GraspMotion> TryCandidate(const GraspCandidate& grasp, const JointVector& q);
-  // IsFree of the planning scene; what is in the way is counted.
+  // Calls IsFree of the planning scene and counts what is in the way.
   bool IsFree(const JointVector& q, const FreedomDemand& demand);
 
   PlanningScene& planning_;
@@ -61,8 +62,8 @@ class GraspMotions {
   Eigen::Vector3d up_in_base_;
   size_t next_ = 0;
   std::vector<JointVector> solved_;  // of the first candidates; empty: none
-  std::vector<double> missed_by_;    // of the same, metres
-  // How many candidates failed at what, and by how much at least, metres.
+  std::vector<double> missed_by_;    // pose errors of the same candidates, metres
+  // How many candidates failed for which reason, and the smallest error, metres.
   struct Misses {
     int count = 0;
     double least = std::numeric_limits<double>::infinity();

@@ -33,7 +33,7 @@ TEST(GraspMotions, GoStraightDownToTheCandidateAndStraightUpAgain) {
     };
     EXPECT_NEAR(height_above(motion->down.front()), 0.08, 1e-3);
     EXPECT_NEAR(height_above(motion->up.back()), 0.1, 1e-3);
-    // Linear between the points: half way the hand is still nearly on the line.
+    // The path is linear in joint space: half way the hand is still nearly on the line.
     for (const JointPath* line : {&motion->down, &motion->up}) {
       for (size_t i = 1; i < line->size(); ++i) {
         const Pose tcp = base * pick.robot.FkFrame(Blend((*line)[i - 1], (*line)[i], 0.5));
@@ -67,7 +67,7 @@ TEST(GraspMotions, CountWhatIsOutOfReach) {
   const std::string reasons = motions.Reasons(),
                     begin = "of 5 grasps 5 out of reach (the nearest by ";
   ASSERT_TRUE(reasons.starts_with(begin)) << reasons;
-  // The arm's end comes to within what its reach lacks of the nearest grasp.
+  // The arm's end comes as near to the nearest grasp as the reported distance says.
   const double far =
       (candidates[0].tcp_in_world.translation() - planning.robot().base_in_world().translation())
           .norm();
@@ -89,7 +89,7 @@ TEST(GraspMotions, TellsThatTheLiftIsWhatIsOutOfReach) {
   EXPECT_LE(missing, 3);
 }
 
-// A wall of boxes around the object leaves no room for fingers.
+// A wall of boxes around the object leaves no space for the fingers.
 TEST(GraspMotions, NeighboursThatAreInTheWayCount) {
   PickScene pick = MakePickScene(ObjectOnTheTable("box"));
   SceneSpec spec = pick.scene.spec();

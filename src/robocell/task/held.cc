@@ -21,8 +21,8 @@ std::vector<int> RobotRoots(const Scene& scene) {
   return roots;
 }
 
-// The root of the robot that a body is a part of, of the outermost where robots carry robots; -1
-// for none.
+// Returns the root of the robot that a body belongs to (the outermost where robots carry robots),
+// or -1.
 int RobotOf(const mjModel* m, const std::vector<int>& roots, int body) {
   int robot = -1;
   for (const int root : roots) {
@@ -32,7 +32,7 @@ int RobotOf(const mjModel* m, const std::vector<int>& roots, int body) {
 }
 
 struct Partners {
-  int robot = -1;  // the root of one that touches
+  int robot = -1;  // the root of a robot that touches it
   bool several_robots = false;
   bool other = false;
 };
@@ -47,7 +47,7 @@ Partners PartnersOf(const Scene& scene, const std::vector<int>& roots, const std
       continue;
     const int a = m->geom_bodyid[d->contact[c].geom[0]], b = m->geom_bodyid[d->contact[c].geom[1]];
     const bool a_inside = IsInSubtree(m, a, object), b_inside = IsInSubtree(m, b, object);
-    if (a_inside == b_inside) continue;  // neither, or the object with itself
+    if (a_inside == b_inside) continue;  // neither, or the object touches itself
     const int robot = RobotOf(m, roots, a_inside ? b : a);
     partners.other |= robot < 0;
     if (robot < 0) continue;
@@ -57,7 +57,7 @@ Partners PartnersOf(const Scene& scene, const std::vector<int>& roots, const std
   return partners;
 }
 
-// Returns true if a gripper of this robot grasps it; unset when it has none.
+// Returns true if a gripper of this robot grasps the object; unset for a robot without a gripper.
 std::optional<bool> IsGrasped(const Scene& scene, const std::vector<int>& roots, int by,
                               const std::string& body) {
   std::optional<bool> grasped;

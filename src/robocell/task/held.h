@@ -1,4 +1,4 @@
-// Who holds an object, from the contacts of a scene's present state.
+// Determines who holds an object from the contacts of a scene's present state.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace robocell::internal {
 
-// Who touches a body's subtree in the present contacts.
+// The kinds of bodies that touch a body's subtree in the present contacts.
 struct Touching {
   bool robot = false;
   bool other = false;
@@ -15,10 +15,10 @@ struct Touching {
 Touching TouchingBody(const Scene& scene, const std::string& body);
 // Returns true if robots touch it and nothing else does.
 bool OnlyRobotsTouch(const Scene& scene, const std::string& body);
-// Returns true if robots hold it: nothing else touches it, and a gripper has it between its fingers
-// (GripperGroup::is_grasping) or several robots have it between them. A robot without a gripper
-// holds what it touches: whether with a hook or a cup is its own affair. What hangs on one finger
-// is not held.
+// Returns true if robots hold the object: nothing else touches it, and either a gripper has it
+// between its fingers (GripperGroup::is_grasping) or several robots have it between them. A robot
+// without a gripper holds what it touches, be it with a hook or a suction cup. An object that hangs
+// on one finger is not held.
 bool IsHeld(const Scene& scene, const std::string& body);
 
 }  // namespace robocell::internal

@@ -44,7 +44,7 @@ std::optional<Refusal> ObjectTask::Arrange(Scene& scene, Rng& /*rng*/) {
 }
 
 void ObjectTask::Begin(const Scene& scene) {
-  if (!object_) {  // nobody said which robots act: all do
+  if (!object_) {  // by default all robots act
     TaskSetting setting{.place = "scene '" + scene.name() + "'", .robots = {}};
     for (const Robot& robot : RobotsOf(scene)) {
       if (robot.has_arm()) setting.robots.push_back(robot.name());

@@ -1,5 +1,5 @@
-// ObjectTask: what tasks about one object share: where it is put, how high it was lifted, who holds
-// it.
+// ObjectTask: the common part of tasks about one object: where it is put, how high it was lifted,
+// who holds it.
 #pragma once
 
 #include <optional>
@@ -14,36 +14,36 @@
 
 namespace robocell {
 
-// What a task about an object says of it.
+// The fields of a task that describe its object.
 struct ObjectOfTask {
   std::string name = {};   // in the scene
-  std::string word = {};   // what to call it in the instruction; its name unless set
+  std::string word = {};   // its name in the instruction; `name` unless set
   double lift_height = 0;  // metres
   Vec2 spread = {0, 0};    // of its place, metres
-  bool rotate = false;     // at its place
+  bool rotate = false;     // about the vertical at its place
 };
 
 class ObjectTask : public Task {
  public:
   explicit ObjectTask(ObjectOfTask object) : fields_(std::move(object)) {}
 
-  // ArgumentError when the object cannot move; NotFoundError without it. Begin binds a task that is
-  // not bound, with all robots of the scene.
+  // Throws ArgumentError if the object cannot move and NotFoundError if it does not exist. Begin
+  // binds an unbound task with all robots of the scene.
   void Bind(const Scene& scene, const TaskSetting& setting) override;
   // Refuses starts that no robot can reach.
   std::optional<Refusal> Arrange(Scene& scene, Rng& rng) override;
   void Begin(const Scene& scene) override;
-  // The reward is 1 at success, else the progress, as far as it got.
+  // Returns the reward 1 at success, else the largest progress so far.
   TaskVerdict Judge(const Scene& scene) override;
   std::vector<std::string> objects() const override { return {fields_.name}; }
   std::vector<std::string> resting_objects() const override { return {fields_.name}; }
-  // Where the episode began.
+  // Returns the position where the episode began.
   std::vector<double> memory() const override;
   void Recall(std::span<const double> memory) override;
 
  protected:
   virtual bool IsDone(const Scene& scene) = 0;
-  // Of a state without success, less than 1.
+  // Returns the progress of a state without success, less than 1.
   virtual double Progress() const = 0;
 
   const ObjectOfTask& fields() const { return fields_; }
@@ -56,16 +56,16 @@ class ObjectTask : public Task {
 
   // Moves a place in the root frame by up to `spread`.
   static Pose Around(const Pose& offset, const Vec2& spread, Rng& rng);
-  // A place for the object, in the root frame.
+  // Returns a start pose for the object in the root frame.
   Pose Start(Rng& rng) const;
 
-  // 1 with a TCP at the object, falling with the distance.
+  // Returns 1 with a TCP at the object; falls with the distance.
   double Nearness() const;
-  // Above where the episode began, along the world's z, m.
+  // Returns the height above the start of the episode along the world's z, m.
   double Lift() const;
-  // The share of lift_height, 0 to 1.
+  // Returns the share of lift_height, 0 to 1.
   double Lifted() const;
-  // Lifted far enough, and held (task/held.h).
+  // Returns true if the object is lifted far enough and held (task/held.h).
   bool IsLifted(const Scene& scene) const;
 
  private:
@@ -77,7 +77,7 @@ class ObjectTask : public Task {
   Eigen::Vector3d start_ = Eigen::Vector3d::Zero();  // in the root frame
 };
 
-// 1 at no distance (m), 0 far away.
+// Returns 1 at distance 0 (m), falling to 0 far away.
 double Near(double distance);
 
 }  // namespace robocell

@@ -41,7 +41,7 @@ SceneObject MakeGoalObject(const std::string& kind, const std::string& name, Rng
 PickAndPlaceSampler::PickAndPlaceSampler(const RunConfig& run)
     : PickTaskSampler(run), task_(run.task.As<PickAndPlaceTaskConfig>()) {}
 
-// The target, the goal, and the rest.
+// Adds the target, the goal, and the other objects.
 StartContents PickAndPlaceSampler::AddContents(const SampleRequest& request, SceneSpec& spec,
                                                Rng& rng) {
   StartContents contents = PickTaskSampler::AddContents(request, spec, rng);

@@ -1,6 +1,6 @@
-// PickAndPlaceSampler: starts of pick_and_place tasks in runs: those of a pick (pick_sampler.h), and
-// one of the kinds in `goals` beside the objects, in the middle of which the robot can put the target
-// down.
+// PickAndPlaceSampler: starts of pick_and_place tasks in runs. It extends the starts of a pick
+// (pick_sampler.h) by a goal object of one of the kinds in `goals`, in the middle of which the
+// robot can put the target down.
 #pragma once
 
 #include <memory>
@@ -13,16 +13,17 @@
 
 namespace robocell::internal {
 
-// The kinds of things that a run may put objects on: those it names, else a tray.
+// Returns the kinds of objects that a run uses as goals: those that it names, else a tray.
 std::vector<std::string> GoalKindsOf(const PickAndPlaceTaskConfig& task);
-// What may be named: the catalogue, and the built-in equipment.
+// Returns the kinds that a run may name: the catalogue and the built-in equipment.
 std::vector<std::string> AllGoalKinds();
-// One of them, which can move; no pose. NotFoundError lists the kinds.
+// Returns a movable object of one of these kinds, without a pose. Throws NotFoundError that lists
+// the kinds.
 SceneObject MakeGoalObject(const std::string& kind, const std::string& name, Rng& rng);
 
 class PickAndPlaceSampler final : public PickTaskSampler {
  public:
-  // SpecError for a run of another task.
+  // Throws SpecError for a run of another task.
   explicit PickAndPlaceSampler(const RunConfig& run);
 
   StartContents AddContents(const SampleRequest& request, SceneSpec& spec, Rng& rng) override;
@@ -32,7 +33,7 @@ class PickAndPlaceSampler final : public PickTaskSampler {
                                  const std::vector<std::string>& objects) override;
 
  protected:
-  // Whether the target can be put down at the goal as it was grasped.
+  // Refuses a target that cannot be put down at the goal as it was grasped.
   std::optional<Refusal> ValidateGrasp(const Scene& scene, PlanningScene& planning,
                                        const GraspMotion& motion) override;
   bool MayHaveObject(const std::string& name) const override;
@@ -41,7 +42,7 @@ class PickAndPlaceSampler final : public PickTaskSampler {
 
  private:
   PickAndPlaceTaskConfig task_;
-  std::string goal_kind_;                        // of the start that is being made ...
+  std::string goal_kind_;                        // of the start under construction ...
   std::shared_ptr<PickAndPlaceTask> made_task_;  // ... and its task
 };
 

@@ -97,8 +97,8 @@ std::vector<std::string> PickAndPlaceTask::resting_objects() const {
   return resting;
 }
 
-// A place of its own is as high above what is under it wherever it is drawn, unless that ends
-// there, or something lies on it.
+// A goal given as a place is equally high above its support wherever it is drawn, unless the
+// support ends there or something lies on it.
 std::optional<Refusal> PickAndPlaceTask::CheckDrawnGoal(const Scene& scene) const {
   if (has_goal_object() || task_.goal_spread == Vec2{0, 0}) return std::nullopt;
   const int own = object().id();
@@ -112,10 +112,10 @@ std::optional<Refusal> PickAndPlaceTask::CheckDrawnGoal(const Scene& scene) cons
                                : "nothing is under it"};
 }
 
-// Those of this start and of others, in the frame that goal_ is in.
+// Returns the possible goals of this start and of others, in the frame of goal_.
 std::vector<Eigen::Vector3d> PickAndPlaceTask::PossibleGoals() const {
   std::vector<Eigen::Vector3d> goals = {goal_};
-  if (has_goal_object()) return goals;  // its place is of no importance
+  if (has_goal_object()) return goals;  // the place of the goal object does not matter
   const Vec2& spread = task_.goal_spread;
   for (const int x : {-1, 0, 1}) {
     for (const int y : {-1, 0, 1})
@@ -159,7 +159,8 @@ void PickAndPlaceTask::Begin(const Scene& scene) {
   if (has_goal_object()) goal_ = task_.goal ? ToEigen(*task_.goal) : TopOfGoalObject(scene);
 }
 
-// Where the object's root is when it lies in the middle on top of goal_object as it lies now.
+// Returns where the object's root is when the object lies in the middle on top of goal_object, in
+// its present orientation.
 Eigen::Vector3d PickAndPlaceTask::TopOfGoalObject(const Scene& scene) const {
   const mjModel* m = scene.model();
   const mjData* d = scene.data();

@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kMostDistractors = 2;
 constexpr const char* kTarget = "target";  // its name in the scene
-constexpr int kMostGrasps = 4;             // in reach, of which one has to be of use
+constexpr int kMostGrasps = 4;             // in reach, at least one of which has to be usable
 
 std::string NameOfDistractor(size_t i) { return fmt::format("object_{}", i); }
 
@@ -36,11 +36,10 @@ PickRun RequirePickRun(const RunConfig& run) {
 PickTaskSampler::PickTaskSampler(const RunConfig& run)
     : StartSampler(run), pick_(RequirePickRun(run)) {}
 
-// Of K kinds every one comes once in any K episodes of a scene that follow each other from a
-// multiple of K on, and once in the same episode of K such scenes: a Latin square of scenes and
-// episodes, however many of both a run has. Its order is drawn anew for each square: base
-// placements take turns too, and with one order for all each kind would only ever be seen from its
-// own part of the range.
+// Kinds take turns in a Latin square of scenes and episodes: each of K kinds comes once in any K
+// episodes of a scene that start at a multiple of K, and once in the same episode of K such scenes,
+// however many of both a run has. Each square draws its order anew: base placements take turns too,
+// and with one order for all, each kind would only be seen from its own part of the range.
 std::string PickTaskSampler::KindOfTurn(std::vector<std::string> kinds,
                                         const SampleRequest& request) const {
   const size_t count = kinds.size();
@@ -56,7 +55,7 @@ std::vector<std::string> PickTaskSampler::ChooseKinds(const SampleRequest& reque
   const std::vector<std::string> all = ObjectKinds();
   const std::vector<std::string>& allowed = pick_.objects.empty() ? all : pick_.objects.names;
   std::vector<std::string> kinds = {KindOfTurn(allowed, request)};
-  // Other kinds only: "pick up the mug" has to mean one object.
+  // The other objects are of other kinds: "pick up the mug" has to mean one object.
   std::vector<std::string> others = allowed;
   std::erase(others, kinds.front());
   rng.Shuffle(others);
@@ -114,8 +113,8 @@ std::optional<Refusal> PickTaskSampler::ValidateBasePose(Scene& scene, Robot& ro
   return std::nullopt;
 }
 
-// The PickPlanner's question, but for the path. A robot with a gripper of the user's own kind comes
-// with an expert of its own, which knows better.
+// Checks the same grasps as the PickPlanner, but not the path. A robot with a custom gripper comes
+// with an expert of its own, which checks them itself.
 std::optional<Refusal> PickTaskSampler::ValidateGrasps(const Scene& scene, const Robot& robot,
                                                        const std::string& target_body) {
   if (!robot.has_gripper() || !GripperShape::Supports(robot.gripper())) return std::nullopt;
@@ -153,7 +152,7 @@ std::shared_ptr<Task> PickTaskSampler::MakeTask(const std::string& target, const
 
 namespace {
 
-// What pick and pick_and_place have in common.
+// The common part of the kinds pick and pick_and_place.
 template <class Config, class T, class Sampler>
 class KindOfPick : public TaskKindOf<Config, T> {
  public:
@@ -165,7 +164,7 @@ class KindOfPick : public TaskKindOf<Config, T> {
   void ValidateRun(const RunConfig& run, Problems& problems) const override {
     ValidateKinds("task.objects", PickRunOf(run.task)->objects, ObjectKinds(), problems);
   }
-  // One of each kind that may be drawn, called as its kind.
+  // Returns one object of each kind that may be drawn, named by its kind.
   std::vector<SceneObject> Contents(const RunConfig& run) const override {
     const NameList objects = PickRunOf(run.task)->objects;
     Rng rng = Rng::Stream(0, "check");

@@ -1,6 +1,6 @@
-// PickTaskSampler: starts of pick tasks in runs: objects of the catalogue on the scene's support,
-// one of them the target, which the robot can grasp from where it stands. Kinds of objects take
-// turns. pick_and_place_sampler.h adds where to put it.
+// PickTaskSampler: starts of pick tasks in runs: objects of the catalogue lie on the scene's
+// support, and the robot can grasp one of them, the target, from where it stands. Kinds of objects
+// take turns. pick_and_place_sampler.h adds the goal.
 #pragma once
 
 #include <memory>
@@ -18,14 +18,14 @@ class TaskKind;
 
 class PickTaskSampler : public StartSampler {
  public:
-  // SpecError for a run of a task that picks nothing up.
+  // Throws SpecError for a run of a task that picks nothing up.
   explicit PickTaskSampler(const RunConfig& run);
 
   StartContents AddContents(const SampleRequest& request, SceneSpec& spec, Rng& rng) override;
-  // The target's kind first. Kinds take turns over the episodes of a scene and over the scenes, in
-  // an order that changes.
+  // Returns the kinds, the target's first. Kinds take turns over the episodes of a scene and over
+  // the scenes, in an order that changes.
   virtual std::vector<std::string> ChooseKinds(const SampleRequest& request, Rng& rng);
-  // Also whether it reaches a grasp of the target.
+  // Also refuses a base from which no grasp of the target is in reach.
   std::optional<Refusal> ValidateBasePose(Scene& scene, Robot& robot,
                                           const std::string& target_body) override;
   std::shared_ptr<Task> MakeTask(const std::string& target, const std::string& kind,

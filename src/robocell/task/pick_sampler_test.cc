@@ -29,7 +29,7 @@ Rng StreamOf(int i) { return Rng::Stream(7, "sampler test", i); }
 // Accepted starts of the first episodes, each at its first accepted attempt.
 struct Samples {
   std::vector<EpisodeStart> starts;
-  int tries = 0;  // places, also those that were given up within an attempt
+  int tries = 0;  // places, including those rejected within an attempt
 };
 
 Samples SamplesOf(const RunConfig& run) {
@@ -85,7 +85,7 @@ TEST(PickTaskSampler, TwentyEpisodesSpanTheConfiguredRanges) {
   }
   EXPECT_GE(Span(distances), 0.8 * (range.distance[1] - range.distance[0]));
   EXPECT_GE(Span(heights), 0.8 * (range.height_noise[1] - range.height_noise[0]));
-  // The target moves by a millimetre or so while it settles.
+  // The target moves by about a millimetre while it settles.
   EXPECT_GE(*std::min_element(distances.begin(), distances.end()), range.distance[0] - 0.01);
   EXPECT_LE(*std::max_element(distances.begin(), distances.end()), range.distance[1] + 0.01);
 }
@@ -108,7 +108,8 @@ TEST(PickTaskSampler, KindsTakeTurnsOverScenesAsOverEpisodes) {
   };
   for (const auto& [scenes, episodes] :
        {Shape{20, 1}, {20, 2}, {40, 3}, {1, 20}, {3, 7}, {3, 16}}) {
-    // Whole squares of scenes and episodes have all alike; what is over adds one each at most.
+    // Complete squares of scenes and episodes contain all kinds equally often; the rest adds one of
+    // each at most.
     const int rest_of_scenes = scenes % static_cast<int>(kinds);
     const int rest_of_episodes = episodes % static_cast<int>(kinds);
     const int uneven = std::min(rest_of_scenes, rest_of_episodes);
@@ -134,7 +135,7 @@ TEST(PickTaskSampler, KindsTakeTurnsOverScenesAsOverEpisodes) {
   }
 }
 
-// A policy must not be able to read the distance off the kind.
+// A policy must not be able to infer the distance from the kind.
 TEST(PickTaskSampler, EachKindIsSeenFromTheWholeRange) {
   RunConfig run = Demo();
   const std::vector<std::string> all = ObjectKinds();
@@ -197,7 +198,7 @@ TEST(PickTaskSampler, SameStreamSameStart) {
   }
 }
 
-// Houses made on the way, each in the place of the one before.
+// Makes a new house on the way, each in the place of the previous one.
 class OneHouseAfterTheOther : public PickTaskSampler {
  public:
   using PickTaskSampler::PickTaskSampler;
@@ -277,8 +278,8 @@ TEST(PickTaskSampler, ABaseInsideTheTableIsRefusedWithBothGeoms) {
   scene.Forward();
 }
 
-// With a pool that nobody takes anything from: another mug, and a block that would fill the room
-// over the table.
+// A sampler with a pool of unused objects: another mug, and a block that would fill the space over
+// the table.
 class BesideAPool : public PickTaskSampler {
  public:
   using PickTaskSampler::PickTaskSampler;

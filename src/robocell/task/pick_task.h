@@ -1,9 +1,9 @@
 // PickTask: pick an object up. Success: it is at least `lift_height` above where the episode began,
-// and robots hold it and nothing else touches it (held.h). The reward, 0 to 1, is half for a TCP
-// near the object and half for its height; at success it is 1.
+// robots hold it, and nothing else touches it (held.h). The reward, 0 to 1, is half for a TCP near
+// the object and half for its height; at success it is 1.
 //
 // In an environment the object lies around its place in the root frame, turned about the root
-// frame's z; in a generated episode the sampler puts it somewhere (pick_sampler.h).
+// frame's z; in a generated episode the sampler places it (pick_sampler.h).
 #pragma once
 
 #include <string>
@@ -17,14 +17,14 @@ namespace robocell {
 
 class PickTask : public ObjectTask {
  public:
-  // As an environment asks for it.
+  // Makes the task of an environment.
   explicit PickTask(const PickTaskConfig& fields)
       : ObjectTask({.name = fields.object,
                     .lift_height = fields.lift_height,
                     .spread = fields.spread,
                     .rotate = fields.rotate}),
         all_objects_({fields.object}) {}
-  // `object`: name in the scene; `kind`: what to call it in the instruction; `all_objects`: whose
+  // `object`: name in the scene; `kind`: its word in the instruction; `all_objects`: objects whose
   // poses are observed.
   PickTask(std::string object, std::string kind, std::vector<std::string> all_objects,
            double lift_height)

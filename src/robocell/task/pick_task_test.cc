@@ -1,4 +1,4 @@
-// What counts as picked: how far an object was lifted, and by whom it is held.
+// Tests when an object counts as picked: how far it was lifted, and who holds it.
 #include "robocell/task/pick_task.h"
 
 #include <gtest/gtest.h>
@@ -15,15 +15,15 @@ namespace robocell {
 namespace {
 
 constexpr double kTop = 0.5;       // of the table, m
-constexpr double kPress = 0.0001;  // how far things that touch are pressed into each other, m
-constexpr double kLift = 0.01;     // that counts as picked, m
+constexpr double kPress = 0.0001;  // penetration depth of touching geoms, m
+constexpr double kLift = 0.01;     // lift that counts as picked, m
 constexpr double kJaws = 5;        // where the gripper is, m
 constexpr double kLying = kTop + 0.02 - kPress;
 
-// A bar on a table, between the walls of a robot that hold it at any height; a second robot's stop
-// is at its end where it is 1 m high. Beside it lies a box, and far away a pan with a lid above it
-// and a robot with a gripper, whose fingers are as open as the box is wide, and 1 cm more.
-// Nothing is simulated: contacts are those of where things are put.
+// A bar lies on a table between the walls of a robot that hold it at any height; a second robot's
+// stop touches its end where it is 1 m high. Beside it lies a box, and far away stand a pan with a
+// lid above it and a robot with a gripper, whose fingers are open by the width of the box plus 1
+// cm. Nothing is simulated: the contacts are those of the poses that the tests set.
 class PickTaskTest : public ::testing::Test {
  protected:
   PickTaskTest() : scene_(Scene::Build(Spec())) {
@@ -43,14 +43,14 @@ class PickTaskTest : public ::testing::Test {
     scene_.Forward();
   }
 
-  // The task of an episode that begins in the present state.
+  // Returns the task of an episode that begins in the present state.
   PickTask Begun(const std::string& object = "bar") const {
     PickTask task(object, "bar", {object}, kLift);
     task.Begin(scene_);
     return task;
   }
 
-  ModelFolder folder_;  // before what is built of it
+  ModelFolder folder_;  // outlives what is built from it
   Scene scene_;
 
  private:

@@ -78,7 +78,7 @@ std::optional<PlaceMotion> PlaceMotions::Next() {
   return std::nullopt;
 }
 
-// On the way down with the object, and on the way back without it.
+// Checks the way down with the object in the hand, and the way back without it.
 bool PlaceMotions::IsFree(const Candidate& candidate, const JointPath& down) {
   const auto is_free = [&](const FreedomDemand& demand) {
     return std::ranges::all_of(down,

@@ -1,5 +1,5 @@
-// From where an object is to be put down to joint motions: how the arm gets there from above with
-// the object in its hand, and away from it with the hand open.
+// Turns poses at which an object is to be put down into joint motions: how the arm gets there from
+// above with the object in its hand, and leaves with the hand open.
 //
 //   PlaceMotions motions(planning, object_in_tcp, PosesAbout(goal, object_in_world), q);
 //   while (std::optional<PlaceMotion> motion = motions.Next()) ...
@@ -16,32 +16,34 @@
 namespace robocell {
 
 struct PlaceMotion {
-  Pose object_in_world;  // where it is let go
+  Pose object_in_world;  // where it is released
   JointPath down;        // above the place ... at the place; the way back is the same
 };
 
 struct PlaceMotionOptions {
   double above = 0.10;   // where the way down begins, metres over the place
   double gap = 0;        // between the fingers while they hold the object, metres
-  double clearance = 0;  // of hand and object where the way down begins, metres
+  double clearance = 0;  // of hand and object at the start of the way down, metres
 };
 
-// A place for letting go of what is to rest at `place`: so little above it that nothing touches yet.
+// Returns where to release an object that is to rest at `place`: just high enough above it that
+// nothing touches yet.
 Eigen::Vector3d PlaceOver(const Eigen::Vector3d& place);
-// The poses of an object whose origin is at `place` (world), turned about the vertical in equal
-// steps from how it is turned in `object_in_world`.
+// Returns the poses of an object whose origin is at `place` (world), turned about the vertical in
+// equal steps from its rotation in `object_in_world`.
 std::vector<Pose> PosesAbout(const Eigen::Vector3d& place, const Pose& object_in_world);
 
 class PlaceMotions {
  public:
-  // The planning scene is used, and must live as long; where its target is, it says itself from then
-  // on. `poses`: of the object, in the world. `start`: joint positions that solutions should be near.
+  // `planning` is modified, including the pose of its target, and must outlive this object.
+  // `poses`: of the object, in the world. `start`: joint positions that solutions should be near.
   PlaceMotions(PlanningScene& planning, const Pose& object_in_tcp, const std::vector<Pose>& poses,
                const JointVector& start, const PlaceMotionOptions& options = {});
 
-  // The next one, nearest to the start first; unset when there is none left.
+  // Returns the next motion, nearest to the start first; unset when none is left.
   std::optional<PlaceMotion> Next();
-  // Why those so far were no good: "of 16 ways to put it down 12 out of reach, 4 in collision".
+  // Returns why the motions so far were rejected: "of 16 ways to put it down 12 out of reach, 4 in
+  // collision".
   std::string Reasons() const;
 
  private:

@@ -11,7 +11,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// A box in the hand as a grasp from above has it: its middle at the TCP, upright.
+// A box in the hand after a grasp from above: its centre at the TCP, upright.
 struct Carrying {
   explicit Carrying(const Eigen::Vector3d& place)
       : pick(MakePickScene(ObjectOnTheTable("box"))),

@@ -21,10 +21,10 @@ constexpr int kMostPlaces = 20;          // in each direction: large robots get 
 constexpr int kTurns = 4;                // of the gripper around the vertical, in half a turn
 constexpr double kTolerance = 1e-3;      // m and rad
 constexpr double kTypicalGap = 0.04;     // metres between the fingers
-constexpr double kTypicalHeight = 0.03;  // of an object's middle above what it stands on
+constexpr double kTypicalHeight = 0.03;  // of an object's centre above its support
 
 struct BasePlace {
-  double distance, offset;  // as base_distance and base_height_offset have them
+  double distance, offset;  // base_distance and base_height_offset
   bool grasp = false, pregrasp = false, lift = false;
 };
 
@@ -86,7 +86,7 @@ class Search {
   }
 
  private:
-  // From the bottom of what the robot stands on to its base frame.
+  // Returns the height of the base frame above the bottom of the robot's pedestal.
   double BaseUp() const {
     return (robot_.base().pose().inverse() * robot_.base_in_world()).translation().z();
   }
@@ -98,7 +98,8 @@ class Search {
     return out;
   }
 
-  // The TCP for a grasp of what is `distance` in front of the base and `offset` below its bottom.
+  // Returns the TCP for a grasp of an object `distance` in front of the base and `offset` below its
+  // bottom.
   Pose Tcp(const BasePlace& place, int turn, double above) const {
     const Pose& bottom = robot_.base().pose();
     const Eigen::Vector3d object =
@@ -122,7 +123,8 @@ class Search {
     }
   }
 
-  // The height with the most distances, and these; then what is configured.
+  // Describes the height with the most distances in reach, these distances, and the configured
+  // values.
   std::string Where(const std::string& what, const std::vector<BasePlace>& places) const {
     double best = 0;
     int most = 0;

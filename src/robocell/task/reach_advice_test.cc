@@ -17,13 +17,13 @@ using ::testing::Not;
 
 RunConfig DemoRun() { return RunConfig::Load(SourceDir() + "/examples/demo.yaml"); }
 
-// The number behind a text.
+// Returns the number that follows a text.
 double After(const std::string& text, const std::string& before) {
   const size_t at = text.find(before);
   return at == std::string::npos ? NAN : std::strtod(text.c_str() + at + before.size(), nullptr);
 }
 
-// What is advised is tried: the sampler accepts starts there.
+// Tries the advice: the sampler accepts starts there.
 TEST(ReachAdvice, NamesAPlaceFromWhichTheSamplerFindsAGrasp) {
   RunConfig run = DemoRun();
   run.start.base_height_offset = 0.3;  // the arm stands above the table

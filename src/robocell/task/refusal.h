@@ -1,5 +1,5 @@
-// Refusal: why a start could not be made. A value: refusals are counted and reported, they are no
-// errors.
+// Refusal: why a start could not be made. It is a value: refusals are counted and reported, they
+// are not errors.
 #pragma once
 
 #include <map>
@@ -8,11 +8,11 @@
 
 namespace robocell {
 
-// How often each reason came up, by what Refusal::counted_as() says.
+// How often each reason came up, by Refusal::counted_as().
 using RefusalCounts = std::map<std::string, int>;
 
-// Reasons are few and counted, details are for reading. A task of one's own may have reasons of its
-// own; those of the stages that all tasks share are here.
+// Reasons are few and counted, details are for reading. A custom task may have reasons of its own;
+// those of the stages that all tasks share are listed here.
 struct Refusal {
   static constexpr const char* kNoFreePlace = "no free place for the objects";
   static constexpr const char* kUnsettled = "objects did not come to rest";
@@ -24,30 +24,30 @@ struct Refusal {
   static constexpr const char* kCameraConstraint = "camera constraint";
   static constexpr const char* kInvalidScene = "invalid scene";
 
-  // The stages of a StartSampler (start_sampler.h), in their order.
+  // The stages of a StartSampler (start_sampler.h), in order.
   static constexpr const char* kObjectsStage = "objects";
-  static constexpr const char* kTaskStage = "task";  // what the task does and asks for itself
+  static constexpr const char* kTaskStage = "task";  // the task's own arrangement and conditions
   static constexpr const char* kBaseStage = "base";
   static constexpr const char* kCamerasStage = "cameras";
   static constexpr const char* kSettlingStage = "settling";
 
   std::string reason = kInvalidScene;
   std::string detail = {};
-  // Places that were tried and refused before, in the same call of Sample.
+  // Places refused earlier in the same call of Sample.
   RefusalCounts redrawn = {};
-  std::string object_kind = {};  // the target's, when it was chosen already
+  std::string object_kind = {};  // of the target, if already chosen
   std::string stage = {};        // that refused; "" for samplers without stages
 
-  // "base: no base pose reaches the object".
+  // Returns the key for counting: "base: no base pose reaches the object".
   std::string counted_as() const { return stage.empty() ? reason : stage + ": " + reason; }
-  // The same refusal of a stage, unless one inside of it made it.
+  // Returns the same refusal with the stage `by`, unless an inner stage has set one.
   Refusal MadeBy(const char* by) && {
     if (stage.empty()) stage = by;
     return std::move(*this);
   }
 };
 
-// Whether any stage refused for this reason.
+// Returns true if any stage refused for this reason.
 inline bool HasReason(const RefusalCounts& counts, const std::string& reason) {
   for (const auto& [counted, count] : counts) {
     if (counted == reason || counted.ends_with(": " + reason)) return true;

@@ -1,9 +1,9 @@
-// The kinds of samplers: where episodes start, by names that a run file may say (`sampler: ...`) in
-// the place of its task's own sampler. One's own are registered like tasks and experts:
+// The kinds of samplers, which decide where episodes start. A run file may name one (`sampler:
+// ...`) to replace its task's own sampler. Custom kinds are registered like tasks and experts:
 //
 //   RegisterSampler("on_the_floor", std::make_shared<SamplerKindOf<OnTheFloor>>());
 //
-// Includes nothing of a concrete sampler; what runs tasks includes this file.
+// This file includes no concrete sampler; the code that runs tasks includes it.
 #pragma once
 
 #include <memory>
@@ -19,11 +19,11 @@ class SamplerKind {
  public:
   virtual ~SamplerKind() = default;
   virtual std::shared_ptr<TaskSampler> Make(const RunConfig& run) const = 0;
-  // Source files that define it, for kinds that users write: a dataset remembers what they held.
+  // Returns the source files that define a custom kind; a dataset stores their contents.
   virtual std::vector<std::string> CodeFiles() const { return {}; }
 };
 
-// A kind whose samplers are made as T(const RunConfig&).
+// A kind that makes its samplers as T(const RunConfig&).
 template <class T>
 class SamplerKindOf : public SamplerKind {
  public:
@@ -32,20 +32,20 @@ class SamplerKindOf : public SamplerKind {
   }
 };
 
-// Makes a kind known on all threads, from now on. ArgumentError for a name that is taken, unless
-// `replace` allows it.
+// Registers a kind for all threads. Throws ArgumentError for a name that is taken, unless `replace`
+// allows it.
 void RegisterSampler(const std::string& kind, std::shared_ptr<const SamplerKind> sampler,
                      bool replace = false);
-// All kinds, in alphabetical order.
+// Returns all kinds in alphabetical order.
 std::vector<std::string> SamplerKinds();
-// NotFoundError lists the kinds.
+// Returns the kind. Throws NotFoundError that lists the kinds.
 std::shared_ptr<const SamplerKind> FindSamplerKind(const std::string& kind);
 
-// The sampler of a run's starts: the one that it names, else its task's.
+// Returns the sampler of a run's starts: the one that it names, else its task's.
 std::shared_ptr<TaskSampler> MakeSampler(const RunConfig& run);
 
-// Binds the task of a start to its scene unless the sampler did. It acts with the run's robot, or
-// with all arms of the scene where that is none of them.
+// Binds the task of a start to its scene unless the sampler did. The run's robot acts, or all arms
+// of the scene where the run's robot is not in it.
 void BindStart(EpisodeStart& start, const RunConfig& run);
 
 }  // namespace robocell

@@ -24,21 +24,21 @@
 namespace robocell {
 namespace {
 
-// Of objects and base around each other. Where none of a few fits hardly one of many does: the next
-// attempt moves on from there.
+// Tries of objects and base around each other. Where none of a few fits, hardly one of many does:
+// the next attempt moves on from there.
 constexpr int kArrangements = 8;
-constexpr int kPlaceTries = 60;           // of objects, until a base pose is clear of the support
-constexpr size_t kMostScenes = 64;        // whose supports and landmarks are remembered
+constexpr int kPlaceTries = 60;           // for objects, until a base pose is clear of the support
+constexpr size_t kMostScenes = 64;        // whose supports and landmarks are cached
 constexpr double kSamePlace = 1e-6;       // metres
 const Eigen::Vector3d kParked(20, 0, 1);  // where the robot waits while the objects settle
 
-// Where the base's placement of an episode stands in a sequence that is even over any stretch, and
-// over the first episodes of any number of scenes: the factor is prime.
+// Returns the position of an episode's base placement in a sequence that is even over any stretch,
+// and over the first episodes of any number of scenes: the factor is prime.
 uint64_t PlacementTurn(const SampleRequest& request) {
   return static_cast<uint64_t>(request.scene) * 7919 + static_cast<uint64_t>(request.episode);
 }
 
-// Of objects that somebody else made: they are measured before a scene is compiled of them.
+// Checks objects that other code made: they are measured before they are compiled into a scene.
 void RequireValid(const std::vector<SceneObject>& objects, const std::string& who) {
   for (const SceneObject& object : objects) {
     Problems problems;
@@ -69,8 +69,8 @@ StartSampler::~StartSampler() = default;
 ObjectSizes& StartSampler::sizes() { return measured_->sizes; }
 std::shared_ptr<const GripperShape>& StartSampler::shape() { return measured_->shape; }
 
-// Many scenes of a run may have the same base, and a subclass may make another one every time, or
-// another file of the same name.
+// Many scenes of a run may share a base, and a subclass may make a different one every time, or a
+// different file of the same name.
 Support StartSampler::FindSupportOf(const SceneSpec& base, int scene_index, Rng& rng) {
   if (const auto known = source_->CheckedAnnotations(scene_index);
       known && !known->supports.empty())
@@ -273,7 +273,7 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& su
   return ValidatePlaced(setup);
 }
 
-// A task that moves its target once more may take it out of the range that it asked for.
+// A task that moves its target again may take it out of the range that it required.
 std::optional<Refusal> StartSampler::ValidateDistance(const Setup& setup,
                                                       const Pose& proposed_for) const {
   const Pose target = setup.target();
@@ -281,7 +281,7 @@ std::optional<Refusal> StartSampler::ValidateDistance(const Setup& setup,
   return ValidateBaseDistance(setup.robot, target, base_range());
 }
 
-// What holds before and after settling.
+// Checks the conditions that hold both before and after settling.
 std::optional<Refusal> StartSampler::ValidatePlaced(Setup& setup) {
   if (setup.target_body.empty()) {
     if (auto refusal = ValidateBaseClearance(setup.scene, setup.robot, run_.start.base_clearance))
@@ -295,8 +295,8 @@ std::optional<Refusal> StartSampler::ValidatePlaced(Setup& setup) {
   return std::nullopt;
 }
 
-// Draws places for the objects and for the base until both fit, and counts those that do not.
-// Nothing is stepped, so many are tried quickly.
+// Draws places for the objects and the base until both fit, and counts the rejected ones. Nothing
+// is stepped, so many tries are cheap.
 std::optional<Refusal> StartSampler::Arrange(Setup& setup, const Support& support,
                                              const BasePlacement& placement, Rng& rng) {
   std::optional<Refusal> refusal = ArrangeOnce(setup, support, placement, rng);
@@ -308,7 +308,7 @@ std::optional<Refusal> StartSampler::Arrange(Setup& setup, const Support& suppor
   return refusal;
 }
 
-// From the built scene to the start state.
+// Turns the built scene into the start state.
 std::optional<Refusal> StartSampler::PrepareStart(Setup& setup, const Support& support,
                                                   const BasePlacement& placement, Rng& rng) {
   if (auto refusal = Arrange(setup, support, placement, rng)) return refusal;

@@ -1,12 +1,12 @@
-// StartSampler: where the episodes of a run start, stage by stage: a base scene from the run's
-// source, objects that come to rest on its support or where `start.places` puts them, what the task
-// does itself, a robot placed beside the first object (base_placement.h), cameras that see it, and
-// settling. Without objects the robot stands beside the middle of the support, and cameras are not
-// looked through. Distances and heights are spread evenly over the episodes of a run (a
+// StartSampler: makes the starts of a run's episodes stage by stage: a base scene from the run's
+// source, objects that come to rest on its support or where `start.places` puts them, the task's
+// own arrangement, a robot placed beside the first object (base_placement.h), cameras that see it,
+// and settling. Without objects the robot stands beside the middle of the support, and cameras are
+// not checked. Distances and heights are spread evenly over the episodes of a run (a
 // low-discrepancy sequence), so that a short run covers the ranges too.
 //
-// Stages can be replaced one by one by subclassing, in C++ and in Python. All randomness comes from
-// the Rng given to Sample; a start that cannot be made is a Refusal with its stage and reason.
+// Subclasses can replace single stages, in C++ and in Python. All randomness comes from the Rng
+// passed to Sample; a start that cannot be made is a Refusal with its stage and reason.
 // TaskStartSampler makes starts of any registered task.
 #pragma once
 
@@ -34,7 +34,7 @@ class GripperShape;
 class SceneSource;
 class TaskKind;
 
-// The objects of a start: what it is about first.
+// The objects of a start, the target first.
 struct StartContents {
   std::vector<SceneObject> objects;
   std::vector<std::string> kinds;  // what to call each, by the catalogue where it is from there
@@ -53,55 +53,56 @@ class StartSampler : public TaskSampler {
   // geometry.
   std::shared_ptr<const SceneAnnotations> AnnotationsOf(int scene_index);
 
-  // The stages, in their order.
+  // The stages, in order.
   virtual SceneSpec MakeBaseScene(int scene_index);
-  // Where objects are put in the base scene: one of the supports that the source knows of, chosen
-  // at random, else the one that its geometry has.
+  // Returns where objects are put in the base scene: one of the supports that the source declares,
+  // chosen at random, else the one found from its geometry.
   virtual Support FindSupportOf(const SceneSpec& base, int scene_index, Rng& rng);
-  // Adds what the episode is about to the base scene and says what was added.
+  // Adds the episode's objects to the base scene and returns what was added.
   virtual StartContents AddContents(const SampleRequest& request, SceneSpec& spec, Rng& rng) = 0;
   // Puts the objects without a pose on the support without overlap; false when there is no room.
   // Objects that have a place in relation to something (`start.places`) are not among them.
   virtual bool PlaceObjects(const Support& support, std::vector<SceneObject>& objects, Rng& rng);
-  // Distance and height, spread evenly over the ranges by the episode's number.
+  // Returns distance and height, spread evenly over the ranges by the episode's number.
   virtual BasePlacement ChooseBasePlacement(const SampleRequest& request, Rng& rng);
-  // A pose for the robot's base (the bottom of its pedestal) around the target, facing it, where
-  // the robot as it stands now keeps clear of the support; nothing when there is none. Then the
-  // objects are placed anew.
+  // Returns a pose for the robot's base (the bottom of its pedestal) around the target, facing it,
+  // in which the robot's present configuration keeps clear of the support; unset if there is none.
+  // The objects are then placed anew.
   virtual std::optional<Pose> ProposeBasePose(const Robot& robot, const Support& support,
                                               const Pose& target_in_world,
                                               const BasePlacement& placement, Rng& rng);
-  // Whether the robot stands free there, with the target in reach; the refusal says why not.
+  // Refuses a base where the robot is in collision or the target is out of reach, with the reason.
   virtual std::optional<Refusal> ValidateBasePose(Scene& scene, Robot& robot,
                                                   const std::string& target_body);
-  // Whether the cameras of `start.visible_from` see the target; the refusal says why not.
+  // Refuses a start in which the cameras of `start.visible_from` do not see the target, with the
+  // reason.
   virtual std::optional<Refusal> ValidateCameras(Scene& scene, const std::string& target_body);
-  // What the episode is about: `target` among `objects`, names in the scene.
+  // Returns the episode's task: `target` is among `objects`, all names in the scene.
   virtual std::shared_ptr<Task> MakeTask(const std::string& target, const std::string& kind,
                                          const std::vector<std::string>& objects) = 0;
 
  protected:
-  // The task's own range of base poses, where `start` of the run says nothing.
+  // Returns the task's own range of base poses, for what `start` of the run leaves open.
   virtual BaseRange own_base_range() const { return {}; }
-  // Whether an object of another start may have this name or kind, so that `start.places` may name
-  // what this start does not have.
+  // Returns true if an object of another start may have this name or kind, so that `start.places`
+  // may name an object that this start lacks.
   virtual bool MayHaveObject(const std::string& /*name*/) const { return false; }
   // Contents of a few starts that have among them what starts of this scene may have.
   virtual std::vector<StartContents> PossibleContents(int scene_index);
   // The task's own places of objects in relation to something; those of `start` come before them.
   virtual Map<ObjectPlace> own_places() const { return {}; }
-  // Where the task itself puts bodies of the scene, by their names; asked before the base is placed,
-  // each time that objects are.
+  // Returns where the task itself puts bodies of the scene, by name. Called before the base is
+  // placed, each time that objects are placed.
   virtual BodyPoses TaskStarts(Rng& /*rng*/) { return {}; }
-  // What the task does itself once everything is in its place, before it settles.
+  // Arranges the scene for the task, with everything in its place and before it settles.
   virtual std::optional<Refusal> ArrangeTask(Scene& /*scene*/, Rng& /*rng*/) { return {}; }
-  // Sizes of objects, measured once in a call of Sample.
+  // Returns the sizes of objects, measured once in a call of Sample.
   ObjectSizes& sizes();
-  // What is the same in one call of Sample, and costs a look at the disk each time.
+  // Returns the gripper's shape, which reads the disk and stays the same in one call of Sample.
   std::shared_ptr<const GripperShape>& shape();
 
  private:
-  struct Setup;  // the scene being made
+  struct Setup;  // the scene under construction
   struct Measured;
   std::optional<Refusal> Arrange(Setup& setup, const Support& support,
                                  const BasePlacement& placement, Rng& rng);
@@ -148,7 +149,7 @@ class TaskStartSampler : public StartSampler {
 
  private:
   std::shared_ptr<const TaskKind> kind_;
-  std::shared_ptr<Task> task_;  // of the start that is being made
+  std::shared_ptr<Task> task_;  // of the start under construction
 };
 
 }  // namespace robocell

@@ -1,4 +1,4 @@
-// Starts of a task that robocell does not know: two blocks on the table.
+// Tests starts of a task that is not built in: two blocks on the table.
 #include "robocell/task/start_sampler.h"
 
 #include <gmock/gmock.h>
@@ -128,7 +128,7 @@ TEST(TaskStartSampler, PutsWhatATaskPreparesOnTheTableAndTheRobotBesideIt) {
 
 TEST(TaskStartSampler, TheSameRequestGivesTheSameStart) {
   TaskStartSampler first(BlocksRun()), second(BlocksRun());
-  FirstAccepted(second, 4);  // what was sampled before does not matter
+  FirstAccepted(second, 4);  // earlier samples do not matter
   const SampleResult a = FirstAccepted(first, 1), b = FirstAccepted(second, 1);
   ASSERT_TRUE(a.start && b.start);
   EXPECT_EQ(a.start->scene.state(), b.start->scene.state());
@@ -181,7 +181,7 @@ TEST(TaskStartSampler, ACameraThatDoesNotSeeTheObjectRefusesTheStart) {
       << result.refusal.counted_as();
 }
 
-// The base is placed around where the object is, whoever put it there.
+// The base is placed around the object, no matter what placed the object.
 TEST(TaskStartSampler, TheBaseStandsInItsRangeAroundATargetThatTheTaskMoved) {
   for (const bool late : {false, true}) {
     const RunConfig run = BlocksRun({.moves = !late, .moves_late = late});

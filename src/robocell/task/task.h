@@ -1,9 +1,9 @@
-// What an episode is about: Task says what is to be done and judges, TaskSampler sets up, Expert
-// acts. All three are interfaces that users can subclass, in C++ or Python, and register by a name
+// The roles in an episode: Task states and judges the goal, TaskSampler sets up, Expert acts. All
+// three are interfaces that users can subclass, in C++ or Python, and register by name
 // (task_kind.h, expert/expert_kind.h). None of them knows of files.
 //
-// Frames: poses in the world unless named otherwise. Randomness only from the Rng that is handed
-// in.
+// Poses are in the world frame unless named otherwise. Randomness only comes from the Rng that is
+// passed in.
 #pragma once
 
 #include <cstdint>
@@ -35,31 +35,31 @@ namespace robocell {
 // Objects farther away are observed at this distance along each axis, m: they may fall for ever.
 inline constexpr double kFarthestObject = 100;
 
-// What a state is worth.
+// A task's judgement of a state.
 struct TaskVerdict {
   double reward = 0;
   bool success = false;
   double progress = 0;  // from 0 at the start to 1 at success
-  int subtask = 0;      // index into subtasks(), with several of them
+  int subtask = 0;      // index into subtasks(), if there are several
 };
 
-// What a task is about: a compiled scene, which was not reset yet, and how it is called in messages.
+// The setting of a task: a compiled scene, not reset yet, and its name in messages.
 struct TaskSetting {
   std::string place;                // "environment 'duo'"
-  std::vector<std::string> robots;  // names of those that act
-  // Where objects stand in the root frame unless the task moves them, by name.
+  std::vector<std::string> robots;  // names of the robots that act
+  // Poses of objects in the root frame, by name, unless the task moves them.
   std::map<std::string, Pose> objects = {};
 };
 
-// What robots are to do. The same class serves environments, generated datasets and evaluation.
+// The goal of the robots. The same class serves environments, generated datasets and evaluation.
 //
-// A scene has to hold what the task is about: Prepare adds it to the scene's spec. Bind follows
+// A scene has to contain the task's objects: Prepare adds them to the scene's spec. Bind follows
 // once the scene is compiled. Each episode begins with Starts, a reset that puts robots at home and
-// bodies there, Arrange, both again while resting_objects() do not lie still, and Begin. After each
-// step come Judge and Observe. Copies of an environment have a task each; their threads call them
-// at the same time, one call at a time for each.
+// bodies at these starts, and Arrange (all of them again while resting_objects() do not lie still),
+// and then Begin. Each step is followed by Judge and Observe. Each copy of an environment has its
+// own task; threads call different tasks at the same time, but one task by one call at a time.
 //
-// What it adds to the observation it declares as signals(), read by Observe
+// A task declares its contributions to the observation as signals(), which Observe reads
 // (features/declared_features.h).
 class Task : public DeclaresFeatures {
  public:
@@ -69,34 +69,34 @@ class Task : public DeclaresFeatures {
   virtual void Prepare(SceneSpec& /*spec*/, Rng& /*rng*/) {}
   virtual void Bind(const Scene& /*scene*/, const TaskSetting& /*setting*/) {}
 
-  // Where free and mocap bodies start: poses in the world, by their names in the scene. The reset
-  // puts them there with all else, which is several times as fast as moving them in Arrange. The
-  // scene is still where the last episode ended: do not look at it; what depends on it belongs into
-  // Arrange.
+  // Returns where free and mocap bodies start: poses in the world, by their names in the scene. The
+  // reset puts them there with everything else, which is several times as fast as moving them in
+  // Arrange. The scene is still in the last state of the previous episode: do not read it; what
+  // depends on the scene belongs in Arrange.
   virtual BodyPoses Starts(Rng& /*rng*/) { return {}; }
-  // Does what else an episode starts with; the robots are at their start already. `rng` goes on
-  // from Starts. A refusal ends this start, and another one is drawn.
+  // Arranges the rest of the start; the robots are at their start already. `rng` continues from
+  // Starts. A refusal discards this start, and another one is drawn.
   virtual std::optional<Refusal> Arrange(Scene& /*scene*/, Rng& /*rng*/) { return {}; }
-  // Remembers what success is measured from. The scene is at its start state.
+  // Stores the values that success is measured from. The scene is in its start state.
   virtual void Begin(const Scene& /*scene*/) {}
   virtual TaskVerdict Judge(const Scene& scene) = 0;
 
   virtual std::string instruction() const = 0;
-  // Names of the objects whose poses are observed and recorded, what the task is about first.
+  // Returns the names of the objects whose poses are observed and recorded, the target first.
   virtual std::vector<std::string> objects() const { return {}; }
-  // Objects that have to lie still when an episode begins: touching no robot, inside of nothing and
-  // with something under them (scenes/start_check.h).
+  // Returns the objects that have to lie still when an episode begins: touching no robot, inside of
+  // nothing and with something under them (scenes/start_check.h).
   virtual std::vector<std::string> resting_objects() const { return {}; }
-  // What TaskVerdict::subtask counts through.
+  // Returns the names that TaskVerdict::subtask indexes.
   virtual std::vector<std::string> subtasks() const { return {}; }
-  // In runs: where the robot's base may stand around the first of objects(), as far as `start` of
-  // the run does not say.
+  // In runs: returns where the robot's base may stand around the first of objects(), for what
+  // `start` of the run leaves open.
   virtual BaseRange base_range() const { return {}; }
-  // In runs: objects that start on, inside or next to something, by their names, as far as
-  // `start.places` of the run does not say. The others lie on the support.
+  // In runs: returns the objects that start on, inside or next to another one, by name, for what
+  // `start.places` of the run leaves open. The others lie on the support.
   virtual Map<ObjectPlace> places() const { return {}; }
-  // Why an episode whose expert has finished is no success, in few words for counting. One that ran
-  // out of steps counts as "timeout".
+  // Returns why an episode whose expert has finished is no success, in few words for counting. An
+  // episode that ran out of steps counts as "timeout".
   virtual std::string why_not_done() const { return "the task was not done"; }
 
   // What is known of the scene that Prepare adds to: what its source says, checked, else what
@@ -118,31 +118,32 @@ class Task : public DeclaresFeatures {
   mutable std::shared_ptr<const SceneAnnotations> annotations_;
 };
 
-// What is recorded of a state before an action: numbers and images, which live as long as the call
-// that gets them.
+// The record of a state before an action: numbers and images, which are valid during the call that
+// receives them.
 struct CellRow {
   const FeatureSchema& observed;
   std::span<const double> numbers;  // of `observed`, one after another
   const CellImages& images;
 };
 
-// Where and with what an episode starts: a built scene at its start state, and its task.
+// How an episode starts: a built scene in its start state, and its task.
 struct EpisodeStart {
   Scene scene;
   std::shared_ptr<Task> task;
   std::string target_object;              // name in the scene
   std::vector<std::string> object_kinds;  // catalogue names, the target's first
   Pose base_in_world;                     // of the robot's base group
-  // Places that were tried and refused on the way to this start, in the same call of Sample.
+  // Places refused on the way to this start, in the same call of Sample.
   RefusalCounts redrawn = {};
-  // Whether the sampler has bound the task; else who runs the episode does (BindStart).
+  // True if the sampler has bound the task; else the code that runs the episode binds it
+  // (BindStart).
   bool is_bound = false;
 };
 
 struct SampleResult {
   std::optional<EpisodeStart> start;
   Refusal refusal = {};
-  // The target's catalogue name; "" when the sampler does not say.
+  // Returns the target's catalogue name; "" if the sampler sets none.
   std::string object_kind() const {
     if (!start) return refusal.object_kind;
     return start->object_kinds.empty() ? "" : start->object_kinds.front();
@@ -150,17 +151,17 @@ struct SampleResult {
   const RefusalCounts& redrawn() const { return start ? start->redrawn : refusal.redrawn; }
 };
 
-// Which start is asked for. Samplers may use the numbers to spread their choices evenly over a run.
+// The requested start. Samplers may use the numbers to spread their choices evenly over a run.
 struct SampleRequest {
   int scene = 0;          // which scene of the source
-  int episode = 0;        // which episode in that scene
-  int attempt = 0;        // which try at that episode
-  StopRequest stop = {};  // when it says true, the sampler may refuse with any reason
+  int episode = 0;        // number of the episode in that scene
+  int attempt = 0;        // number of the attempt at that episode
+  StopRequest stop = {};  // once it returns true, the sampler may refuse with any reason
 };
 
 class TaskSampler : public Hooks {
  public:
-  // Same request and rng state, same start.
+  // The same request and rng state give the same start.
   virtual SampleResult Sample(const SampleRequest& request, Rng& rng) = 0;
   // Adds what is known to be wrong with its starts before the first one, at the fields of the run.
   // `scenes`: numbers of the run's scenes, of those that are alike one.
@@ -170,15 +171,16 @@ class TaskSampler : public Hooks {
 class Expert : public Hooks {
  public:
   virtual void Begin(const Scene& scene, Rng& rng) = 0;
-  // Called before each Act with what is recorded of the state: for those who act from that alone.
+  // Receives, before each Act, what is recorded of the state: for policies that act from that
+  // alone.
   virtual void See(const CellRow& /*row*/) {}
-  // Called once per policy tick with the state before the action.
+  // Returns the action of one policy tick for the present state.
   virtual Action Act(const Scene& scene, Rng& rng) = 0;
   virtual bool done() const = 0;  // finished or given up
-  // Why it gave up, "" otherwise. A rollout that ends with one is no success, whatever its task
-  // says.
+  // Returns why it gave up, "" otherwise. A rollout that ends with a failure is no success,
+  // whatever its task says.
   virtual std::string failure() const = 0;
-  // Whether a rollout ends as soon as the task is done: for policies, which do not know it.
+  // Returns true if a rollout ends as soon as the task is done: for policies, which do not know it.
   virtual bool ends_at_success() const { return false; }
   virtual int phase() const = 0;  // index into phase_names(), for the record
   virtual std::vector<std::string> phase_names() const = 0;

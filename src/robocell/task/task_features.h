@@ -1,5 +1,5 @@
-// All features of a cell with a task: what scene, robots and registered features contribute, and the
-// signals of the task as `task/<signal>`.
+// All features of a cell with a task: those of the scene, the robots and registered features, and
+// the task's signals as `task/<signal>`.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@
 
 namespace robocell {
 
-// `task`: bound to the scene; null for a cell without. `own`: registered features.
+// `task`: bound to the scene; null for a cell without one. `own`: registered features.
 CellFeatures FeaturesOfCell(const Scene& scene, const std::vector<Robot>& robots,
                             std::shared_ptr<const Task> task, const std::vector<std::string>& own);
 

@@ -1,5 +1,5 @@
-// For tests only: what a function throws when a user without rights calls it. Tests often run as
-// root, to whom no folder is closed.
+// For tests only: returns the exception of a function that a user without rights calls. Tests often
+// run as root, to whom no folder is closed.
 //
 //   EXPECT_THAT(SaidToNobody([&] { AtomicWrite(closed / "a", ""); }), HasSubstr("Permission"));
 #pragma once
@@ -14,8 +14,8 @@ namespace robocell {
 
 inline constexpr uid_t kNobody = 65534;
 
-// Runs `function` in a child process as an unprivileged user; "nothing was thrown" when it went
-// well.
+// Runs `function` in a child process as an unprivileged user; returns "nothing was thrown" without
+// an exception.
 template <class Function>
 std::string SaidToNobody(Function&& function) {
   int ends[2];

@@ -1,5 +1,5 @@
 // Runs some of this test program's own tests in a child process with other environment variables.
-// For tests only: for what can be had once per process, such as the OpenGL library.
+// For tests only: for resources that exist once per process, such as the OpenGL library.
 //
 //   const ChildRun run = RunTestsInChild("Projection.*", "ROBOCELL_GL=osmesa");
 //   EXPECT_TRUE(run.passed) << run.output;
@@ -22,7 +22,7 @@ struct ChildRun {
 // `filter` is GoogleTest's.
 inline ChildRun RunTestsInChild(const std::string& filter, const std::string& environment) {
   const std::string self = std::filesystem::read_symlink("/proc/self/exe");
-  // Also when this program runs only its share of the tests.
+  // Also works if this program runs only its share of the tests.
   const std::string command = "env -u GTEST_TOTAL_SHARDS -u GTEST_SHARD_INDEX " + environment +
                               " '" + self + "' --gtest_filter='" + filter + "' 2>&1";
   ChildRun run;

@@ -27,7 +27,7 @@ class AllocationCount {
 
 }  // namespace robocell
 
-// Not inlined: g++ would see malloc and free through one of a pair only and warn.
+// Not inlined: g++ would see malloc and free in only one of a pair and warn.
 [[gnu::noinline]] void* operator new(std::size_t size) {
   ++robocell::allocation_internal::count;
   if (void* p = std::malloc(size ? size : 1)) return p;

@@ -7,25 +7,25 @@
 namespace robocell {
 
 struct Svd {
-  Eigen::VectorXd values;  // the greatest first
+  Eigen::VectorXd values;  // in descending order
   Eigen::MatrixXd left;    // square; column i belongs to value i
 };
 Svd SvdOf(const Eigen::MatrixXd& m);
 
 struct Eigenpairs {
-  Eigen::VectorXd values;   // the least first
+  Eigen::VectorXd values;   // in ascending order
   Eigen::MatrixXd vectors;  // in columns, orthonormal
 };
-// Of a symmetric matrix.
+// Decomposes a symmetric matrix.
 Eigenpairs EigenpairsOf(const Eigen::MatrixXd& m);
 
-// Unit vectors, in columns, that `m` takes to zero.
+// Returns unit vectors, in columns, that `m` maps to zero.
 Eigen::MatrixXd NullSpaceOf(const Eigen::MatrixXd& m);
 
-// The orthogonal factor of a square matrix (QR).
+// Returns the orthogonal factor of a square matrix (QR).
 Eigen::MatrixXd OrthogonalPartOf(const Eigen::MatrixXd& m);
 
-// x with m x = right side, for a symmetric positive definite m.
+// Returns x with m x = right side, for a symmetric positive definite m.
 Eigen::MatrixXd SolvePositive(const Eigen::MatrixXd& m, const Eigen::MatrixXd& right_side);
 
 }  // namespace robocell

@@ -11,14 +11,14 @@
 
 namespace robocell {
 
-// ExpectThrow of types that are not told: tests have hundreds, so what they share is compiled once.
+// ExpectThrow with the types hidden: tests have hundreds, so the common part is compiled once.
 // `call` calls what `function` points to.
 std::string ExpectThrown(void (*call)(void* function), void* function,
                          const std::type_info& expected,
                          bool (*is_expected)(const std::exception& thrown),
                          const std::string& text);
 
-// Returns the message, so that more can be asked of it; "" when nothing of that type was thrown.
+// Returns the message for further checks; "" if nothing of that type was thrown.
 template <typename Exception, typename Function>
 std::string ExpectThrow(Function&& function, const std::string& text) {
   static_assert(std::is_base_of_v<std::exception, Exception>);

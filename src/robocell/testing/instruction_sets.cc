@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-// Those of lane_kernel.cc and of operational_space.cc.
+// The targets of lane_kernel.cc and of operational_space.cc.
 #define HWY_WANT_AVX3_DL
 #define HWY_DISABLED_TARGETS \
   (HWY_SSSE3 | HWY_SSE4 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
@@ -11,7 +11,7 @@
 namespace robocell {
 namespace {
 
-// From now on kernels use the best of these; 0 for all.
+// Makes kernels use the best of these targets; 0 for all.
 void Allow(int64_t targets) {
   hwy::SetSupportedTargetsForTest(targets);
   hwy::GetChosenTarget().Update(hwy::SupportedTargets());
@@ -23,7 +23,7 @@ void OnEveryInstructionSet(const std::function<void(const std::string& name)>& t
   for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
     const std::string name = hwy::TargetName(target);
     SCOPED_TRACE(name);
-    Allow(-target);  // and those of higher bits, the plainer ones, for kernels that lack it
+    Allow(-target);  // and the plainer ones of higher bits, for kernels that lack it
     test(name);
     Allow(0);
   }

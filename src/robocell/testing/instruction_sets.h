@@ -1,4 +1,4 @@
-// Runs a test on every instruction set for which there is code and which this processor has.
+// Runs a test on every instruction set that has code and that this processor supports.
 #pragma once
 
 #include <functional>
@@ -6,7 +6,7 @@
 
 namespace robocell {
 
-// Calls `test` with the name of the instruction set that all kernels use meanwhile.
+// Calls `test` with the name of the instruction set that all kernels use during the call.
 void OnEveryInstructionSet(const std::function<void(const std::string& name)>& test);
 
 }  // namespace robocell

@@ -5,8 +5,8 @@
 
 namespace robocell {
 
-// As many values at a time as there are lanes; `any`: also beyond what the kernels' inner loops
-// are for. The number of values must be a multiple of 8.
+// Computes as many values at a time as there are lanes; `any`: also beyond the range of the
+// kernels' inner loops. The number of values must be a multiple of 8.
 void LaneSinCos(std::span<const double> angles, bool any, std::span<double> sines,
                 std::span<double> cosines);
 

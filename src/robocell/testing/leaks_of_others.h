@@ -1,10 +1,9 @@
-// For tests only: while one of these lives, what this thread allocates is no leak for
-// LeakSanitizer. For calls into code of others that is known to lose memory in the case that is
-// tested:
+// For tests only: during its lifetime LeakSanitizer ignores allocations of this thread. For calls
+// into other libraries that are known to leak memory in the tested case:
 //
 //   const LeaksOfOthers leaks;  // the engine forgets what it had made when it throws
 //
-// Without the sanitizer nothing.
+// Without the sanitizer it does nothing.
 #pragma once
 
 // NOLINTBEGIN(clang-diagnostic-reserved-identifier): the sanitizer's names

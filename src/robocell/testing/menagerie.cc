@@ -24,7 +24,7 @@ std::string Environment(const char* name) {
 
 fs::path SharedRoot() { return fs::path(SourceDir()).parent_path() / "shared" / "menagerie"; }
 
-// Makes ../shared/menagerie the root of this process when nothing else was said.
+// Makes ../shared/menagerie the root of this process by default.
 void AdoptSharedRoot() {
   static std::once_flag once;
   std::call_once(once, [] {

@@ -1,4 +1,4 @@
-// Where tests find the MuJoCo Menagerie's robots. For tests only; the library has assets/.
+// Finds the MuJoCo Menagerie's robots for tests. For tests only; the library has assets/.
 //
 // Looked at in this order, the first that is there wins:
 //   1. the folder named by the environment variable MENAGERIE_ROOT
@@ -21,20 +21,20 @@
 
 namespace robocell {
 
-// The models that tests may ask for: what `REQUIRE_MENAGERIE()` without names requires.
+// The models that tests may use: `REQUIRE_MENAGERIE()` without names requires all of them.
 const std::vector<std::string>& MenagerieTestModels();
 
-// Full path of a model's folder or of one file in it, e.g. ("ufactory_xarm7", "xarm7.xml").
-// Throws IoError with MissingMenagerie's text when it is nowhere.
+// Returns the full path of a model's folder or of one file in it, e.g. ("ufactory_xarm7",
+// "xarm7.xml"). Throws IoError with MissingMenagerie's text if it is missing.
 std::string MenagerieModel(std::string_view model, std::string_view file = "");
 
-// Empty when all models (none given: MenagerieTestModels()) are there; else a sentence that names
-// the missing ones, the places looked at and the command that fetches them.
+// Returns "" if all models (by default: MenagerieTestModels()) exist; else a sentence that names
+// the missing ones, the searched places and the command that fetches them.
 std::string MissingMenagerie(const std::vector<std::string>& models);
 
 }  // namespace robocell
 
-// Skips the running test (fails it when CI=true) unless the named models, or all, are there.
+// Skips the running test (fails it with CI=true) unless the named models, or all, exist.
 #define REQUIRE_MENAGERIE(...)                                                                     \
   do {                                                                                             \
     if (const std::string missing = ::robocell::MissingMenagerie({__VA_ARGS__}); !missing.empty()) \

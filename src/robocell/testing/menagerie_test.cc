@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 class MenagerieTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    MissingMenagerie({"any"});  // a shared root, if there is one, has been adopted from here on
+    MissingMenagerie({"any"});  // a shared root, if any, is adopted from here on
     dir_ = fs::path(::testing::TempDir()) /
            ("menagerie_" +
             std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));

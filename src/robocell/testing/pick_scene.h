@@ -22,7 +22,7 @@ inline RunConfig ExampleRun(const std::string& file) {
   return RunConfig::Load(SourceDir() + "/examples/" + file);
 }
 
-// An object of a kind of the catalogue, "target", in the middle of the table, not settled.
+// Returns "target", an object of a kind of the catalogue, in the middle of the table, not settled.
 inline SceneObject ObjectOnTheTable(const std::string& kind, double yaw = 0.3) {
   Rng rng = Rng::Stream(3, "object", kind);
   SceneObject object = MakeCatalogueObject(kind, "target", rng);
@@ -47,8 +47,7 @@ struct PickScene {
   }
 };
 
-// The robot's base stands `distance` in front of the object, as high as the table's top less 0.25
-// m.
+// The robot's base stands `distance` in front of the object, 0.25 m below the table's top.
 inline PickScene MakePickScene(SceneObject object, const std::string& run_file = "demo.yaml",
                                double distance = 0.42) {
   const RunConfig run = ExampleRun(run_file);

@@ -14,13 +14,13 @@ inline Eigen::Vector3d RandomVector(Rng& rng, double size = 1) {
   return Eigen::Vector3d(x, y, rng.Uniform(-size, size));
 }
 
-// Of unit length, all directions equally likely.
+// Returns unit vectors, with all directions equally likely.
 inline Eigen::Vector3d RandomDirection(Rng& rng) {
   const double x = rng.Normal(), y = rng.Normal();
   return Eigen::Vector3d(x, y, rng.Normal()).normalized();
 }
 
-// Up to 2 m away along each axis, any orientation.
+// Returns poses up to 2 m away along each axis, with any orientation.
 inline Pose RandomPose(Rng& rng) {
   const Eigen::Vector3d translation = RandomVector(rng, 2);
   return Pose(translation, RandomQuaternion(rng));

@@ -1,5 +1,5 @@
-// For tests that something did not become many times slower: measures how long it takes beside
-// something else, in the same run. benchmarks/ measures speed.
+// For tests that some code did not become many times slower: measures its time beside that of other
+// code, in the same run. benchmarks/ measures speed.
 #pragma once
 
 #include <algorithm>
@@ -8,8 +8,8 @@
 
 namespace robocell {
 
-// What our code may take beside the engine's where `optimised` is allowed when it is optimised:
-// many times as much in builds for sanitizers and debuggers, which slow the one and not the other.
+// Returns the allowed ratio of our time to the engine's, where `optimised` applies to optimised
+// builds: many times more for sanitizers and debuggers, which slow only our code down.
 double Allowed(double optimised);
 
 template <class Function>
@@ -19,7 +19,7 @@ double Seconds(const Function& function) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-// Of the least that each takes, in turn: whatever disturbs a machine only ever adds.
+// Compares the shortest times of alternating runs: disturbances only ever add time.
 template <class One, class Other>
 double RatioOfTimes(const One& one, const Other& other) {
   double first = std::numeric_limits<double>::infinity(), second = first;

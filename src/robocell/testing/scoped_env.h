@@ -1,4 +1,4 @@
-// An environment variable for as long as a test needs it.
+// An environment variable for the duration of a test.
 #pragma once
 
 #include <cstdlib>
@@ -6,7 +6,7 @@
 
 namespace robocell {
 
-// Sets it and puts the former value back.
+// Sets it, and restores the former value at the end.
 class ScopedEnv {
  public:
   ScopedEnv(const char* name, const std::string& value) : name_(name) {

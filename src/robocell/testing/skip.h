@@ -14,7 +14,7 @@
 
 namespace robocell {
 
-// Whether a skipped test counts as a failure: the environment variable CI is "true" or "1".
+// Returns true if a skipped test counts as a failure: the environment variable CI is "true" or "1".
 inline bool SkipsAreFailures() {
   const char* ci = std::getenv("CI");
   return ci != nullptr && (std::string_view(ci) == "true" || std::string_view(ci) == "1");
@@ -22,7 +22,7 @@ inline bool SkipsAreFailures() {
 
 }  // namespace robocell
 
-// Ends the running test (a function returning void) as skipped, or as failed when CI=true.
+// Ends the running test (a function returning void) as skipped, or as failed with CI=true.
 #define SKIP_OR_FAIL(reason)                                                          \
   do {                                                                                \
     if (::robocell::SkipsAreFailures()) FAIL() << (reason) << " (CI allows no skip)"; \

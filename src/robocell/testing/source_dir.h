@@ -1,12 +1,12 @@
-// Where the project's own files lie that tests read. Compiled into one file, not into every test:
-// what a compiler cache keeps of the tests then serves every checkout.
+// The folder of the project's own files that tests read. It is compiled into one file, not into
+// every test, so that a compiler cache of the tests serves every checkout.
 #pragma once
 
 #include <string>
 
 namespace robocell {
 
-// The root of the checkout that was built, without a slash at the end.
+// Returns the root of the built checkout, without a trailing slash.
 std::string SourceDir();
 
 }  // namespace robocell

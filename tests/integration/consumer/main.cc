@@ -1,4 +1,4 @@
-// What a user's first program does: include, link, and find the built-in models.
+// A user's first program: includes, links, and finds the built-in models.
 #include <iostream>
 
 #include "robocell/assets/resolve.h"

@@ -1,5 +1,6 @@
-// Arms for tests of impedance: tilted, so that the base's axes are not the world's, without friction
-// that they would stick in, and with their weight not compensated by the model.
+// For tests only: arms for tests of impedance: tilted, so that the base's axes are not the world's,
+// without friction that would make them stick, and without compensation of their weight in the
+// model.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -22,7 +23,7 @@ inline Scene TiltedScene(const RobotCase& robot) {
   return scene;
 }
 
-// In that scene, away from singular postures and limits.
+// Returns the arm in that scene, away from singular postures and limits.
 inline Robot BentArm(const Scene& scene, const RobotCase& of) {
   Robot robot = of.robot(scene, of.name);
   robot.SetJointPos(

@@ -23,7 +23,7 @@ class DatasetOfThree : public ::testing::Test {
                           std::filesystem::copy_options::recursive);
   }
 
-  // Written once: encoders take their time to start.
+  // Written once: encoders take time to start.
   static const TempDir& Original() {
     static const TempDir folder;
     static const bool written = [] {
@@ -37,7 +37,7 @@ class DatasetOfThree : public ::testing::Test {
 
   std::filesystem::path B(const std::string& file) const { return folder_ / "b" / file; }
 
-  // The one problem there is, as text, after checking that the other episodes are still good and
+  // Returns the only problem as text, after checking that the other episodes are still good and
   // readable.
   std::string OnlyProblem() {
     const VerifyResult result = Verify(folder_.path());

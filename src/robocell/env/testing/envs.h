@@ -54,7 +54,7 @@ class TwoArmFolder {
   ModelFolder folder_;
   std::string arm_ = folder_.Write("arm", kTwoJointArm);
   std::string gripper_ = folder_.Write("gripper", kTwoFingerGripper);
-  // With an authored pose, which is to be dropped.
+  // Its model has a pose, which is dropped.
   std::string box_ = folder_.Write("box", R"(<worldbody><body name="box" pos="9 9 9">
     <geom size="0.02 0.02 0.02" type="box"/></body></worldbody>)");
   std::string housing_ = folder_.Write("housing", R"(<worldbody><body name="shell" pos="9 9 9">
@@ -70,7 +70,7 @@ inline EnvConfig Rc7Env(ControlMode mode = ControlMode::kJoints,
   return config;
 }
 
-// The built-in robot before a cube that it is to pick, with a floor of the rig, wherever that is.
+// The built-in robot in front of a cube to be picked, with a floor on the rig, wherever the rig is.
 inline EnvConfig Rc7WithCube(const Pose& root = Pose()) {
   EnvConfig config = Rc7Env(ControlMode::kCartesianTquat, RelativeTo::kNone);
   config.root_frame_to_world = root;
@@ -88,8 +88,8 @@ inline EnvConfig Rc7WithCube(const Pose& root = Pose()) {
   return config;
 }
 
-// The built-in robot, moved by its joints, with a wall beside it that it comes to when it turns by
-// its first joint.
+// The built-in robot in joint mode, with a wall beside it that it reaches by turning its first
+// joint.
 inline EnvConfig Rc7BesideAWall() {
   EnvConfig config = Rc7Env(ControlMode::kJoints, RelativeTo::kConfiguredOrigin);
   config.max_relative_movement = {3};
@@ -101,7 +101,7 @@ inline EnvConfig Rc7BesideAWall() {
   return config;
 }
 
-// Two of them, off-centre and tilted towards each other, on a rig that is tilted itself.
+// Two built-in robots, off-centre and tilted towards each other, on a tilted rig.
 inline EnvConfig Rc7Duo(ControlMode mode, RelativeTo relative_to) {
   EnvConfig config = Rc7Env(mode, relative_to);
   config.robots = {{"left", config.robots.at("robot")}, {"right", config.robots.at("robot")}};

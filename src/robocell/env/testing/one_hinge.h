@@ -12,7 +12,7 @@ namespace robocell {
 inline constexpr double kOneHingeStiffness = 50;  // N m/rad
 
 // The arm is level at 0 and turns down with positive angles; its tip is 0.5 m from the hinge.
-// `joint` has more attributes of the joint.
+// `joint` adds attributes of the joint.
 inline EnvConfig OneHinge(ModelFolder& folder, const std::string& joint = "damping='2'",
                           bool gravcomp = false) {
   RobotConfig robot{.name = "arm",
@@ -36,13 +36,13 @@ inline EnvConfig OneHinge(ModelFolder& folder, const std::string& joint = "dampi
   return config;
 }
 
-// How far its servo is from its target where gravity and the servo balance, rad.
+// Returns the distance of its servo from its target where gravity and the servo balance, rad.
 inline double SagOfOneHinge(const Env& env) {
   const double angle = env.scene().joint_pos("robotrobot_hip");
   return 9.81 * 0.25 * std::cos(angle) / kOneHingeStiffness;
 }
 
-// The same over a block that it comes down on at about 0.15 rad.
+// The same over a block that it reaches at about 0.15 rad.
 inline EnvConfig OneHingeOnABlock(ModelFolder& folder) {
   EnvConfig config = OneHinge(folder);
   config.world_frame_objects["block"] = {.offset = Pose(Eigen::Vector3d(0.45, 0, 0.3)),

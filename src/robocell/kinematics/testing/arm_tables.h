@@ -1,5 +1,5 @@
-// Arms for the tests of this folder, as tables of Denavit and Hartenberg: base body "base", tip
-// site "tip".
+// Arms for the tests of this folder, as Denavit-Hartenberg tables: base body "base", tip site
+// "tip".
 #pragma once
 
 #include <fmt/format.h>
@@ -15,7 +15,7 @@ namespace robocell {
 
 inline constexpr double kQuarterTurn = std::numbers::pi / 2;
 
-// The joint is about or along z, then the link.
+// The joint moves about or along z, then follows the link.
 struct TableRow {
   double a, alpha, d;  // m, rad, m
   double lower, upper;

@@ -10,7 +10,7 @@
 
 namespace robocell {
 
-// The rows of a vector over all degrees of freedom that belong to the chain.
+// Returns the rows of a vector over all degrees of freedom that belong to the chain.
 inline Eigen::VectorXd RowsOfChain(const Chain& chain, const mjtNum* all) {
   Eigen::VectorXd out(chain.n_joints());
   for (int i = 0; i < out.size(); ++i) out[i] = all[chain.joints()[i].dof_address];
@@ -64,7 +64,8 @@ inline Eigen::VectorXd EngineInverseDynamics(const TestModel& t, const Chain& ch
   return RowsOfChain(chain, bias.data()) - RowsOfChain(chain, t.data()->qfrc_gravcomp);
 }
 
-// The engine's Jacobian of the tip, columns of the chain's joints, in the axes of the base body.
+// Returns the engine's Jacobian of the tip, columns of the chain's joints, in the axes of the base
+// body.
 inline Eigen::MatrixXd EngineJacobian(const TestModel& t, const Chain& chain) {
   const mjModel* m = t.model();
   const Transform tip = t.TipInWorld(chain.tip());

@@ -8,7 +8,7 @@
 
 namespace robocell {
 
-// Uniform in the limits; within half a turn of 0 where there are none.
+// Returns values uniform in the limits; within half a turn of 0 without limits.
 inline JointVector RandomJoints(const Chain& chain, Rng* rng) {
   JointVector q(chain.n_joints());
   for (int i = 0; i < chain.n_joints(); ++i) {
@@ -26,7 +26,7 @@ inline bool InLimits(const Chain& chain, std::span<const double> q) {
   return true;
 }
 
-// Judges an answer by the engine: position and rotation as norms.
+// Judges a result by the engine: position and rotation as norms.
 inline bool EngineAgrees(const TestModel& t, const Chain& chain, const Pose& target,
                          std::span<const double> q, double tolerance) {
   for (int i = 0; i < chain.n_joints(); ++i) t.data()->qpos[chain.joints()[i].qpos_address] = q[i];

@@ -21,8 +21,8 @@ namespace robocell {
 // A compiled model with its data; everything at the reference position until changed.
 class TestModel {
  public:
-  // Without its shapes, which kinematics do not need and which take most of the time to load. The
-  // file must give inertias.
+  // Loads a model without its shapes, which kinematics do not need and which take most of the
+  // loading time. The file must give inertias.
   static TestModel FromFile(const std::string& path) {
     SpecPtr spec = ParseXmlFile(path, path);
     for (const mjtObj kind : {mjOBJ_GEOM, mjOBJ_MESH}) {
@@ -36,7 +36,8 @@ class TestModel {
   mjModel* model() const { return model_.get(); }
   mjData* data() const { return data_.get(); }
 
-  // Every joint at random (scalar ones in their limits, else within +-pi), then forward kinematics.
+  // Sets every joint at random (scalar ones in their limits, else within +-pi), then runs forward
+  // kinematics.
   void Randomise(Rng* rng) {
     mjModel* m = model();
     for (int j = 0; j < m->njnt; ++j) {
@@ -57,7 +58,7 @@ class TestModel {
     mj_comPos(model(), data());
   }
 
-  // Puts the body elsewhere, tilted, as a displaced mount would.
+  // Displaces and tilts the body, like a displaced mount.
   void Displace(std::string_view body, Rng* rng) {
     const int id = mj_name2id(model(), mjOBJ_BODY, std::string(body).c_str());
     for (int k = 0; k < 3; ++k) model()->body_pos[3 * id + k] = rng->Uniform(-2, 2);
@@ -82,7 +83,7 @@ class TestModel {
     const int id = mj_name2id(model(), mjOBJ_SITE, tip.name.c_str());
     return InWorld(data()->site_xpos + 3 * id, data()->site_xmat + 9 * id);
   }
-  // The tip in the base's frame by the engine's kinematics.
+  // Returns the tip in the base's frame by the engine's kinematics.
   Transform TipInBase(const Chain& chain) const {
     return BodyInWorld(chain.base_body()).inverse() * TipInWorld(chain.tip());
   }
@@ -216,7 +217,8 @@ class RandomChainXml {
     }
     return text + "/>";
   }
-  // A side branch with joints of its own, which is no part of the chain but hangs on it.
+  // Returns a side branch with joints of its own, which hangs on the chain but does not belong to
+  // it.
   std::string Branch(int k) {
     return fmt::format(
         "<body name='branch{0}' {1} gravcomp='{2}'><joint name='branch_hinge{0}' ref='0.2' pos='.1 "

@@ -21,8 +21,8 @@ inline double SquaredDistance(std::span<const double> a, std::span<const double>
   return sum;
 }
 
-// Random chains; targets that each reaches, turned and moved so that only what is asked for can be
-// met.
+// Random chains; targets that each reaches, turned and moved so that only the requested part can be
+// reached.
 class IkOfRandomChain : public ::testing::TestWithParam<int> {
  protected:
   static constexpr double kTolerance = 1e-5, kNear = 1.0001 * kTolerance;
@@ -39,14 +39,15 @@ class IkOfRandomChain : public ::testing::TestWithParam<int> {
     return Eigen::Vector3d(rng_.Normal(), rng_.Normal(), rng_.Normal()).normalized();
   }
   Pose Reached() { return chain_.Fk(RandomJoints(chain_, &rng_)); }
-  // The tip by the engine, in the axes of the target.
+  // Returns the tip by the engine, in the axes of the target.
   Transform TipSeenFrom(const Pose& target, std::span<const double> q) {
     for (int i = 0; i < chain_.n_joints(); ++i)
       model_.data()->qpos[chain_.joints()[i].qpos_address] = q[i];
     mj_kinematics(model_.model(), model_.data());
     return ToTransform(target).inverse() * model_.TipInBase(chain_);
   }
-  // Single and batched; the share that was solved. Solutions must satisfy `judge(tip in target)`.
+  // Solves single and batched queries and returns the share that was solved. Solutions must satisfy
+  // `judge(tip in target)`.
   template <class Judge>
   double Solved(const std::vector<Pose>& targets, const IkOptions& options, const Judge& judge) {
     const IkBatchResult batch = IkBatch(chain_, targets, {}, {.ik = options});

@@ -1,4 +1,4 @@
-// For tests only: a robot that is commanded numbers that are none.
+// For tests only: a robot that gets invalid commands.
 #pragma once
 
 #include <functional>
@@ -20,7 +20,7 @@ class CommandedRobot : public ::testing::Test {
     const Scene scene = robot.scene();
     return {scene.data()->ctrl, scene.data()->ctrl + scene.model()->nu};
   }
-  // The call is refused with the text, and the robot then moves as one that was never asked.
+  // Expects the call to be rejected with the text, and the robot to move as without the call.
   void Refuses(const std::function<void()>& call, const std::string& text) {
     const std::vector<double> ctrl = Ctrl(), state = robot.scene().state();
     ExpectThrow<ArgumentError>(call, text);

@@ -7,8 +7,8 @@
 
 namespace robocell {
 
-// Two fingers that slide along y, 0.1 m below the root, of 2 cm x 1 cm pads; each closes with up to
-// 20 N. The hand points down.
+// Two fingers that slide along y, 0.1 m below the root, with pads of 2 cm x 1 cm; each closes with
+// up to 20 N. The hand points down.
 inline constexpr const char* kTwoFingers = R"(
   <worldbody>
     <body name="palm">

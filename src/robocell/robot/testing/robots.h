@@ -29,7 +29,7 @@ inline RobotConfig Rc7() { return LoadShipped("models/robots/rc7/rc7.yaml"); }
 // A linkage gripper, 0..255, open at 0.
 inline RobotConfig XArm7() { return LoadShipped("examples/xarm7.yaml"); }
 
-// An arm with the 2F-85 linkage gripper as its tool. Nothing is said of control and distance.
+// An arm with the 2F-85 linkage gripper as its tool. It configures no control and distance.
 inline RobotConfig Gen3WithTool() {
   return ParseYaml<RobotConfig>(R"(
 name: gen3
@@ -110,7 +110,7 @@ inline std::string CaseName(const ::testing::TestParamInfo<RobotCase>& info) {
   return info.param.name;
 }
 
-// Updates, commands and steps robots of one scene; the farthest that a TCP gets from where it was.
+// Updates, commands and steps robots of one scene; returns the largest displacement of a TCP.
 template <class Command>
 double Drift(const std::vector<Robot*>& robots, int steps, const Command& command) {
   std::vector<Eigen::Vector3d> starts;

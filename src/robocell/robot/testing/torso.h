@@ -38,7 +38,7 @@ inline std::string TorsoModel() {
          bodies + "</body></worldbody><actuator>" + servos + "</actuator>";
 }
 
-// With the arms l_arm and r_arm, and the hands of these sides, l_hand and r_hand, in this order.
+// Has the arms l_arm and r_arm, and the hands of these sides, l_hand and r_hand, in this order.
 inline RobotConfig Torso(ModelFolder& folder, const std::vector<std::string>& hands) {
   RobotConfig config{.name = "torso", .model = folder.Write("torso", TorsoModel())};
   config.gravcomp = true;

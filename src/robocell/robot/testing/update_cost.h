@@ -1,4 +1,4 @@
-// For tests only: what the control loop adds to the engine's steps.
+// For tests only: the overhead of the control loop over the engine's steps.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 
 namespace robocell {
 
-// Of `command` and an update before each step, in steps.
+// Returns the time of `command` and an update before each step, in steps.
 template <class Command>
 double UpdateCost(Robot& robot, const Command& command) {
   constexpr int kTicks = 100;

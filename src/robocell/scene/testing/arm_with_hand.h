@@ -1,4 +1,4 @@
-// For tests: an arm of two hinges with a gripper, written into files in which every line is known.
+// For tests only: an arm of two hinges with a gripper, written into files with known line numbers.
 #pragma once
 
 #include <fmt/format.h>

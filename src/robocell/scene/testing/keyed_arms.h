@@ -11,7 +11,7 @@
 
 namespace robocell {
 
-// kTwoJointArm with other keyframes.
+// Returns kTwoJointArm with other keyframes.
 inline std::string ArmWithKeys(const std::string& keys) {
   std::string arm = kTwoJointArm;
   arm.resize(arm.find("<keyframe>"));

@@ -1,4 +1,5 @@
-// For tests only: what differs between two models, field by field, over everything a model holds.
+// For tests only: lists the differences between two models, field by field, over everything in a
+// model.
 #pragma once
 
 #include <mujoco/mjxmacro.h>
@@ -13,7 +14,7 @@ namespace robocell {
 
 template <class T>
 double LargestDifference(const T* a, const T* b, size_t n) {
-  if (n == 0 || std::memcmp(a, b, n * sizeof(T)) == 0) return 0;  // as nearly all is
+  if (n == 0 || std::memcmp(a, b, n * sizeof(T)) == 0) return 0;  // the usual case
   double largest = 0;
   for (size_t i = 0; i < n; ++i) {
     const double difference = std::abs(static_cast<double>(a[i]) - static_cast<double>(b[i]));
@@ -22,8 +23,8 @@ double LargestDifference(const T* a, const T* b, size_t n) {
   return largest;
 }
 
-// "" when all sizes agree and all numbers do within `tolerance` (relative above 1); else one line
-// per field that does not. Fields whose names start with one of `except` are left out.
+// Returns "" if all sizes agree and all numbers agree within `tolerance` (relative above 1); else
+// one line for each differing field. Fields whose names start with one of `except` are left out.
 inline std::string ModelDifferences(const mjModel* m, const mjModel* other, double tolerance,
                                     std::initializer_list<const char*> except = {}) {
   std::string out;

@@ -1,4 +1,4 @@
-// For tests: a robot whose model stands beside its origin, on a pedestal.
+// For tests only: a robot whose model stands beside its origin, on a pedestal.
 #pragma once
 
 #include <fmt/format.h>
@@ -7,7 +7,7 @@
 
 namespace robocell {
 
-// The arm of ALOHA: its file has it beside the origin, at the edge of a table.
+// The arm of ALOHA: its file places it beside the origin, at the edge of a table.
 inline constexpr const char* kAside =
     R"(<worldbody><body name="base" pos="-.469 -.019 {}" euler="0 0 90">
   <geom type="box" size=".05 .05 .02" pos="0 0 .02"/>

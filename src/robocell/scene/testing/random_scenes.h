@@ -22,8 +22,7 @@
 
 namespace robocell {
 
-// A body with a hinge, an actuator with activation, an equality, a tendon, most of it without
-// names.
+// A body with a hinge, an actuator with activation, an equality and a tendon, mostly unnamed.
 inline const char* kLidBox = R"(
   <worldbody>
     <body name="box" pos="0 0 0.05">
@@ -38,7 +37,7 @@ inline const char* kLidBox = R"(
   <equality><joint joint1="foot"/></equality>
   <actuator><general joint="foot" dyntype="filter" dynprm="0.1" gainprm="5" biastype="affine" biasprm="0 -5 0"/></actuator>)";
 
-// A tool without joints, whose end is a site and whose rim a frame.
+// A tool without joints, with a site at its end and a frame at its rim.
 inline const char* kProbe = R"(
   <worldbody>
     <body name="rod" pos="0.01 0 0.02" quat="0.9 0.1 0.2 0.3">
@@ -47,7 +46,7 @@ inline const char* kProbe = R"(
     </body>
   </worldbody>)";
 
-// Something that stands still, with a site and a frame to stand on.
+// A fixed stand, with a site and a frame for objects on it.
 inline const char* kStand = R"(
   <worldbody>
     <body name="board" pos="0 0 0.2">
@@ -59,7 +58,7 @@ inline const char* kStand = R"(
 
 class RandomScenes {
  public:
-  // `menagerie`: its robots that are at hand take part, in turn from the `first` on.
+  // `menagerie`: its available robots take part, in turn from the `first` on.
   explicit RandomScenes(bool menagerie = false, uint64_t first = 0)
       : turn_(first),
         arm_(ArmConfig(folder_.Write("arm", kTwoJointArm))),
@@ -77,7 +76,7 @@ class RandomScenes {
       tools_.push_back({menagerie::ModelPath("robotiq_2f85"), {Body("base"), Site("pinch")}});
   }
 
-  // 0 to 3 robots and 0 to 5 objects.
+  // Returns a scene with 0 to 3 robots and 0 to 5 objects.
   SceneSpec Next(Rng& rng) {
     SceneSpec spec = EmptyScene();
     for (uint64_t i = 0, n = rng.UniformInt(4); i < n; ++i) spec.robots.push_back(Robot(rng, i));
@@ -86,8 +85,9 @@ class RandomScenes {
     return spec;
   }
 
-  // 0 to 3 robots with 0 to 5 tools each, 0 to 10 objects, a rig, cameras. Robots stand at any
-  // angle two metres above the floor, on whatever there is; half of the objects are within reach.
+  // Returns a scene with 0 to 3 robots with 0 to 5 tools each, 0 to 10 objects, a rig and cameras.
+  // Robots stand at any angle two metres above the floor, on any support; half of the objects are
+  // within reach.
   SceneSpec NextCell(Rng& rng) {
     SceneSpec spec = EmptyScene();
     spec.root_frame_to_world = RandomPose(rng);
@@ -128,7 +128,7 @@ class RandomScenes {
     return spec;
   }
 
-  // Where the element is that a robot or an object of a cell is attached to.
+  // Returns the pose of the element that a robot or an object of a cell is attached to.
   Pose Parent(const SceneSpec& spec, const AttachTarget& target) {
     const Pose& root = spec.root_frame_to_world;
     if (target.kind == AttachKind::kRoot) return root;
@@ -139,7 +139,7 @@ class RandomScenes {
     return board * Inside(target.name.substr(stand.name.size() + 1));
   }
 
-  // Where a tool is that is attached to an element of a robot.
+  // Returns the pose of a tool that is attached to an element of a robot.
   Pose Parent(const Scene& scene, const RobotSpec& robot, const AttachTarget& target) {
     const std::string name = robot.prefix + target.name;
     if (target.kind == AttachKind::kBody) return scene.body_pose(name);
@@ -148,14 +148,14 @@ class RandomScenes {
     return scene.body_pose(rod) * Inside("rim");
   }
 
-  // The model as the engine loads it on its own.
+  // Returns the model as the engine loads it alone.
   static const mjModel* Alone(const std::string& file) {
-    static std::map<std::string, ModelPtr> models;  // meshes take their time
+    static std::map<std::string, ModelPtr> models;  // meshes take time
     ModelPtr& model = models[file];
     if (!model) model.reset(mj_loadXML(file.c_str(), nullptr, nullptr, 0));
     return model.get();
   }
-  // The authored pose of a model's first body.
+  // Returns the authored pose of a model's first body.
   static Pose RootPose(const std::string& file) {
     return Pose::FromWxyz(Alone(file)->body_pos + 3, Alone(file)->body_quat + 4);
   }
@@ -205,7 +205,7 @@ class RandomScenes {
     entity.quat = pose.quaternion();
   }
 
-  // At `world`, attached to anything that it may be attached to.
+  // Places an entity at `world`, attached to any allowed target.
   template <class Entity>
   void Stand(Rng& rng, const SceneSpec& spec, const Pose& world, bool moves, Entity& entity) {
     std::vector<AttachTarget> parents = {World(), Root(), SharedBase()};
@@ -224,7 +224,7 @@ class RandomScenes {
       const auto turn = [&](int axis) {
         return Eigen::AngleAxisd(euler[axis] * kDegree, Eigen::Vector3d::Unit(axis));
       };
-      // MJCF's default: about the axes that turn along.
+      // MJCF's default: rotations about the turned axes.
       return Pose(ToEigen(pos), (turn(0) * turn(1) * turn(2)).toRotationMatrix());
     };
     if (name == "top") return at({0.1, 0.2, 0.3}, {10, 20, 30});
@@ -232,7 +232,7 @@ class RandomScenes {
     return at({0.02, 0, 0.01}, {0, 30, 0});
   }
 
-  // Hangs one more tool on the robot or on a tool that hangs there: on bodies, sites and frames.
+  // Mounts one more tool on the robot or on one of its tools: on bodies, sites and frames.
   void Equip(Rng& rng, uint64_t k, RobotSpec& robot) {
     AttachTarget on;
     if (k > 0 && rng.UniformInt(3) > 0) {
@@ -262,7 +262,7 @@ class RandomScenes {
     return names;
   }
 
-  // What may hang on a robot, and where on it others may.
+  // A tool that a robot can carry, and the places on it for others.
   struct Tool {
     std::string mjcf_path;
     std::vector<AttachTarget> places;

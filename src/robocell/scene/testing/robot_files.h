@@ -1,4 +1,4 @@
-// For tests: robots that are built from files, so that their problems have a place.
+// For tests only: robots that are built from files, so that their problems have a place.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -14,11 +14,11 @@ namespace robocell {
 
 inline constexpr double kSixDigits = 1e-5;
 
-// Left out: tables of paths, trees of bounding boxes (made from rounded numbers), and the
-// intrinsics of cameras without a sensor size (a copy of znear that nothing uses).
+// Ignores tables of paths, trees of bounding boxes (made from rounded numbers), and the intrinsics
+// of cameras without a sensor size (an unused copy of znear).
 inline std::string DifferencesAfterXml(const Scene& scene, const std::filesystem::path& file) {
   scene.SaveXml(file.string());
-  std::filesystem::current_path("/");  // nothing may depend on where it is read
+  std::filesystem::current_path("/");  // nothing may depend on the working folder
   char error[1000] = "";
   ModelPtr loaded(mj_loadXML(file.c_str(), nullptr, error, sizeof error));
   if (!loaded) return error;

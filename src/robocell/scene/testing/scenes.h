@@ -27,7 +27,7 @@ inline SceneObject BoxObject(const std::string& name, const Vec3& pos) {
 // A folder with models written as text, removed at the end of the test.
 class ModelFolder {
  public:
-  // `inside` is what stands between <mujoco> and </mujoco>. Returns the path.
+  // `inside` is the text between <mujoco> and </mujoco>. Returns the path.
   std::string Write(const std::string& name, const std::string& inside) {
     const std::filesystem::path file = folder_ / (name + ".xml");
     std::ofstream(file) << "<mujoco model=\"" << name << "\">" << inside << "</mujoco>";
@@ -62,8 +62,8 @@ inline const char* kTwoJointArm = R"(
   <sensor><jointpos name="elbow_position" joint="elbow"/></sensor>
   <keyframe><key name="home" qpos="0.3 -0.4" ctrl="0.31 -0.41"/></keyframe>)";
 
-// The same, with a ball on the flange whose actuator comes first and has three inputs and three
-// outputs: the servos' inputs and outputs are not where their ids say.
+// The same with a ball on the flange whose actuator comes first and has three inputs and three
+// outputs: the servos' inputs and outputs are not at their ids.
 inline std::string TwoJointArmWithABall() {
   std::string model = kTwoJointArm;
   const auto put_before = [&](const std::string& what, const std::string& place) {

@@ -1,4 +1,4 @@
-// For tests only: what ParseYaml says about a text.
+// For tests only: messages of ParseYaml.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace robocell::testing {
 
-// The message of the SpecError, "" when the text is valid. The source is called "f.yaml".
+// Returns the message of the SpecError, or "" for a valid text. The source is called "f.yaml".
 template <class T>
 std::string ParseError(const std::string& text) {
   try {

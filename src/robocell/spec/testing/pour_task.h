@@ -1,4 +1,4 @@
-// For tests only: a kind of task of a user's own, and run files that name it.
+// For tests only: a user's own kind of task, and run files that name it.
 #pragma once
 
 #include "robocell/spec/env_config.h"

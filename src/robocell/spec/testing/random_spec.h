@@ -1,5 +1,5 @@
 // For tests only: fills any spec with random values through its field declarations. The result
-// obeys the types, not the rules between fields (Validate may refuse it).
+// obeys the types, but not the rules between fields (Validate may reject it).
 #pragma once
 
 #include <cmath>
@@ -28,7 +28,7 @@ class RandomSpec {
     return value;
   }
 
-  // Every field of `spec`, nested ones too.
+  // Fills every field of `spec`, including nested ones.
   template <class T>
   void Fill(T& value) {
     if constexpr (std::is_same_v<T, bool>) {
@@ -105,7 +105,7 @@ class RandomSpec {
     Fill(value.As<PickAndPlaceTaskConfig>());
   }
 
-  // Any size, short and long ones, whole ones.
+  // Returns numbers of any size, short and long ones, whole ones.
   double Number() {
     switch (rng_.UniformInt(4)) {
       case 0:
@@ -119,7 +119,7 @@ class RandomSpec {
     }
   }
 
-  // Plain names and everything that means something else in YAML; never twice the same.
+  // Returns plain names and texts with special meanings in YAML; never the same one twice.
   std::string Text() {
     static const std::vector<std::string> kTexts = {
         "arm",     "joint", "true", "null",  "~",        "3",      "1e5",    "0x1F", "a b",

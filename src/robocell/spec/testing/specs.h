@@ -1,4 +1,4 @@
-// For tests only: small specs that are valid, for tests that change one field.
+// For tests only: small valid specs, for tests that change one field.
 #pragma once
 
 #include "robocell/spec/robot_config.h"
