@@ -35,7 +35,7 @@ std::string OverrideVariable(const std::string& name);
 // variable when its value is no file.
 std::optional<std::string> OverrideFile(const std::string& name);
 
-// The roots of ROBOCELL_MODEL_PATH, in order.
+// Returns the roots of ROBOCELL_MODEL_PATH, in order.
 std::vector<std::string> ModelPathRoots();
 
 // Returns the folder of the built-in models: ROBOCELL_MODELS, else beside the library (installed),

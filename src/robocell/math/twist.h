@@ -11,7 +11,7 @@
 //   Rotated(R_AB, V)               other axes, same reference point
 //   Shifted(V, p)                  same axes, reference point moved by p (in those axes)
 //
-//   // An F/T sensor's reading as force and torque at the TCP:
+// An F/T sensor's reading as force and torque at the TCP:
 //   const Wrench at_tcp = Transformed(X_TcpSensor, measured);
 //
 // Power(V, F) is the same in every frame. Nothing allocates, and all functions may be called from

@@ -9,8 +9,8 @@
 // automatic reset sets it back to zero; models built by robocell have it switched off). A diverged
 // state is never valid data.
 //
-// Throws EngineError when the engine reports a fatal error (reset the data before the next step).
-// Threads: one user of `data` at a time; `model` may be shared when nobody writes to it.
+// Throws EngineError if the engine reports a fatal error (reset the data before the next step).
+// Threads: one user of `data` at a time; `model` may be shared if nobody writes to it.
 #pragma once
 
 #include <string>
@@ -50,7 +50,7 @@ bool HasDiverged(const mjModel* model, const mjData* data, const StepStart& star
 // The value for a state that HasDiverged, which says where. `steps` is copied into it.
 StepResult Diverged(const mjModel* model, const mjData* data, const StepStart& start, int steps);
 
-// `n` engine steps; stops after the first one that diverged. n <= 0 does nothing.
+// Makes `n` engine steps; stops after the first one that diverged. n <= 0 does nothing.
 StepResult Step(const mjModel* model, mjData* data, int n = 1, std::string_view context = {});
 
 // Recomputes everything that follows from the state (mj_forward).

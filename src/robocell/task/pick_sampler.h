@@ -36,8 +36,8 @@ class PickTaskSampler : public StartSampler {
   bool MayHaveObject(const std::string& name) const override;
   // Each kind once as the target, with all others beside it.
   std::vector<StartContents> PossibleContents(int scene_index) override;
-  // Whether a grasp that is in reach is of use too; the refusal says why not. Of a few grasps one
-  // that is has to be among them.
+  // Refuses the start if a grasp in reach is not usable. One of a few grasps in reach has to be
+  // usable.
   virtual std::optional<Refusal> ValidateGrasp(const Scene& /*scene*/, PlanningScene& /*planning*/,
                                                const GraspMotion& /*motion*/) {
     return {};

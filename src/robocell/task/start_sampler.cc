@@ -226,7 +226,7 @@ struct StartSampler::Setup {
     }
     return false;
   }
-  // What the robot stands beside.
+  // Returns the pose beside which the robot stands.
   Pose target() const { return target_body.empty() ? middle : scene.body_pose(target_body); }
 };
 

@@ -89,7 +89,8 @@ class StartSampler : public TaskSampler {
   virtual bool MayHaveObject(const std::string& /*name*/) const { return false; }
   // Contents of a few starts that have among them what starts of this scene may have.
   virtual std::vector<StartContents> PossibleContents(int scene_index);
-  // The task's own places of objects in relation to something; those of `start` come before them.
+  // Returns the task's own places of objects in relation to others; those of `start` take
+  // precedence.
   virtual Map<ObjectPlace> own_places() const { return {}; }
   // Returns where the task itself puts bodies of the scene, by name. Called before the base is
   // placed, each time that objects are placed.
@@ -125,10 +126,10 @@ class StartSampler : public TaskSampler {
 
   RunConfig run_;
   std::shared_ptr<SceneSource> source_;
-  std::map<std::string, Support> supports_;  // by the base scene's spec
-  std::map<std::string, std::shared_ptr<const internal::Landmarks>> landmarks_;  // the same
+  std::map<std::string, Support> supports_;  // by the spec of the base scene
+  std::map<std::string, std::shared_ptr<const internal::Landmarks>> landmarks_;  // likewise
   std::map<std::string, std::shared_ptr<const SceneAnnotations>> annotations_;   // the same
-  std::unique_ptr<Measured> measured_;  // anew in each Sample
+  std::unique_ptr<Measured> measured_;  // renewed in each Sample
 };
 
 // Starts of a registered task: Task::Prepare adds the objects. Those without a pose are put on the

@@ -63,8 +63,8 @@ struct TaskSetting {
 // (features/declared_features.h).
 class Task : public DeclaresFeatures {
  public:
-  // Adds objects, sites or cameras to the scene. It may be called on another Task of the same
-  // fields than the one that is bound: the names of what it adds follow from fields and `rng`.
+  // Adds objects, sites or cameras to the scene. It may be called on a Task with the same fields
+  // other than the bound one: the names of what it adds follow from the fields and `rng`.
   // Objects without a pose get a place at each start; those with one stay there.
   virtual void Prepare(SceneSpec& /*spec*/, Rng& /*rng*/) {}
   virtual void Bind(const Scene& /*scene*/, const TaskSetting& /*setting*/) {}
@@ -108,8 +108,8 @@ class Task : public DeclaresFeatures {
   // Prepare, with these annotations: for those who make scenes.
   void PrepareIn(const KnownScene& known, SceneSpec& spec, Rng& rng);
 
-  // What it remembers of the episode, for going back to saved states: in the root frame, as far as
-  // there are places among it, so that it holds for a rig elsewhere too.
+  // Returns what the task remembers of the episode, for restoring saved states. Places in it are in
+  // the root frame, so that they also hold for a rig that stands elsewhere.
   virtual std::vector<double> memory() const { return {}; }
   virtual void Recall(std::span<const double> /*memory*/) {}
 
