@@ -51,6 +51,9 @@ def test_poses():
     for wrong in ([0, 0, 0, 0], [0, 0, 0, 2]):
         with pytest.raises(rc.ArgumentError, match="has length"):
             rcs.common.Pose(quaternion=wrong)
+    for wrong in ("abc", {}, [0, "x", 0, 1]):
+        with pytest.raises(TypeError, match=r"quaternion.* must be a "):
+            rcs.common.Pose(quaternion=wrong)
 
 
 def test_the_three_transforms(fr3):

@@ -380,6 +380,16 @@ def test_a_camera_of_the_name_that_a_free_one_gets_is_told():
     )
 
 
+@pytest.mark.parametrize("kind", ["tracking", "free", "default_free"])
+def test_a_camera_that_only_a_stream_of_another_type_names_is_told(kind: str):
+    streams = {"eye": SimCameraConfig("eye", type=kind)}
+    cfg = cell(camera_cfgs=streams, camera_adds={"eye": CameraAdderConfig(fovy=60.0)})
+    assert message(cfg, rc.ArgumentError) == (
+        f"camera_adds.eye: camera_cfgs.eye has the type {kind}, which shows no camera of the "
+        "scene; give it the type fixed, or leave this camera out"
+    )
+
+
 def test_a_creator_takes_a_configuration():
     with pytest.raises(TypeError, match="cfg: expected a SimEnvCreatorConfig, found 'fr3'"):
         SimEnvCreator()("fr3")
@@ -402,7 +412,13 @@ def test_fields_of_a_class_that_only_a_function_knows_are_its_own():
 class TestErrorsOfScenes:
     """What only the models tell comes from robocell, with the page's names."""
 
-    def message(self, rename: dict[str, object], gripper: dict[str, object] | None = None) -> str:
+    def message(
+        self,
+        rename: dict[str, object],
+        gripper: dict[str, object] | None = None,
+        eye: SimCameraConfig | None = None,
+        name: str = "left",
+    ) -> str:
         own = rc.RobotConfig.load(rc.models.robot_file("rc7")).move_groups["arm"]
         robot: dict[str, object] = {
             "robot_type": "rc7", "kinematic_model_path": "rc7", "base": "base_link",
@@ -410,8 +426,10 @@ class TestErrorsOfScenes:
         }  # fmt: skip
         grippers = {"left": SimGripperConfig(**gripper)} if gripper else None
         cfg = SimEnvCreatorConfig(
-            robot_cfgs={"left": SimRobotConfig(**robot | rename)},
+            robot_cfgs={name: SimRobotConfig(**robot | rename)},
             gripper_cfgs=grippers,
+            camera_cfgs={"eye": eye} if eye else None,
+            headless=True,
             sim_cfg=SimConfig(),
             control_mode=ControlMode.JOINTS,
         )
@@ -429,6 +447,18 @@ class TestErrorsOfScenes:
         )
         text = self.message({"q_home": [99] + [0] * 6})
         assert "robot 'left': q_home: 99 is outside the limits" in text
+
+        assert "robot_cfgs: 'a/b' cannot be a name here" in self.message({}, name="a/b")
+
+    def test_about_cameras(self):
+        eye = SimCameraConfig("nope")
+        assert self.message({}, eye=eye).startswith("camera_cfgs.eye.identifier: no camera 'nope'")
+        eye.type = CameraType.tracking
+        assert self.message({}, eye=eye).startswith("camera_cfgs.eye.identifier: no body 'nope'")
+        eye = SimCameraConfig("", type=CameraType.default_free, frame_rate=1000)
+        assert "camera_cfgs.eye.frame_rate: its rate, 1000 Hz, is more often" in (
+            self.message({}, eye=eye)
+        )
 
     def test_about_grippers(self):
         hand = {"gripper_type": "ParallelHand", "collision_geoms_fingers": ["a"]}

@@ -15,8 +15,15 @@ class Pose(robocell.Pose):
     def __init__(self, *args: Any, quaternion: Any = None, **kwargs: Any) -> None:
         """Arguments of `rc.Pose`: translation, quaternion, rpy, ..."""
         if quaternion is not None:
-            numbers = np.asarray(quaternion, dtype=float)
-            length = float(np.linalg.norm(numbers))
-            # robocell refuses numbers without a direction, or that were never meant as a rotation.
-            kwargs["quaternion"] = numbers / length if abs(length - 1) < 1e-2 else numbers
+            kwargs["quaternion"] = _normalised(quaternion)
         super().__init__(*args, **kwargs)
+
+
+def _normalised(quaternion: Any) -> Any:
+    """Returns it with length 1, or as it is when robocell is to refuse it."""
+    try:
+        numbers = np.asarray(quaternion, dtype=float)
+    except (TypeError, ValueError):
+        return quaternion
+    length = float(np.linalg.norm(numbers))
+    return numbers / length if abs(length - 1) < 1e-2 else numbers

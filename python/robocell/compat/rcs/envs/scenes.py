@@ -16,7 +16,13 @@ from robocell.compat.rcs.envs.base import ControlMode, RelativeTo
 from robocell.compat.rcs.envs.cameras import placed_cameras
 from robocell.compat.rcs.envs.tasks import BaseTaskConfig
 from robocell.compat.rcs.registries import SCENE_PATHS
-from robocell.compat.rcs.sim import SimCameraConfig, SimConfig, SimGripperConfig, SimRobotConfig
+from robocell.compat.rcs.sim import (
+    CameraType,
+    SimCameraConfig,
+    SimConfig,
+    SimGripperConfig,
+    SimRobotConfig,
+)
 from robocell.envs import CameraAdderConfig, WrapperConfig
 
 if TYPE_CHECKING:
@@ -64,8 +70,15 @@ def _without_images(
 
     A model is there for its housing too.
     """
-    if added.xml_path or any(stream.identifier == camera for stream in streams.values()):
+    shown = [each.identifier for each in streams.values() if each.type == CameraType.fixed]
+    if added.xml_path or camera in shown:
         return None
+    if camera in streams and streams[camera].type != CameraType.fixed:
+        return (
+            f"camera_adds.{camera}: camera_cfgs.{camera} has the type "
+            f"{streams[camera].type.name}, which shows no camera of the scene; give it the type "
+            f"fixed, or leave this camera out"
+        )
     if camera in streams:
         return (
             f"camera_adds.{camera}: camera_cfgs.{camera} takes images of the camera "
