@@ -111,8 +111,7 @@ void SoftMeshBuilder::Build(SoftMesh* out, bool with_texture) {
   for (auto& row : mesh.facing) row.assign(Padded(triangles), 0.0f);
   mesh.surface.resize(triangles);
   mesh.texture.resize(with_texture ? SoftMesh::kTexture * triangles : 0);
-  mesh.corners.clear();
-  mesh.corners.reserve(3 * triangles);
+  for (auto& row : mesh.corners) row.assign(Padded(triangles), 0);
   // In a closed mesh each edge is passed as often in one direction as in the other.
   uint64_t edges = 0;
   for (size_t t = 0; t < triangles; ++t) {
@@ -120,7 +119,7 @@ void SoftMeshBuilder::Build(SoftMesh* out, bool with_texture) {
     for (size_t k = 0; k < 3; ++k) key[k] = KeyOf(vertices_[corners_[3 * t + k].vertex]);
     for (int k = 0; k < 3; ++k) edges += EdgeSum(key[k], key[(k + 1) % 3]);
     const SoftCorner* corner = &corners_[3 * t];
-    for (int k = 0; k < 3; ++k) mesh.corners.push_back(corner[k].vertex);
+    for (int k = 0; k < 3; ++k) mesh.corners[k][t] = corner[k].vertex;
     const Eigen::Vector3d first = vertices_[corner[0].vertex].cast<double>();
     const Eigen::Vector3d u = vertices_[corner[1].vertex].cast<double>() - first;
     const Eigen::Vector3d v = vertices_[corner[2].vertex].cast<double>() - first;

@@ -24,9 +24,10 @@ struct SoftMesh {
   static constexpr int kTexture = 6;
 
   int vertices = 0, triangles = 0;
-  bool closed = false;           // it has an inside, which no triangle shows
-  std::vector<float> x, y, z;    // padded with copies of the last vertex
-  std::vector<int32_t> corners;  // 3 a triangle, counter-clockwise from outside
+  bool closed = false;         // it has an inside, which no triangle shows
+  std::vector<float> x, y, z;  // padded with copies of the last vertex
+  std::vector<int32_t>
+      corners[3];                // of each triangle, counter-clockwise from outside; padded with 0
   std::vector<float> facing[4];  // plane of each triangle; padded with 0
   std::vector<SoftSurface> surface;
   std::vector<float> texture;  // kTexture a triangle, or empty

@@ -262,6 +262,29 @@ TEST_P(SoftAgrees, WithItselfOnEveryInstructionSet) {
   }
 }
 
+// Images are divided into rows; what is drawn across several of them is the same.
+TEST_P(SoftAgrees, WithItselfOnAnyNumberOfThreads) {
+  RandomViews views(Path());
+  std::vector<std::unique_ptr<Renderer>> renderers;
+  for (const int threads : {1, 2, 3, 7}) {
+    renderers.push_back(MakeRenderer(
+        {.backend = "soft",
+         .quality = {.shadows = true, .reflections = true, .multisamples = 4, .shadow_size = 512},
+         .threads = threads}));
+    renderers.back()->SetModel(views.model());
+  }
+  for (int i = 0; i < 3; ++i) {
+    views.Next();
+    const SoftImages one = TakeOf(*renderers[0], views.data(), views.view());
+    for (size_t k = 1; k < renderers.size(); ++k) {
+      const SoftImages several = TakeOf(*renderers[k], views.data(), views.view());
+      EXPECT_EQ(one.rgb, several.rgb) << "view " << i << ", renderer " << k;
+      EXPECT_EQ(one.depth, several.depth) << "view " << i << ", renderer " << k;
+      EXPECT_EQ(one.ids, several.ids) << "view " << i << ", renderer " << k;
+    }
+  }
+}
+
 // Shadows and reflections. Shadows are softer than OpenGL's, and lie where its lie.
 TEST_P(SoftAgrees, WithOpenGlOnShadowsAndReflections) {
   RandomViews views(Path());

@@ -15,7 +15,7 @@ double VolumeOf(const SoftMesh& mesh) {
   for (int t = 0; t < mesh.triangles; ++t) {
     Eigen::Matrix3d corners;
     for (int k = 0; k < 3; ++k) {
-      const int v = mesh.corners[3 * t + k];
+      const int v = mesh.corners[k][t];
       corners.row(k) << mesh.x[v], mesh.y[v], mesh.z[v];
     }
     volume += corners.determinant() / 6;

@@ -1,5 +1,5 @@
 // WorkerThreads: runs the same work for the numbers 0 to n-1 on threads that stay, the caller's
-// among them. Private to env.
+// among them. Internal to the library.
 #pragma once
 
 #include <atomic>
@@ -21,6 +21,8 @@ class WorkerThreads {
   ~WorkerThreads();
   WorkerThreads(const WorkerThreads&) = delete;
   WorkerThreads& operator=(const WorkerThreads&) = delete;
+
+  int count() const { return static_cast<int>(threads_.size()) + 1; }
 
   // Returns when all is done. What work threw comes out then, that of the lowest number. While the
   // caller has no work left and waits for the others, it calls `meanwhile` every few milliseconds;
