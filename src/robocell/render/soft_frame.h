@@ -142,7 +142,8 @@ struct SoftSamples {
 
 // How near to a light the first surface is. Tiles of 4 x 4 blocks say what lies between which
 // limits, and where something may have been drawn.
-inline constexpr int kSoftTile = 4, kSoftTileBits = 4;  // blocks; pixels are 2 to this power
+inline constexpr int kSoftTile = 4,
+                     kSoftTileBits = 4;  // blocks; pixels are 2 to this power
 struct SoftShadowMap {
   SoftBuffer buffer;  // without ids
   int tile_columns = 0, tile_rows = 0;
@@ -167,6 +168,8 @@ struct SoftScratch {
   std::vector<int32_t> facing;        // triangles that are turned to the camera
   std::vector<int32_t> corners[3];    // their vertices
   std::vector<int32_t> cut;           // those that reach out of the drawable range
+  std::vector<int32_t> clusters;      // that may be seen
+  std::vector<uint8_t> groups;        // of vertices: 1 for those that are needed
 };
 
 struct SoftSky {

@@ -98,6 +98,8 @@ void Grow(const SoftInstance& instance, SoftScratch* scratch) {
   grow(scratch->facing, triangles);
   for (auto& row : scratch->corners) grow(row, triangles);
   grow(scratch->cut, triangles);
+  grow(scratch->clusters, instance.mesh->clusters.x.size() + kSoftPadding);
+  grow(scratch->groups, vertices / SoftClusters::kVertices + 2);
 }
 
 }  // namespace

@@ -59,6 +59,53 @@ uint64_t EdgeSum(uint64_t from, uint64_t to) {
   return from < to ? key : uint64_t{0} - key;
 }
 
+// Fewer triangles are not worth the look.
+constexpr int kLeastClustered = 8 * SoftClusters::kTriangles;
+
+void MakeClusters(SoftMesh* mesh) {
+  SoftClusters& clusters = mesh->clusters;
+  clusters.count =
+      mesh->triangles < kLeastClustered
+          ? 0
+          : (mesh->triangles + SoftClusters::kTriangles - 1) / SoftClusters::kTriangles;
+  const size_t size = Padded(static_cast<size_t>(clusters.count));
+  for (auto* row : {&clusters.x, &clusters.y, &clusters.z, &clusters.radius})
+    row->assign(size, 0.0f);
+  for (auto* row : {&clusters.first_group, &clusters.last_group}) row->assign(size, 0);
+  for (int c = 0; c < clusters.count; ++c) {
+    const int begin = SoftClusters::kTriangles * c,
+              end = std::min(begin + SoftClusters::kTriangles, mesh->triangles);
+    const auto at = [&](int vertex) {
+      return Eigen::Vector3f(mesh->x[static_cast<size_t>(vertex)],
+                             mesh->y[static_cast<size_t>(vertex)],
+                             mesh->z[static_cast<size_t>(vertex)]);
+    };
+    int first = mesh->vertices, last = 0;
+    Eigen::Vector3f low = at(mesh->corners[0][static_cast<size_t>(begin)]), high = low;
+    const auto each = [&](const auto& visit) {
+      for (int t = begin; t < end; ++t) {
+        for (const auto& corner : mesh->corners) visit(corner[static_cast<size_t>(t)]);
+      }
+    };
+    each([&](int vertex) {
+      first = std::min(first, vertex);
+      last = std::max(last, vertex);
+      low = low.cwiseMin(at(vertex));
+      high = high.cwiseMax(at(vertex));
+    });
+    const Eigen::Vector3f centre = 0.5f * (low + high);
+    float radius = 0;
+    each([&](int vertex) { radius = std::max(radius, (at(vertex) - centre).norm()); });
+    const auto i = static_cast<size_t>(c);
+    clusters.x[i] = centre.x();
+    clusters.y[i] = centre.y();
+    clusters.z[i] = centre.z();
+    clusters.radius[i] = 1.0001f * radius;
+    clusters.first_group[i] = first / SoftClusters::kVertices;
+    clusters.last_group[i] = last / SoftClusters::kVertices;
+  }
+}
+
 }  // namespace
 
 int SoftMeshBuilder::Vertex(const Eigen::Vector3f& position) {
@@ -139,6 +186,7 @@ void SoftMeshBuilder::Build(SoftMesh* out, bool with_texture) {
     }
   }
   mesh.closed = triangles > 0 && edges == 0;
+  MakeClusters(&mesh);
   vertices_.clear();
   corners_.clear();
 }

@@ -19,6 +19,18 @@ struct alignas(64) SoftSurface {
   uint32_t unused[2];
 };
 
+// Triangles that follow each other, and a ball around each group of them. Those that cannot be
+// seen are left out together.
+struct SoftClusters {
+  static constexpr int kTriangles = 64;
+  // Vertices are placed in groups of this many.
+  static constexpr int kVertices = 64;
+
+  int count = 0;
+  std::vector<float> x, y, z, radius;            // padded with balls of nothing
+  std::vector<int32_t> first_group, last_group;  // of vertices
+};
+
 struct SoftMesh {
   // u and v at the first corner, then the differences to the second and to the third.
   static constexpr int kTexture = 6;
@@ -32,6 +44,7 @@ struct SoftMesh {
   std::vector<SoftSurface> surface;
   std::vector<float> texture;  // kTexture a triangle, or empty
   Eigen::Vector3f low = {0, 0, 0}, high = {0, 0, 0};
+  SoftClusters clusters;  // none in small meshes
 };
 
 // Rows are padded to a multiple of this.

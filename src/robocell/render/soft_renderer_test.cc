@@ -3,6 +3,7 @@
 #include <hwy/targets.h>
 #include <mujoco/mujoco.h>
 
+#include <chrono>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -15,7 +16,9 @@
 #include "robocell/mujoco/clip_planes.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/render/renderer.h"
+#include "robocell/render/soft_renderer.h"
 #include "robocell/render/testing/soft_images.h"
+#include "robocell/spec/render_quality.h"
 #include "robocell/testing/instruction_sets.h"
 #include "robocell/testing/menagerie.h"
 #include "robocell/testing/skip.h"
@@ -340,6 +343,34 @@ TEST(SoftEffects, AreTheSameWhateverWasDrawnBefore) {
       EXPECT_EQ(TakeOf(*kept, views.data(), view).rgb, TakeOf(*make(), views.data(), view).rgb)
           << "state " << i << ", camera " << camera;
     }
+  }
+}
+
+// Where the time of an image goes, printed on request.
+TEST(SoftStages, AddUpToTheImage) {
+  for (const char* quality : {"fast", "standard"}) {
+    RandomViews views("");
+    views.Next();
+    SoftRenderer renderer({.quality = NamedQuality(quality)});
+    renderer.SetModel(views.model());
+    TakeOf(renderer, views.data(), views.view());
+    constexpr int kImages = 10;
+    renderer.clock().Run();
+    const auto begin = std::chrono::steady_clock::now();
+    for (int i = 0; i < kImages; ++i) TakeOf(renderer, views.data(), views.view());
+    const double all =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    double sum = 0;
+    for (size_t k = 0; k < kSoftStageNames.size(); ++k) {
+      const double stage = renderer.clock().milliseconds(static_cast<SoftStage>(k));
+      EXPECT_GE(stage, 0);
+      sum += stage;
+      if (std::getenv("ROBOCELL_TEST_VERBOSE")) {
+        std::printf("%s: %s %.3f ms\n", quality, kSoftStageNames[k], stage / kImages);
+      }
+    }
+    EXPECT_GT(sum, 0);
+    EXPECT_LE(sum, all);
   }
 }
 

@@ -343,11 +343,9 @@ inline void DrawLarge(const SoftView& view, const Point* p, const PlaneNearness&
 
 inline void DrawSamplesHere(const SoftView& view, const SoftInstance& instance,
                             SoftScratch* scratch, SoftSamples* samples) {
-  PlaceVertices(view, instance, scratch);
-  const int count = FindFacing(instance, scratch);
   // Samples are less than half a pixel from the centre.
-  DrawFacing(view, instance, count, scratch,
-             ToSamples{samples, BlockRows(view), static_cast<int64_t>(0.5f * view.steps)});
+  const ToSamples to{samples, BlockRows(view), static_cast<int64_t>(0.5f * view.steps)};
+  DrawFacing(view, instance, Prepare(view, instance, to, scratch), scratch, to);
 }
 
 }  // namespace robocell::internal::HWY_NAMESPACE
