@@ -138,8 +138,25 @@ SoftMesh SoftMeshBuilder::Build(bool with_texture) {
   return mesh;
 }
 
+// Puts vertices into the order in which the triangles use them: those of triangles that follow each
+// other lie together.
+void SoftMeshBuilder::SortVertices() {
+  place_.assign(vertices_.size(), -1);
+  sorted_.clear();
+  for (SoftCorner& corner : corners_) {
+    int& place = place_[static_cast<size_t>(corner.vertex)];
+    if (place < 0) {
+      place = static_cast<int>(sorted_.size());
+      sorted_.push_back(vertices_[static_cast<size_t>(corner.vertex)]);
+    }
+    corner.vertex = place;
+  }
+  vertices_.swap(sorted_);
+}
+
 void SoftMeshBuilder::Build(SoftMesh* out, bool with_texture) {
   SoftMesh& mesh = *out;
+  SortVertices();
   const size_t vertices = vertices_.size(), triangles = corners_.size() / 3;
   mesh.vertices = static_cast<int>(vertices);
   mesh.triangles = static_cast<int>(triangles);

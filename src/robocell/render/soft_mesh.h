@@ -70,7 +70,10 @@ class SoftMeshBuilder {
   SoftMesh Build(bool with_texture = false);
 
  private:
-  std::vector<Eigen::Vector3f> vertices_;
+  void SortVertices();
+
+  std::vector<Eigen::Vector3f> vertices_, sorted_;
+  std::vector<int> place_;
   std::vector<SoftCorner> corners_;
 };
 
