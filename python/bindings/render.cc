@@ -131,7 +131,7 @@ void BindRender(nb::module_& m) {
           "__init__",
           [](SceneRenderer* self, const Scene& scene, bool shadows, int multisamples,
              bool reflections, int shadow_size, const std::string& gl, const std::string& backend,
-             const std::optional<std::string>& quality) {
+             const std::optional<std::string>& quality, int threads) {
             RenderQuality chosen{.shadows = shadows,
                                  .reflections = reflections,
                                  .multisamples = multisamples,
@@ -144,17 +144,20 @@ void BindRender(nb::module_& m) {
               }
               chosen = NamedQuality(*quality);
             }
-            new (self) SceneRenderer(scene, {.backend = backend, .gl = gl, .quality = chosen});
+            new (self) SceneRenderer(
+                scene, {.backend = backend, .gl = gl, .quality = chosen, .threads = threads});
           },
           "scene"_a, "shadows"_a = false, "multisamples"_a = 0, "reflections"_a = false,
           "shadow_size"_a = RenderQuality{}.shadow_size, "gl"_a = "auto", "backend"_a = "auto",
-          "quality"_a = nb::none(), nb::call_guard<nb::gil_scoped_release>(),
+          "quality"_a = nb::none(), "threads"_a = 1, nb::call_guard<nb::gil_scoped_release>(),
           "`shadow_size`: side of the shadow map in pixels; what is large or seen from near needs "
           "more.\n"
           "`backend`: 'gl' (OpenGL), 'soft' (the processor alone), or 'auto': what the variable "
           "ROBOCELL_RENDERER names, else\n"
           "OpenGL where there is one. `quality`: 'fast', 'standard' or 'high' in the place of "
-          "single effects.")
+          "single effects. `threads`: how many threads\n"
+          "draw one image with 'soft' (0: one for each core); for large images. The images are the "
+          "same.")
       .def("render", &Render, "camera"_a.none(), "width"_a = 320, "height"_a = 240, "rgb"_a = true,
            "depth"_a = false, "segmentation"_a = false,
            "frames"_a = std::vector<std::pair<std::string, Pose>>{}, "frame_length"_a = 0.1,

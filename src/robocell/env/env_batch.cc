@@ -11,8 +11,8 @@
 #include <thread>
 
 #include "robocell/base/error.h"
+#include "robocell/base/worker_threads.h"
 #include "robocell/env/env_scene.h"
-#include "robocell/env/worker_threads.h"
 
 namespace robocell {
 namespace {

@@ -72,6 +72,9 @@ struct RendererOptions {
   // times the rest.
   RenderQuality quality = {};
   Visibility visibility = {};
+  // That share the work of an image with back end soft; 0: as many as the machine has cores. More
+  // than one pays for large images. The images are the same.
+  int threads = 1;
 };
 
 class Renderer {

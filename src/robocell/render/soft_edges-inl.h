@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <vector>
 
 #include "robocell/render/soft_frame.h"
 #include "robocell/render/soft_samples-inl.h"
@@ -62,7 +63,7 @@ inline bool FindBeside(const SoftBuffer& buffer, const ImagePlace& at, float rig
 
 // Sums of the samples of one block; those that must be coloured are added to the strays.
 HWY_INLINE void SumBlock(const SoftBuffer& buffer, SoftSamples* samples, const SoftIds* colours,
-                         int bx, int by, int32_t slot) {
+                         int bx, int by, int32_t slot, std::vector<SoftStray>* strays) {
   const size_t block = static_cast<size_t>(by) * buffer.columns + bx;
   uint32_t* red_blue = samples->red_blue[static_cast<size_t>(slot)].at;
   uint32_t* green = samples->green[static_cast<size_t>(slot)].at;
@@ -105,9 +106,8 @@ HWY_INLINE void SumBlock(const SoftBuffer& buffer, SoftSamples* samples, const S
           red_blue[pixel] += c & kRedBlue;
           green[pixel] += c & kGreen;
         } else if (here.x < buffer.width && here.y < buffer.height) {
-          samples->strays.push_back({static_cast<float>(here.x) + samples->right[s],
-                                     static_cast<float>(here.y) + samples->down[s], near, id, slot,
-                                     pixel});
+          strays->push_back({static_cast<float>(here.x) + samples->right[s],
+                             static_cast<float>(here.y) + samples->down[s], near, id, slot, pixel});
         }
       }
     }
@@ -115,8 +115,8 @@ HWY_INLINE void SumBlock(const SoftBuffer& buffer, SoftSamples* samples, const S
 }
 
 // Colours the strays and adds them to the sums, a register at a time.
-inline void AddStrays(const SoftPicture& picture, SoftSamples* samples) {
-  const auto& strays = samples->strays;
+inline void AddStrays(const SoftPicture& picture, const std::vector<SoftStray>& strays,
+                      SoftSamples* samples) {
   SoftFace face;
   for (size_t i = 0; i < strays.size(); i += kLanes) {
     const size_t count = std::min(strays.size() - i, static_cast<size_t>(kLanes));
@@ -144,27 +144,32 @@ inline void AddStrays(const SoftPicture& picture, SoftSamples* samples) {
   }
 }
 
-inline void SmoothEdgesHere(const SoftPicture& picture, const SoftBuffer& buffer,
-                            SoftSamples* samples, SoftIds* colours) {
-  const size_t slots = samples->ids.size() / static_cast<size_t>(samples->count);
-  samples->red_blue.resize(slots);
-  samples->green.resize(slots);
-  samples->strays.clear();
-  for (int by = 0; by < buffer.rows; ++by) {
+// Sums of the samples of some rows. The colours of all rows are read.
+inline void SumSamplesHere(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
+                           const SoftIds* colours, std::vector<SoftStray>* strays,
+                           SoftSamples* samples) {
+  strays->clear();
+  for (int by = rows.begin; by < rows.end; ++by) {
     for (int bx = 0; bx < buffer.columns; ++bx) {
       const int32_t slot = samples->slots[static_cast<size_t>(by) * buffer.columns + bx];
-      if (slot >= 0) SumBlock(buffer, samples, colours, bx, by, slot);
+      if (slot >= 0) SumBlock(buffer, samples, colours, bx, by, slot, strays);
     }
   }
-  AddStrays(picture, samples);
+  AddStrays(picture, *strays, samples);
+}
+
+// Replaces the colours of some rows by the means.
+inline void TakeMeansHere(const SoftSamples& samples, SoftRows rows, SoftIds* colours) {
   // Counts are powers of two.
-  const int shift = __builtin_ctz(static_cast<unsigned>(samples->count));
-  const uint32_t half = static_cast<uint32_t>(samples->count) / 2;
-  for (size_t block = 0; block < samples->slots.size(); ++block) {
-    const int32_t slot = samples->slots[block];
+  const int shift = __builtin_ctz(static_cast<unsigned>(samples.count));
+  const uint32_t half = static_cast<uint32_t>(samples.count) / 2;
+  const auto columns = static_cast<size_t>(samples.columns);
+  for (size_t block = columns * static_cast<size_t>(rows.begin);
+       block < columns * static_cast<size_t>(rows.end); ++block) {
+    const int32_t slot = samples.slots[block];
     if (slot < 0) continue;
-    const uint32_t* red_blue = samples->red_blue[static_cast<size_t>(slot)].at;
-    const uint32_t* green = samples->green[static_cast<size_t>(slot)].at;
+    const uint32_t* red_blue = samples.red_blue[static_cast<size_t>(slot)].at;
+    const uint32_t* green = samples.green[static_cast<size_t>(slot)].at;
     for (int k = 0; k < kSoftPixels; ++k) {
       colours[block].at[k] = ((red_blue[k] + (half | half << 16)) >> shift & kRedBlue) |
                              ((green[k] + (half << 8)) >> shift & kGreen);

@@ -1,6 +1,7 @@
 // What the kernels of the software renderer read and write for one image. Internal to render/.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -8,6 +9,9 @@
 #include "robocell/render/soft_texture.h"
 
 namespace robocell::internal {
+
+// 4 x 4 pixels lie together, row after row.
+inline constexpr int kSoftBlock = 4, kSoftPixels = 16;
 
 // The camera. Pixels as in camera_model.h: the centre of the upper left one is (0, 0). View axes
 // are MuJoCo's camera axes. Nearness, which takes the place of depth in the buffers, is linear on
@@ -18,9 +22,28 @@ struct SoftView {
   bool orthographic = false;
   float fx = 0, fy = 0, cx = 0, cy = 0;
   float near = 0, far = 0;
+  float per_fx = 0, per_fy = 0;  // 1 / fx, 1 / fy
   // Corners are rounded to this share of a pixel.
   float steps = 256;
+  int top = 0, bottom = 0;  // rows that are drawn: from `top` on, above `bottom`
 };
+
+// Rows of blocks, from `begin` on and above `end`.
+struct SoftRows {
+  int begin = 0, end = 0;
+};
+
+// The rows of blocks that a view draws.
+inline SoftRows BlockRows(const SoftView& view) {
+  return {view.top / kSoftBlock, (view.bottom + kSoftBlock - 1) / kSoftBlock};
+}
+
+// The part of a view that shows some rows.
+inline SoftView RowsOf(SoftView view, SoftRows rows) {
+  view.top = kSoftBlock * rows.begin;
+  view.bottom = std::min(view.bottom, kSoftBlock * rows.end);
+  return view;
+}
 
 // Which way a triangle must be turned to be drawn.
 enum class SoftSide { kFront, kBack, kBoth };
@@ -46,6 +69,7 @@ struct SoftInstance {
   float eye[4];  // the camera, or the direction to it with 0, in the mesh's axes
   SoftSide side = SoftSide::kFront;
   SoftMaterial material;
+  float own[3];  // light that does not depend on where its surface is and how it is turned
   int body = -1;
   int segment = -1;       // -1: in colour only
   uint32_t first_id = 0;  // its triangles have the ids that follow
@@ -63,10 +87,15 @@ struct SoftLight {
   float ambient[3], diffuse[3], specular[3];
   bool shines = false;
   const SoftShadow* shadow = nullptr;
+  bool everywhere = false;  // far away and never hidden
 };
 
-// 4 x 4 pixels lie together, row after row.
-inline constexpr int kSoftBlock = 4, kSoftPixels = 16;
+// What a material sends back of a light.
+struct SoftGain {
+  float ambient[3], diffuse[3], specular[3];
+  bool shines = false;
+};
+
 struct alignas(64) SoftNumbers {
   float at[kSoftPixels];
 };
@@ -105,7 +134,6 @@ struct SoftSamples {
   std::vector<SoftIds> ids;
   // While edges are smoothed: sums of red and, 16 bits higher, of blue; and of green.
   std::vector<SoftIds> red_blue, green;
-  std::vector<SoftStray> strays;
 
   size_t At(int32_t slot, int sample) const {
     return static_cast<size_t>(slot) * static_cast<size_t>(count) + static_cast<size_t>(sample);
@@ -114,7 +142,8 @@ struct SoftSamples {
 
 // How near to a light the first surface is. Tiles of 4 x 4 blocks say what lies between which
 // limits, and where something may have been drawn.
-inline constexpr int kSoftTile = 4, kSoftTileBits = 4;  // blocks; pixels are 2 to this power
+inline constexpr int kSoftTile = 4,
+                     kSoftTileBits = 4;  // blocks; pixels are 2 to this power
 struct SoftShadowMap {
   SoftBuffer buffer;  // without ids
   int tile_columns = 0, tile_rows = 0;
@@ -126,15 +155,21 @@ struct SoftShadowMap {
 // A light's view.
 struct SoftShadow {
   SoftView view;
-  float from_view[12];  // rows of 4: from the camera's view axes to the light's
+  // Rows of 4, of a point in the camera's view axes: its place in the map, half a pixel before it,
+  // and its nearness; of lights with a position both places times the distance, and the distance.
+  float to_map[12];
   const SoftShadowMap* map = nullptr;
 };
 
 // What is used while an instance is drawn.
 struct SoftScratch {
+  std::vector<SoftStray> strays;
   std::vector<float> x, y, nearness;  // of the vertices on the image
   std::vector<int32_t> facing;        // triangles that are turned to the camera
+  std::vector<int32_t> corners[3];    // their vertices
   std::vector<int32_t> cut;           // those that reach out of the drawable range
+  std::vector<int32_t> clusters;      // that may be seen
+  std::vector<uint8_t> groups;        // of vertices: 1 for those that are needed
 };
 
 struct SoftSky {
@@ -156,8 +191,8 @@ struct SoftPicture {
   const int32_t* instance_of_run = nullptr;
   const SoftLight* lights = nullptr;
   int light_count = 0;
+  const SoftGain* gains = nullptr;  // of each instance, light after light
   bool shadows = true;
-  float ambient = 0;  // light without a source
   SoftSky sky;
   const SoftReflection* reflection = nullptr;
 };

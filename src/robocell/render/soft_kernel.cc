@@ -1,6 +1,7 @@
 #include "robocell/render/soft_kernel.h"
 
 #include <algorithm>
+#include <cstddef>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "robocell/render/soft_kernel.cc"
@@ -12,6 +13,7 @@
 
 #include "robocell/render/soft_edges-inl.h"
 #include "robocell/render/soft_raster-inl.h"
+#include "robocell/render/soft_run-inl.h"
 #include "robocell/render/soft_samples-inl.h"
 #include "robocell/render/soft_shade-inl.h"
 
@@ -23,28 +25,33 @@ void Draw(const SoftView& view, const SoftInstance& instance, SoftScratch* scrat
           SoftBuffer* buffer) {
   DrawInstanceHere(view, instance, scratch, buffer);
 }
-void Exact(const SoftPicture& picture, const SoftBuffer& buffer, float* metres, int32_t* bodies) {
-  ReadExactHere(picture, buffer, metres, bodies);
+void Exact(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows, float* metres,
+           int32_t* bodies) {
+  ReadExactHere(picture, buffer, rows, metres, bodies);
 }
-void Shade(const SoftPicture& picture, const SoftBuffer& buffer, SoftIds* colours, uint8_t* rgb) {
-  ShadePictureHere(picture, buffer, colours, rgb);
+void Shade(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows, SoftIds* colours,
+           uint8_t* rgb) {
+  ShadePictureHere(picture, buffer, rows, colours, rgb);
 }
 int Edges(const SoftBuffer& buffer, SoftSamples* samples) { return FindEdgesHere(buffer, samples); }
-void Summarise(SoftShadowMap* map) { SummariseMapHere(map); }
+void Summarise(SoftShadowMap* map, SoftRows rows) { SummariseMapHere(map, rows); }
 void DrawBeside(const SoftView& view, const SoftInstance& instance, SoftScratch* scratch,
                 SoftSamples* samples) {
   DrawSamplesHere(view, instance, scratch, samples);
 }
-void Smooth(const SoftPicture& picture, const SoftBuffer& buffer, SoftSamples* samples,
-            SoftIds* colours) {
-  SmoothEdgesHere(picture, buffer, samples, colours);
+void Sum(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
+         const SoftIds* colours, std::vector<SoftStray>* strays, SoftSamples* samples) {
+  SumSamplesHere(picture, buffer, rows, colours, strays, samples);
 }
-void Pack(const SoftBuffer& buffer, const SoftIds* colours, uint8_t* rgb) {
-  PackColoursHere(buffer, colours, rgb);
+void Means(const SoftSamples& samples, SoftRows rows, SoftIds* colours) {
+  TakeMeansHere(samples, rows, colours);
+}
+void Pack(const SoftBuffer& buffer, SoftRows rows, const SoftIds* colours, uint8_t* rgb) {
+  PackColoursHere(buffer, rows, colours, rgb);
 }
 void Blend(const SoftPicture& picture, const SoftBuffer& behind, const SoftBuffer& layer,
-           float alpha, SoftIds* colours) {
-  BlendLayerHere(picture, behind, layer, alpha, colours);
+           SoftRows rows, float alpha, SoftIds* colours) {
+  BlendLayerHere(picture, behind, layer, rows, alpha, colours);
 }
 
 }  // namespace robocell::internal::HWY_NAMESPACE
@@ -59,7 +66,8 @@ HWY_EXPORT(Shade);
 HWY_EXPORT(Edges);
 HWY_EXPORT(Summarise);
 HWY_EXPORT(DrawBeside);
-HWY_EXPORT(Smooth);
+HWY_EXPORT(Sum);
+HWY_EXPORT(Means);
 HWY_EXPORT(Pack);
 HWY_EXPORT(Blend);
 
@@ -88,23 +96,36 @@ void Grow(const SoftInstance& instance, SoftScratch* scratch) {
                triangles = static_cast<size_t>(instance.mesh->triangles) + 2 * kSoftPadding;
   for (auto* row : {&scratch->x, &scratch->y, &scratch->nearness}) grow(*row, vertices);
   grow(scratch->facing, triangles);
+  for (auto& row : scratch->corners) grow(row, triangles);
   grow(scratch->cut, triangles);
+  grow(scratch->clusters, instance.mesh->clusters.x.size() + kSoftPadding);
+  grow(scratch->groups, vertices / SoftClusters::kVertices + 2);
 }
 
 }  // namespace
 
-void ClearNearness(const SoftView& view, SoftBuffer* buffer) {
+void FitNearness(const SoftView& view, SoftBuffer* buffer) {
   buffer->width = view.width;
   buffer->height = view.height;
   buffer->columns = (view.width + kSoftBlock - 1) / kSoftBlock;
   buffer->rows = (view.height + kSoftBlock - 1) / kSoftBlock;
-  buffer->nearness.assign(static_cast<size_t>(buffer->columns) * static_cast<size_t>(buffer->rows),
-                          Farthest(view));
+  buffer->nearness.resize(static_cast<size_t>(buffer->columns) * static_cast<size_t>(buffer->rows));
 }
 
-void ClearBuffer(const SoftView& view, SoftBuffer* buffer) {
-  ClearNearness(view, buffer);
-  buffer->ids.assign(buffer->nearness.size(), NoIds());
+void FitBuffer(const SoftView& view, SoftBuffer* buffer) {
+  FitNearness(view, buffer);
+  buffer->ids.resize(buffer->nearness.size());
+}
+
+void ClearRows(const SoftView& view, SoftRows rows, SoftBuffer* buffer) {
+  const auto fill = [&](auto& of_blocks, const auto& value) {
+    if (of_blocks.empty()) return;
+    const auto first = of_blocks.begin();
+    const ptrdiff_t columns = buffer->columns;
+    std::fill(first + rows.begin * columns, first + rows.end * columns, value);
+  };
+  fill(buffer->nearness, Farthest(view));
+  fill(buffer->ids, NoIds());
 }
 
 void DrawInstance(const SoftView& view, const SoftInstance& instance, SoftScratch* scratch,
@@ -113,22 +134,23 @@ void DrawInstance(const SoftView& view, const SoftInstance& instance, SoftScratc
   HWY_DYNAMIC_DISPATCH(Draw)(view, instance, scratch, buffer);
 }
 
-void SummariseMap(SoftShadowMap* map) { HWY_DYNAMIC_DISPATCH(Summarise)(map); }
+void SummariseMap(SoftShadowMap* map, SoftRows rows) { HWY_DYNAMIC_DISPATCH(Summarise)(map, rows); }
 
-void ReadExact(const SoftPicture& picture, const SoftBuffer& buffer, std::span<float> metres,
-               std::span<int32_t> bodies) {
+void ReadExact(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
+               std::span<float> metres, std::span<int32_t> bodies) {
   HWY_DYNAMIC_DISPATCH(Exact)
-  (picture, buffer, metres.empty() ? nullptr : metres.data(),
+  (picture, buffer, rows, metres.empty() ? nullptr : metres.data(),
    bodies.empty() ? nullptr : bodies.data());
 }
 
-void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer,
+void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
                   std::span<SoftIds> colours) {
-  HWY_DYNAMIC_DISPATCH(Shade)(picture, buffer, colours.data(), nullptr);
+  HWY_DYNAMIC_DISPATCH(Shade)(picture, buffer, rows, colours.data(), nullptr);
 }
 
-void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer, std::span<uint8_t> rgb) {
-  HWY_DYNAMIC_DISPATCH(Shade)(picture, buffer, nullptr, rgb.data());
+void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
+                  std::span<uint8_t> rgb) {
+  HWY_DYNAMIC_DISPATCH(Shade)(picture, buffer, rows, nullptr, rgb.data());
 }
 
 void FindEdges(const SoftView& view, const SoftBuffer& buffer, SoftSamples* samples) {
@@ -140,6 +162,8 @@ void FindEdges(const SoftView& view, const SoftBuffer& buffer, SoftSamples* samp
   const size_t size = samples->At(slots, 0);
   samples->nearness.assign(size, Farthest(view));
   samples->ids.assign(size, NoIds());
+  samples->red_blue.resize(static_cast<size_t>(slots));
+  samples->green.resize(static_cast<size_t>(slots));
 }
 
 void DrawSamples(const SoftView& view, const SoftInstance& instance, SoftScratch* scratch,
@@ -148,19 +172,24 @@ void DrawSamples(const SoftView& view, const SoftInstance& instance, SoftScratch
   HWY_DYNAMIC_DISPATCH(DrawBeside)(view, instance, scratch, samples);
 }
 
-void SmoothEdges(const SoftPicture& picture, const SoftBuffer& buffer, SoftSamples* samples,
-                 std::span<SoftIds> colours) {
-  HWY_DYNAMIC_DISPATCH(Smooth)(picture, buffer, samples, colours.data());
+void SumSamples(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
+                std::span<const SoftIds> colours, std::vector<SoftStray>* strays,
+                SoftSamples* samples) {
+  HWY_DYNAMIC_DISPATCH(Sum)(picture, buffer, rows, colours.data(), strays, samples);
+}
+
+void TakeMeans(const SoftSamples& samples, SoftRows rows, std::span<SoftIds> colours) {
+  HWY_DYNAMIC_DISPATCH(Means)(samples, rows, colours.data());
 }
 
 void BlendLayer(const SoftPicture& picture, const SoftBuffer& behind, const SoftBuffer& layer,
-                float alpha, std::span<SoftIds> colours) {
-  HWY_DYNAMIC_DISPATCH(Blend)(picture, behind, layer, alpha, colours.data());
+                SoftRows rows, float alpha, std::span<SoftIds> colours) {
+  HWY_DYNAMIC_DISPATCH(Blend)(picture, behind, layer, rows, alpha, colours.data());
 }
 
-void PackColours(const SoftBuffer& buffer, std::span<const SoftIds> colours,
+void PackColours(const SoftBuffer& buffer, SoftRows rows, std::span<const SoftIds> colours,
                  std::span<uint8_t> rgb) {
-  HWY_DYNAMIC_DISPATCH(Pack)(buffer, colours.data(), rgb.data());
+  HWY_DYNAMIC_DISPATCH(Pack)(buffer, rows, colours.data(), rgb.data());
 }
 
 }  // namespace robocell::internal

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "robocell/render/soft_frame.h"
 
@@ -20,47 +21,55 @@ namespace robocell::internal {
 // The instruction set that is used, e.g. "AVX2".
 std::string SoftInstructions();
 
-// Makes the buffer fit the view, with nothing in it.
-void ClearBuffer(const SoftView& view, SoftBuffer* buffer);
+// Functions with rows work on those alone: several threads may share an image.
 
+// Makes the buffer as large as the view. What is in it is not said.
+void FitBuffer(const SoftView& view, SoftBuffer* buffer);
 // The same without ids.
-void ClearNearness(const SoftView& view, SoftBuffer* buffer);
+void FitNearness(const SoftView& view, SoftBuffer* buffer);
+// Empties the rows.
+void ClearRows(const SoftView& view, SoftRows rows, SoftBuffer* buffer);
 
-// Draws the instance into the buffer. One without ids gets nearness only.
+// Draws the instance into the view's rows of the buffer. One without ids gets nearness only.
 void DrawInstance(const SoftView& view, const SoftInstance& instance, SoftScratch* scratch,
                   SoftBuffer* buffer);
 
-// Computes what lies nearest and farthest in each tile of a map.
-void SummariseMap(SoftShadowMap* map);
+// Computes what lies nearest and farthest in each tile of a map; rows of tiles.
+void SummariseMap(SoftShadowMap* map, SoftRows rows);
 
 // Metres and bodies of what is in the buffer; either may be empty.
-void ReadExact(const SoftPicture& picture, const SoftBuffer& buffer, std::span<float> metres,
-               std::span<int32_t> bodies);
+void ReadExact(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
+               std::span<float> metres, std::span<int32_t> bodies);
 
 // Colours of what is in the buffer: red, green, blue from the lowest byte on.
-void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer, std::span<SoftIds> colours);
+void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
+                  std::span<SoftIds> colours);
 // The same into rows of 3 bytes a pixel.
-void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer, std::span<uint8_t> rgb);
+void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
+                  std::span<uint8_t> rgb);
 
 // Makes room for the samples of blocks that show an edge between surfaces, with nothing in them.
 // How many a pixel has, and where, stays as it is.
 void FindEdges(const SoftView& view, const SoftBuffer& buffer, SoftSamples* samples);
 
-// Draws the instance into them.
+// Draws the instance into those of the view's rows.
 void DrawSamples(const SoftView& view, const SoftInstance& instance, SoftScratch* scratch,
                  SoftSamples* samples);
 
+// Sums the colours of the samples. All colours are read; `strays` is scratch memory.
+void SumSamples(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
+                std::span<const SoftIds> colours, std::vector<SoftStray>* strays,
+                SoftSamples* samples);
 // Replaces colours at edges by the means of the samples.
-void SmoothEdges(const SoftPicture& picture, const SoftBuffer& buffer, SoftSamples* samples,
-                 std::span<SoftIds> colours);
+void TakeMeans(const SoftSamples& samples, SoftRows rows, std::span<SoftIds> colours);
 
 // Blends an instance that can be seen through over the colours, in front of what is in the buffer.
-// Its nearness and ids go into `layer`, which is cleared for it.
+// Its nearness and ids are in `layer`.
 void BlendLayer(const SoftPicture& picture, const SoftBuffer& behind, const SoftBuffer& layer,
-                float alpha, std::span<SoftIds> colours);
+                SoftRows rows, float alpha, std::span<SoftIds> colours);
 
 // Packs colours into rows of 3 bytes a pixel.
-void PackColours(const SoftBuffer& buffer, std::span<const SoftIds> colours,
+void PackColours(const SoftBuffer& buffer, SoftRows rows, std::span<const SoftIds> colours,
                  std::span<uint8_t> rgb);
 
 }  // namespace robocell::internal

@@ -18,10 +18,9 @@
 HWY_BEFORE_NAMESPACE();
 namespace robocell::internal::HWY_NAMESPACE {
 
-// The mirror image of a light. `along` and `across` are the products of the directions to the eye
-// with the normal and with the direction to the light.
-HWY_INLINE V Highlight(const SoftMaterial& material, V strength, V facing, V along_eye,
-                       V light_eye) {
+// The mirror image of a light, or 0. `along` and `across` are the products of the directions to the
+// eye with the normal and with the direction to the light.
+HWY_INLINE V Highlight(const SoftMaterial& material, V facing, V along_eye, V light_eye) {
   // Most pixels are far from the highlight; what is left out is less than half a step of colour.
   const V zero = hn::Zero(kFloats);
   // Of the sum of both directions, with the normal and with itself.
@@ -32,7 +31,7 @@ HWY_INLINE V Highlight(const SoftMaterial& material, V strength, V facing, V alo
                            hn::Ge(along2, hn::Mul(Num(material.least_shine), length2)));
   if (hn::AllFalse(kFloats, bright)) return zero;
   const V power = Power(Clamp01(hn::Div(along2, length2)), 0.5f * material.shininess);
-  return hn::IfThenElseZero(bright, hn::Mul(hn::Mul(strength, Num(material.specular)), power));
+  return hn::IfThenElseZero(bright, power);
 }
 
 // The direction to the light, and how much of it arrives where nothing hides it.
@@ -55,6 +54,10 @@ HWY_INLINE V3 Towards(const SoftLight& light, const V3& at, V* strength) {
   return to;
 }
 
+HWY_INLINE const SoftGain* GainsOf(const SoftPicture& picture, const SoftInstance& instance) {
+  return picture.gains + (&instance - picture.instances) * picture.light_count;
+}
+
 // What is the same everywhere on a flat face: light from far away that nothing hides, without
 // highlights.
 struct FaceLight {
@@ -63,12 +66,12 @@ struct FaceLight {
   float sum[3];
   float facing[kMost];
 
-  inline void Be(const SoftPicture& picture, const SoftMaterial& material, const float* normal) {
+  inline void Be(const SoftPicture& picture, const SoftInstance& instance, const float* normal) {
     plain = picture.light_count <= kMost;
     for (int l = 0; l < picture.light_count; ++l) plain &= picture.lights[l].directional;
     if (!plain) return;
-    const float own = material.emission + picture.ambient;
-    for (int c = 0; c < 3; ++c) sum[c] = own * material.rgba[c];
+    for (int c = 0; c < 3; ++c) sum[c] = instance.own[c];
+    const SoftGain* gains = GainsOf(picture, instance);
     for (int l = 0; l < picture.light_count; ++l) {
       const SoftLight& light = picture.lights[l];
       const float* to = light.direction;
@@ -76,62 +79,72 @@ struct FaceLight {
       if (picture.shadows && light.shadow) continue;
       const float diffuse = std::max(facing[l], 0.0f);
       for (int c = 0; c < 3; ++c) {
-        sum[c] += (light.ambient[c] + diffuse * light.diffuse[c]) * material.rgba[c];
+        if (!light.everywhere) sum[c] += gains[l].ambient[c];
+        sum[c] += diffuse * gains[l].diffuse[c];
       }
     }
   }
 };
 
+// The direction to the eye.
+HWY_INLINE V3 EyeAt(const SoftPicture& picture, const Pixels& p) {
+  const V3& from = picture.view->orthographic ? p.at : p.ray;
+  return Unit({hn::Neg(from.x), hn::Neg(from.y), hn::Neg(from.z)});
+}
+
 // Light on a surface. Highlights are added last, so that the rest may come from `face`, which a flat
 // one has; others have null.
-HWY_INLINE Colour Light(const SoftPicture& picture, const SoftMaterial& material, const Pixels& p,
+HWY_INLINE Colour Light(const SoftPicture& picture, const SoftInstance& instance, const Pixels& p,
                         const V3& normal, const FaceLight* face) {
   if (face && !face->plain) face = nullptr;
-  const V base[3] = {Num(material.rgba[0]), Num(material.rgba[1]), Num(material.rgba[2])};
+  const SoftMaterial& material = instance.material;
+  const SoftGain* gains = GainsOf(picture, instance);
+  const float* start = face ? face->sum : instance.own;
   const V zero = hn::Zero(kFloats);
-  V sum[3];
-  for (int c = 0; c < 3; ++c) {
-    sum[c] = face ? Num(face->sum[c]) : hn::Mul(Num(material.emission + picture.ambient), base[c]);
-  }
+  V sum[3] = {Num(start[0]), Num(start[1]), Num(start[2])};
   V shine[3] = {zero, zero, zero};
   // The engine adds each light that casts shadows in a picture of its own.
   V added[3] = {zero, zero, zero};
   V3 eye{zero, zero, zero};
   V along_eye = zero;
   if (material.shines) {
-    eye =
-        Unit(picture.view->orthographic ? V3{hn::Neg(p.at.x), hn::Neg(p.at.y), hn::Neg(p.at.z)}
-                                        : V3{hn::Neg(p.ray.x), hn::Neg(p.ray.y), hn::Neg(p.ray.z)});
+    eye = EyeAt(picture, p);
     along_eye = Dot(normal, eye);
   }
   for (int l = 0; l < picture.light_count; ++l) {
     const SoftLight& light = picture.lights[l];
+    const SoftGain& gain = gains[l];
     const bool shadowed = picture.shadows && light.shadow;
-    const bool shines = material.shines && light.shines;
-    if (face && !shadowed && !(shines && face->facing[l] > 0)) continue;
+    if (face && !shadowed && !(gain.shines && face->facing[l] > 0)) continue;
     V strength = Num(1), facing = zero;
     V3 to = Set3(light.direction);
     if (face) {
       facing = Num(face->facing[l]);
+    } else if (light.directional) {
+      facing = Dot(normal, to);
     } else {
       to = Towards(light, p.at, &strength);
       facing = Dot(normal, to);
     }
     if (shadowed) strength = hn::Mul(strength, Lit(*light.shadow, p.at, normal, facing));
-    V highlight = zero;
-    if (shines) highlight = Highlight(material, strength, facing, along_eye, Dot(to, eye));
     const V diffuse = hn::Mul(strength, hn::Max(facing, zero));
+    V highlight = zero;
+    if (gain.shines) {
+      highlight = hn::Mul(strength, Highlight(material, facing, along_eye, Dot(to, eye)));
+    }
     for (int c = 0; c < 3; ++c) {
-      const V mirrored = hn::Mul(highlight, Num(light.specular[c]));
-      const V reflected = hn::Mul(hn::Add(hn::Mul(strength, Num(light.ambient[c])),
-                                          hn::Mul(diffuse, Num(light.diffuse[c]))),
-                                  base[c]);
+      const V mirrored = hn::Mul(highlight, Num(gain.specular[c]));
+      const V back = hn::Mul(diffuse, Num(gain.diffuse[c]));
+      const V even = hn::Mul(strength, Num(gain.ambient[c]));
       if (shadowed) {
-        added[c] = hn::Add(added[c], Clamp01(hn::Add(reflected, mirrored)));
-      } else {
-        if (!face) sum[c] = hn::Add(sum[c], reflected);
-        shine[c] = hn::Add(shine[c], mirrored);
+        added[c] = hn::Add(added[c], Clamp01(hn::Add(hn::Add(even, back), mirrored)));
+        continue;
       }
+      if (!face) {
+        if (!light.everywhere) sum[c] = hn::Add(sum[c], even);
+        sum[c] = hn::Add(sum[c], back);
+      }
+      shine[c] = hn::Add(shine[c], mirrored);
     }
   }
   return {hn::Add(Clamp01(hn::Add(sum[0], shine[0])), added[0]),

@@ -59,6 +59,53 @@ uint64_t EdgeSum(uint64_t from, uint64_t to) {
   return from < to ? key : uint64_t{0} - key;
 }
 
+// Fewer triangles are not worth the look.
+constexpr int kLeastClustered = 8 * SoftClusters::kTriangles;
+
+void MakeClusters(SoftMesh* mesh) {
+  SoftClusters& clusters = mesh->clusters;
+  clusters.count =
+      mesh->triangles < kLeastClustered
+          ? 0
+          : (mesh->triangles + SoftClusters::kTriangles - 1) / SoftClusters::kTriangles;
+  const size_t size = Padded(static_cast<size_t>(clusters.count));
+  for (auto* row : {&clusters.x, &clusters.y, &clusters.z, &clusters.radius})
+    row->assign(size, 0.0f);
+  for (auto* row : {&clusters.first_group, &clusters.last_group}) row->assign(size, 0);
+  for (int c = 0; c < clusters.count; ++c) {
+    const int begin = SoftClusters::kTriangles * c,
+              end = std::min(begin + SoftClusters::kTriangles, mesh->triangles);
+    const auto at = [&](int vertex) {
+      return Eigen::Vector3f(mesh->x[static_cast<size_t>(vertex)],
+                             mesh->y[static_cast<size_t>(vertex)],
+                             mesh->z[static_cast<size_t>(vertex)]);
+    };
+    int first = mesh->vertices, last = 0;
+    Eigen::Vector3f low = at(mesh->corners[0][static_cast<size_t>(begin)]), high = low;
+    const auto each = [&](const auto& visit) {
+      for (int t = begin; t < end; ++t) {
+        for (const auto& corner : mesh->corners) visit(corner[static_cast<size_t>(t)]);
+      }
+    };
+    each([&](int vertex) {
+      first = std::min(first, vertex);
+      last = std::max(last, vertex);
+      low = low.cwiseMin(at(vertex));
+      high = high.cwiseMax(at(vertex));
+    });
+    const Eigen::Vector3f centre = 0.5f * (low + high);
+    float radius = 0;
+    each([&](int vertex) { radius = std::max(radius, (at(vertex) - centre).norm()); });
+    const auto i = static_cast<size_t>(c);
+    clusters.x[i] = centre.x();
+    clusters.y[i] = centre.y();
+    clusters.z[i] = centre.z();
+    clusters.radius[i] = 1.0001f * radius;
+    clusters.first_group[i] = first / SoftClusters::kVertices;
+    clusters.last_group[i] = last / SoftClusters::kVertices;
+  }
+}
+
 }  // namespace
 
 int SoftMeshBuilder::Vertex(const Eigen::Vector3f& position) {
@@ -91,8 +138,25 @@ SoftMesh SoftMeshBuilder::Build(bool with_texture) {
   return mesh;
 }
 
+// Puts vertices into the order in which the triangles use them: those of triangles that follow each
+// other lie together.
+void SoftMeshBuilder::SortVertices() {
+  place_.assign(vertices_.size(), -1);
+  sorted_.clear();
+  for (SoftCorner& corner : corners_) {
+    int& place = place_[static_cast<size_t>(corner.vertex)];
+    if (place < 0) {
+      place = static_cast<int>(sorted_.size());
+      sorted_.push_back(vertices_[static_cast<size_t>(corner.vertex)]);
+    }
+    corner.vertex = place;
+  }
+  vertices_.swap(sorted_);
+}
+
 void SoftMeshBuilder::Build(SoftMesh* out, bool with_texture) {
   SoftMesh& mesh = *out;
+  SortVertices();
   const size_t vertices = vertices_.size(), triangles = corners_.size() / 3;
   mesh.vertices = static_cast<int>(vertices);
   mesh.triangles = static_cast<int>(triangles);
@@ -111,8 +175,7 @@ void SoftMeshBuilder::Build(SoftMesh* out, bool with_texture) {
   for (auto& row : mesh.facing) row.assign(Padded(triangles), 0.0f);
   mesh.surface.resize(triangles);
   mesh.texture.resize(with_texture ? SoftMesh::kTexture * triangles : 0);
-  mesh.corners.clear();
-  mesh.corners.reserve(3 * triangles);
+  for (auto& row : mesh.corners) row.assign(Padded(triangles), 0);
   // In a closed mesh each edge is passed as often in one direction as in the other.
   uint64_t edges = 0;
   for (size_t t = 0; t < triangles; ++t) {
@@ -120,7 +183,7 @@ void SoftMeshBuilder::Build(SoftMesh* out, bool with_texture) {
     for (size_t k = 0; k < 3; ++k) key[k] = KeyOf(vertices_[corners_[3 * t + k].vertex]);
     for (int k = 0; k < 3; ++k) edges += EdgeSum(key[k], key[(k + 1) % 3]);
     const SoftCorner* corner = &corners_[3 * t];
-    for (int k = 0; k < 3; ++k) mesh.corners.push_back(corner[k].vertex);
+    for (int k = 0; k < 3; ++k) mesh.corners[k][t] = corner[k].vertex;
     const Eigen::Vector3d first = vertices_[corner[0].vertex].cast<double>();
     const Eigen::Vector3d u = vertices_[corner[1].vertex].cast<double>() - first;
     const Eigen::Vector3d v = vertices_[corner[2].vertex].cast<double>() - first;
@@ -140,6 +203,7 @@ void SoftMeshBuilder::Build(SoftMesh* out, bool with_texture) {
     }
   }
   mesh.closed = triangles > 0 && edges == 0;
+  MakeClusters(&mesh);
   vertices_.clear();
   corners_.clear();
 }

@@ -19,18 +19,32 @@ struct alignas(64) SoftSurface {
   uint32_t unused[2];
 };
 
+// Triangles that follow each other, and a ball around each group of them. Those that cannot be
+// seen are left out together.
+struct SoftClusters {
+  static constexpr int kTriangles = 64;
+  // Vertices are placed in groups of this many.
+  static constexpr int kVertices = 64;
+
+  int count = 0;
+  std::vector<float> x, y, z, radius;            // padded with balls of nothing
+  std::vector<int32_t> first_group, last_group;  // of vertices
+};
+
 struct SoftMesh {
   // u and v at the first corner, then the differences to the second and to the third.
   static constexpr int kTexture = 6;
 
   int vertices = 0, triangles = 0;
-  bool closed = false;           // it has an inside, which no triangle shows
-  std::vector<float> x, y, z;    // padded with copies of the last vertex
-  std::vector<int32_t> corners;  // 3 a triangle, counter-clockwise from outside
+  bool closed = false;         // it has an inside, which no triangle shows
+  std::vector<float> x, y, z;  // padded with copies of the last vertex
+  std::vector<int32_t>
+      corners[3];                // of each triangle, counter-clockwise from outside; padded with 0
   std::vector<float> facing[4];  // plane of each triangle; padded with 0
   std::vector<SoftSurface> surface;
   std::vector<float> texture;  // kTexture a triangle, or empty
   Eigen::Vector3f low = {0, 0, 0}, high = {0, 0, 0};
+  SoftClusters clusters;  // none in small meshes
 };
 
 // Rows are padded to a multiple of this.
@@ -56,7 +70,10 @@ class SoftMeshBuilder {
   SoftMesh Build(bool with_texture = false);
 
  private:
-  std::vector<Eigen::Vector3f> vertices_;
+  void SortVertices();
+
+  std::vector<Eigen::Vector3f> vertices_, sorted_;
+  std::vector<int> place_;
   std::vector<SoftCorner> corners_;
 };
 

@@ -23,8 +23,8 @@ struct Pixels {
 
 // What is at these places of the image.
 HWY_INLINE Pixels PixelsThrough(const SoftView& view, V u, V v, V nearness) {
-  const V x = hn::Mul(hn::Sub(u, Num(view.cx)), Num(1 / view.fx)),
-          y = hn::Mul(hn::Sub(Num(view.cy), v), Num(1 / view.fy));
+  const V x = hn::Mul(hn::Sub(u, Num(view.cx)), Num(view.per_fx)),
+          y = hn::Mul(hn::Sub(Num(view.cy), v), Num(view.per_fy));
   Pixels p{{x, y, Num(-1)}, Num(1), {}};
   if (view.orthographic) {
     p.depth = hn::Sub(Num(view.far), hn::Mul(nearness, Num(view.far - view.near)));

@@ -61,67 +61,209 @@ HWY_INLINE M Inside(const BlockEdges& t, int part, V* e1, V* e2) {
   return hn::Ge(hn::Min(edge(0), hn::Min(*e1, *e2)), hn::Zero(kFloats));
 }
 
+// Stores whole registers: the next triangle often meets the same block, and a processor hands on only
+// what was stored whole.
 template <bool kIds>
 HWY_INLINE void Put(M covered, V nearness, uint32_t id, int part, float* at, uint32_t* ids) {
-  const M mask = hn::And(covered, hn::Ge(nearness, hn::Load(kFloats, at + part)));
-  hn::BlendedStore(nearness, mask, kFloats, at + part);
+  const V before = hn::Load(kFloats, at + part);
+  const M mask = hn::And(covered, hn::Ge(nearness, before));
+  hn::Store(hn::IfThenElse(mask, nearness, before), kFloats, at + part);
   if constexpr (kIds) {
-    hn::BlendedStore(hn::Set(kInts, static_cast<int32_t>(id)), hn::RebindMask(kInts, mask), kInts,
-                     reinterpret_cast<int32_t*>(ids) + part);
+    auto* to = reinterpret_cast<int32_t*>(ids) + part;
+    const I ids_before = hn::Load(kInts, to);
+    hn::Store(hn::IfThenElse(hn::RebindMask(kInts, mask), hn::Set(kInts, static_cast<int32_t>(id)),
+                             ids_before),
+              kInts, to);
   }
 }
 
 // ---- Vertices
 
-HWY_INLINE void PlaceVertices(const SoftView& view, const SoftInstance& instance,
-                              SoftScratch* scratch) {
+// Places the vertices from `begin` on, below `end`.
+HWY_INLINE void PlaceVertices(const SoftView& view, const SoftInstance& instance, int begin,
+                              int end, SoftScratch* scratch) {
   const SoftMesh& mesh = *instance.mesh;
   const float* m = instance.to_view;
+  const float *xs = mesh.x.data(), *ys = mesh.y.data(), *zs = mesh.z.data();
+  float *to_x = scratch->x.data(), *to_y = scratch->y.data(), *to_q = scratch->nearness.data();
+  const bool orthographic = view.orthographic;
   const V near = Num(view.near), reach = Num(kReach), one = Num(1);
   const V steps = Num(view.steps), half = Num(0.5f), far = Num(view.far);
   const V range = Num(1 / (view.far - view.near));
-  for (int i = 0; i < mesh.vertices; i += kLanes) {
-    const V x = hn::LoadU(kFloats, &mesh.x[i]), y = hn::LoadU(kFloats, &mesh.y[i]),
-            z = hn::LoadU(kFloats, &mesh.z[i]);
+  const V fx = Num(view.fx), fy = Num(view.fy), cx = Num(view.cx), cy = Num(view.cy);
+  V rows[12];
+  for (int k = 0; k < 12; ++k) rows[k] = Num(m[k]);
+  for (int i = begin; i < end; i += kLanes) {
+    const V x = hn::LoadU(kFloats, xs + i), y = hn::LoadU(kFloats, ys + i),
+            z = hn::LoadU(kFloats, zs + i);
     const auto row = [&](int r) HWY_ATTR {
-      return hn::Add(hn::Add(hn::Mul(Num(m[4 * r]), x), hn::Mul(Num(m[4 * r + 1]), y)),
-                     hn::Add(hn::Mul(Num(m[4 * r + 2]), z), Num(m[4 * r + 3])));
+      return hn::Add(hn::Add(hn::Mul(rows[4 * r], x), hn::Mul(rows[4 * r + 1], y)),
+                     hn::Add(hn::Mul(rows[4 * r + 2], z), rows[4 * r + 3]));
     };
-    const V across = hn::Mul(Num(view.fx), row(0)), up = hn::Mul(Num(view.fy), row(1));
+    const V across = hn::Mul(fx, row(0)), up = hn::Mul(fy, row(1));
     const V depth = hn::Neg(row(2));
-    const V shrink = view.orthographic ? one : hn::Div(one, depth);
-    const V u = hn::Add(hn::Mul(across, shrink), Num(view.cx)),
-            v = hn::Sub(Num(view.cy), hn::Mul(up, shrink));
+    const V shrink = orthographic ? one : hn::Div(one, depth);
+    const V u = hn::Add(hn::Mul(across, shrink), cx), v = hn::Sub(cy, hn::Mul(up, shrink));
     const V px = hn::Round(hn::Mul(hn::Add(u, half), steps)),
             py = hn::Round(hn::Mul(hn::Add(v, half), steps));
-    const V nearness = view.orthographic ? hn::Mul(hn::Sub(far, depth), range) : shrink;
+    const V nearness = orthographic ? hn::Mul(hn::Sub(far, depth), range) : shrink;
     const M ahead = hn::Ge(depth, near);
     const M good = hn::And(ahead, hn::And(hn::Le(hn::Abs(px), reach), hn::Le(hn::Abs(py), reach)));
-    hn::StoreU(hn::IfThenElse(good, px, Num(kBeyond)), kFloats, &scratch->x[i]);
-    hn::StoreU(hn::IfThenElse(good, py, Num(kBeyond)), kFloats, &scratch->y[i]);
-    hn::StoreU(hn::IfThenElse(ahead, nearness, Num(kBehind)), kFloats, &scratch->nearness[i]);
+    hn::StoreU(hn::IfThenElse(good, px, Num(kBeyond)), kFloats, to_x + i);
+    hn::StoreU(hn::IfThenElse(good, py, Num(kBeyond)), kFloats, to_y + i);
+    hn::StoreU(hn::IfThenElse(ahead, nearness, Num(kBehind)), kFloats, to_q + i);
   }
 }
 
-// Lists the triangles that are turned to the camera.
-HWY_INLINE int FindFacing(const SoftInstance& instance, SoftScratch* scratch) {
+// Adds those of the triangles from `begin` on, below `end`, that are turned to the camera to the
+// list of `count`. Returns how many there are then.
+HWY_INLINE int FindFacing(const SoftInstance& instance, int begin, int end, int count,
+                          SoftScratch* scratch) {
   const SoftMesh& mesh = *instance.mesh;
-  int count = 0;
+  const float* facing[4];
+  for (int k = 0; k < 4; ++k) facing[k] = mesh.facing[k].data();
+  const int32_t* corners[3];
+  int32_t* to[4] = {nullptr, nullptr, nullptr, scratch->facing.data()};
+  for (int k = 0; k < 3; ++k) {
+    corners[k] = mesh.corners[k].data();
+    to[k] = scratch->corners[k].data();
+  }
   const float sign = instance.side == SoftSide::kBack ? -1.0f : 1.0f;
   const V ex = Num(sign * instance.eye[0]), ey = Num(sign * instance.eye[1]),
           ez = Num(sign * instance.eye[2]), ew = Num(sign * instance.eye[3]);
   const bool all = instance.side == SoftSide::kBoth;
-  for (int i = 0; i < mesh.triangles; i += kLanes) {
-    const V a = hn::Add(hn::Mul(hn::LoadU(kFloats, &mesh.facing[0][i]), ex),
-                        hn::Mul(hn::LoadU(kFloats, &mesh.facing[1][i]), ey));
-    const V b = hn::Add(hn::Mul(hn::LoadU(kFloats, &mesh.facing[2][i]), ez),
-                        hn::Mul(hn::LoadU(kFloats, &mesh.facing[3][i]), ew));
+  for (int i = begin; i < end; i += kLanes) {
+    const V a = hn::Add(hn::Mul(hn::LoadU(kFloats, facing[0] + i), ex),
+                        hn::Mul(hn::LoadU(kFloats, facing[1] + i), ey));
+    const V b = hn::Add(hn::Mul(hn::LoadU(kFloats, facing[2] + i), ez),
+                        hn::Mul(hn::LoadU(kFloats, facing[3] + i), ew));
     M faces = hn::Gt(hn::Add(a, b), hn::Zero(kFloats));
     if (all) faces = hn::Eq(a, a);
-    if (i + kLanes > mesh.triangles)
-      faces = hn::And(faces, hn::FirstN(kFloats, mesh.triangles - i));
-    count += static_cast<int>(hn::CompressStore(hn::Iota(kInts, i), hn::RebindMask(kInts, faces),
-                                                kInts, &scratch->facing[count]));
+    if (i + kLanes > end) faces = hn::And(faces, hn::FirstN(kFloats, static_cast<size_t>(end - i)));
+    if (hn::AllFalse(kFloats, faces)) continue;
+    // Whole registers are stored: some processors take long to store a part of one.
+    const auto kept = hn::RebindMask(kInts, faces);
+    hn::StoreU(hn::Compress(hn::Iota(kInts, i), kept), kInts, to[3] + count);
+    for (int k = 0; k < 3; ++k) {
+      hn::StoreU(hn::Compress(hn::LoadU(kInts, corners[k] + i), kept), kInts, to[k] + count);
+    }
+    count += static_cast<int>(hn::CountTrue(kInts, kept));
+  }
+  return count;
+}
+
+// How many times as long as in the mesh something may be in the view. A little more than 1 if
+// the matrix only turns.
+inline float LongestScale(const float* m) {
+  float apart = 0, sum = 0;
+  for (int a = 0; a < 3; ++a) {
+    for (int b = 0; b < 3; ++b) {
+      const float dot = m[a] * m[b] + m[4 + a] * m[4 + b] + m[8 + a] * m[8 + b];
+      apart = std::max(apart, std::abs(dot - (a == b ? 1.0f : 0.0f)));
+      if (a == b) sum += dot;
+    }
+  }
+  return apart < 1e-4f ? 1.001f : std::sqrt(sum);
+}
+
+// Lists the clusters of which something may be seen.
+template <class To>
+HWY_INLINE int FindClusters(const SoftView& view, const SoftInstance& instance, const To& to,
+                            SoftScratch* scratch) {
+  const SoftClusters& clusters = instance.mesh->clusters;
+  const float* m = instance.to_view;
+  const float per = LongestScale(m);
+  const V near = Num(view.near), far = Num(view.far), one = Num(1), zero = hn::Zero(kFloats);
+  const V width = Num(static_cast<float>(view.width)), top = Num(static_cast<float>(view.top) - 2),
+          bottom = Num(static_cast<float>(view.bottom) + 1);
+  const V last_x = Num(static_cast<float>(view.width - 1)),
+          last_y = Num(static_cast<float>(view.height - 1));
+  int count = 0;
+  for (int i = 0; i < clusters.count; i += kLanes) {
+    const V x = hn::LoadU(kFloats, &clusters.x[i]), y = hn::LoadU(kFloats, &clusters.y[i]),
+            z = hn::LoadU(kFloats, &clusters.z[i]),
+            radius = hn::Mul(Num(per), hn::LoadU(kFloats, &clusters.radius[i]));
+    const auto row = [&](int r) HWY_ATTR {
+      return hn::Add(hn::Add(hn::Mul(Num(m[4 * r]), x), hn::Mul(Num(m[4 * r + 1]), y)),
+                     hn::Add(hn::Mul(Num(m[4 * r + 2]), z), Num(m[4 * r + 3])));
+    };
+    const V right = row(0), up = row(1), depth = hn::Neg(row(2));
+    const V nearest = hn::Sub(depth, radius), farthest = hn::Add(depth, radius);
+    M seen = hn::And(hn::Ge(farthest, near), hn::Le(nearest, far));
+    // Pixels between which the ball lies, if it is in front of the camera.
+    const M ahead = hn::Gt(nearest, near);
+    V per_nearest = one, per_farthest = one;
+    if (!view.orthographic) {
+      per_nearest = hn::Div(one, hn::IfThenElse(ahead, nearest, one));
+      per_farthest = hn::Div(one, hn::IfThenElse(ahead, farthest, one));
+    }
+    const auto least = [&](V v) HWY_ATTR {
+      return hn::Min(hn::Mul(v, per_nearest), hn::Mul(v, per_farthest));
+    };
+    const auto most = [&](V v) HWY_ATTR {
+      return hn::Max(hn::Mul(v, per_nearest), hn::Mul(v, per_farthest));
+    };
+    const V fx = Num(view.fx), fy = Num(view.fy), cx = Num(view.cx), cy = Num(view.cy);
+    const V low_x = hn::Sub(hn::Add(hn::Mul(fx, least(hn::Sub(right, radius))), cx), one),
+            high_x = hn::Add(hn::Add(hn::Mul(fx, most(hn::Add(right, radius))), cx), one);
+    const V low_y = hn::Sub(hn::Sub(cy, hn::Mul(fy, most(hn::Add(up, radius)))), one),
+            high_y = hn::Add(hn::Sub(cy, hn::Mul(fy, least(hn::Sub(up, radius)))), one);
+    const M on_image = hn::And(hn::And(hn::Ge(high_x, Num(-1)), hn::Le(low_x, width)),
+                               hn::And(hn::Ge(high_y, top), hn::Le(low_y, bottom)));
+    seen = hn::And(seen, hn::Or(hn::Not(ahead), on_image));
+    if (i + kLanes > clusters.count) {
+      seen = hn::And(seen, hn::FirstN(kFloats, static_cast<size_t>(clusters.count - i)));
+    }
+    if constexpr (To::kSamples) {
+      const M known = hn::And(seen, ahead);
+      const auto block = [&](V at, V last) HWY_ATTR {
+        return hn::Floor(hn::Mul(hn::Min(hn::Max(at, zero), last), Num(0.25f)));
+      };
+      seen = hn::Or(hn::AndNot(ahead, seen),
+                    to.AtEdges(known, block(low_x, last_x), block(low_y, last_y),
+                               block(high_x, last_x), block(high_y, last_y)));
+    }
+    if (hn::AllFalse(kFloats, seen)) continue;
+    const auto kept = hn::RebindMask(kInts, seen);
+    hn::StoreU(hn::Compress(hn::Iota(kInts, i), kept), kInts, &scratch->clusters[count]);
+    count += static_cast<int>(hn::CountTrue(kInts, kept));
+  }
+  return count;
+}
+
+// Places the vertices of what may be seen and lists the triangles of it that are turned to the
+// camera. Returns how many there are.
+template <class To>
+HWY_INLINE int Prepare(const SoftView& view, const SoftInstance& instance, const To& to,
+                       SoftScratch* scratch) {
+  const SoftMesh& mesh = *instance.mesh;
+  const SoftClusters& clusters = mesh.clusters;
+  if (clusters.count == 0) {
+    PlaceVertices(view, instance, 0, mesh.vertices, scratch);
+    return FindFacing(instance, 0, mesh.triangles, 0, scratch);
+  }
+  const int seen = FindClusters(view, instance, to, scratch);
+  uint8_t* groups = scratch->groups.data();
+  const int last = (mesh.vertices - 1) / SoftClusters::kVertices;
+  std::fill_n(groups, last + 1, uint8_t{0});
+  int count = 0;
+  for (int k = 0; k < seen; ++k) {
+    const int cluster = scratch->clusters[k];
+    const int begin = SoftClusters::kTriangles * cluster;
+    const int before = count;
+    count = FindFacing(instance, begin, std::min(begin + SoftClusters::kTriangles, mesh.triangles),
+                       count, scratch);
+    if (count == before) continue;
+    const int first_group = clusters.first_group[cluster];
+    std::fill_n(groups + first_group, clusters.last_group[cluster] - first_group + 1, uint8_t{1});
+  }
+  for (int group = 0; group <= last; ++group) {
+    if (!groups[group]) continue;
+    int end = group;
+    while (end < last && groups[end + 1]) ++end;
+    PlaceVertices(view, instance, SoftClusters::kVertices * group,
+                  std::min(SoftClusters::kVertices * (end + 1), mesh.vertices), scratch);
+    group = end;
   }
   return count;
 }
@@ -167,9 +309,9 @@ inline LargeTriangle MakeLarge(const SoftView& view, const Point* p, int64_t mar
   };
   const auto down = [&](int64_t at) { return static_cast<int>((at + margin - half) >> t.shift); };
   t.x0 = std::max(0, up(std::min({p[0].x, p[1].x, p[2].x}))) / kSoftBlock;
-  t.y0 = std::max(0, up(std::min({p[0].y, p[1].y, p[2].y}))) / kSoftBlock;
+  t.y0 = std::max(view.top, up(std::min({p[0].y, p[1].y, p[2].y}))) / kSoftBlock;
   const int last_x = std::min(view.width - 1, down(std::max({p[0].x, p[1].x, p[2].x})));
-  const int last_y = std::min(view.height - 1, down(std::max({p[0].y, p[1].y, p[2].y})));
+  const int last_y = std::min(view.bottom - 1, down(std::max({p[0].y, p[1].y, p[2].y})));
   if (last_x < t.x0 * kSoftBlock || last_y < t.y0 * kSoftBlock) return t;
   t.x1 = last_x / kSoftBlock;
   t.y1 = last_y / kSoftBlock;
@@ -266,6 +408,7 @@ template <bool kIds>
 struct ToCentres {
   static constexpr bool kSamples = false;
   SoftBuffer* buffer;
+  SoftRows rows;
 
   HWY_INLINE void Prefetch(int bx, int by) const {
     const size_t block = static_cast<size_t>(by) * buffer->columns + bx;
@@ -377,7 +520,7 @@ void DrawCut(const SoftView& view, const SoftInstance& instance, int triangle, c
   ViewPoint polygon[kMost], cut[kMost];
   int count = 3;
   for (int k = 0; k < 3; ++k) {
-    polygon[k] = InView(instance, instance.mesh->corners[3 * triangle + k]);
+    polygon[k] = InView(instance, instance.mesh->corners[k][triangle]);
   }
   PlaneNearness plane;
   if (!PlaneOf(view, polygon, &plane)) return;
@@ -432,45 +575,56 @@ void DrawCut(const SoftView& view, const SoftInstance& instance, int triangle, c
 // ---- Small triangles, a register at a time
 
 struct alignas(64) Batch {
-  float e[3][kSoftPixels], right[3][kSoftPixels], down[3][kSoftPixels];
+  // Of small ones the edge functions are those at the first pixel of each of their four blocks.
+  static constexpr int kBlocks = 4;
+  float e[kBlocks][3][kSoftPixels], right[3][kSoftPixels], down[3][kSoftPixels];
   float nearness[kSoftPixels], weight1[kSoftPixels], weight2[kSoftPixels];
   float low[kSoftPixels], high[kSoftPixels];
   float x[3][kSoftPixels], y[3][kSoftPixels];
-  int32_t x0[kSoftPixels], x1[kSoftPixels], y0[kSoftPixels], y1[kSoftPixels];  // blocks
+  int32_t x0[kSoftPixels], x1[kSoftPixels], y0[kSoftPixels],
+      y1[kSoftPixels];                  // blocks
+  int32_t block[kBlocks][kSoftPixels];  // where those of a small one are in the buffer
   // Of middling ones the edge functions are in whole numbers, and the steps those of a pixel when
   // they are in pixels.
   int32_t whole[3][kSoftPixels];
   int32_t triangle[kSoftPixels];
 };
 
+// Moves bit k to bit 4 k.
+HWY_INLINE uint64_t Spread(uint64_t bits) {
+  bits = (bits | bits << 24) & 0x000000ff000000ffu;
+  bits = (bits | bits << 12) & 0x000f000f000f000fu;
+  bits = (bits | bits << 6) & 0x0303030303030303u;
+  return (bits | bits << 3) & 0x1111111111111111u;
+}
+
+HWY_INLINE uint32_t BitsOf(M mask) {
+  uint8_t bytes[8] = {};
+  hn::StoreMaskBits(kFloats, mask, bytes);
+  return static_cast<uint32_t>(bytes[0] | bytes[1] << 8);
+}
+
+// Draws block `entry` % 4 of small triangle `entry` / 4.
 template <bool kIds>
-HWY_INLINE void DrawSmall(const Batch& b, int i, uint32_t id, const ToCentres<kIds>& to) {
+HWY_INLINE void DrawEntry(const Batch& b, int entry, uint32_t first_id, const ToCentres<kIds>& to) {
   SoftBuffer* buffer = to.buffer;
-  const V nearness = Num(b.nearness[i]), weight1 = Num(b.weight1[i]), weight2 = Num(b.weight2[i]);
-  const V low = Num(b.low[i]), high = Num(b.high[i]);
+  const int i = entry / Batch::kBlocks, j = entry % Batch::kBlocks;
+  const auto block = static_cast<size_t>(b.block[j][i]);
+  const uint32_t id = first_id + static_cast<uint32_t>(b.triangle[i]);
   BlockEdges edges;
   for (int k = 0; k < 3; ++k) {
+    edges.e[k] = b.e[j][k][i];
     edges.right[k] = b.right[k][i];
     edges.down[k] = b.down[k][i];
   }
-  for (int by = b.y0[i]; by <= b.y1[i]; ++by) {
-    for (int bx = b.x0[i]; bx <= b.x1[i]; ++bx) {
-      const float dx = static_cast<float>(4 * (bx - b.x0[i])),
-                  dy = static_cast<float>(4 * (by - b.y0[i]));
-      for (int k = 0; k < 3; ++k) {
-        edges.e[k] = b.e[k][i] + (dx * edges.right[k] + dy * edges.down[k]);
-      }
-      const size_t block = static_cast<size_t>(by) * buffer->columns + bx;
-      float* at = buffer->nearness[block].at;
-      uint32_t* ids = kIds ? buffer->ids[block].at : nullptr;
-      for (int part = 0; part < kSoftPixels; part += kLanes) {
-        V e1, e2;
-        const M covered = Inside(edges, part, &e1, &e2);
-        if (hn::AllFalse(kFloats, covered)) continue;
-        const V q = hn::Add(nearness, hn::Add(hn::Mul(e1, weight1), hn::Mul(e2, weight2)));
-        Put<kIds>(covered, hn::Min(hn::Max(q, low), high), id, part, at, ids);
-      }
-    }
+  float* at = buffer->nearness[block].at;
+  uint32_t* ids = kIds ? buffer->ids[block].at : nullptr;
+  for (int part = 0; part < kSoftPixels; part += kLanes) {
+    V e1, e2;
+    const M covered = Inside(edges, part, &e1, &e2);
+    const V q = hn::Add(Num(b.nearness[i]),
+                        hn::Add(hn::Mul(e1, Num(b.weight1[i])), hn::Mul(e2, Num(b.weight2[i]))));
+    Put<kIds>(covered, hn::Min(hn::Max(q, Num(b.low[i])), Num(b.high[i])), id, part, at, ids);
   }
 }
 
@@ -480,36 +634,65 @@ HWY_INLINE float WholeEdge(const Batch& b, int i, int k, int shift, int right, i
   return static_cast<float>((b.whole[k][i] + dx * right + dy * down) >> shift);
 }
 
+// Draws a triangle that meets a few blocks on each side: 4 x 4 blocks at a time are tested as
+// those of a block's pixels are.
 template <bool kIds>
 HWY_INLINE void DrawMiddling(const SoftView& view, const Batch& b, int i, uint32_t id,
                              const ToCentres<kIds>& to) {
   SoftBuffer* buffer = to.buffer;
   const V nearness = Num(b.nearness[i]), weight1 = Num(b.weight1[i]), weight2 = Num(b.weight2[i]);
-  const V low = Num(b.low[i]), high = Num(b.high[i]);
+  const V low = Num(b.low[i]), high = Num(b.high[i]), zero = hn::Zero(kFloats);
   const int shift = __builtin_ctz(static_cast<unsigned>(view.steps));
-  BlockEdges edges;
-  float first[3];
+  constexpr int kParts = kSoftPixels / kLanes;
+  V steps[3][kParts], tile_steps[3][kParts];
+  float first[3], right[3], down[3];
   for (int k = 0; k < 3; ++k) {
-    edges.right[k] = b.right[k][i];
-    edges.down[k] = b.down[k][i];
+    right[k] = b.right[k][i];
+    down[k] = b.down[k][i];
     first[k] = WholeEdge(b, i, k, shift, 0, 0);
-  }
-  for (int by = b.y0[i]; by <= b.y1[i]; ++by) {
-    const size_t row = static_cast<size_t>(by) * buffer->columns;
-    for (int k = 0; k < 3; ++k) {
-      edges.e[k] = first[k] + static_cast<float>(4 * (by - b.y0[i])) * edges.down[k];
+    const V most = Num(3 * std::max(right[k], 0.0f) + 3 * std::max(down[k], 0.0f)), four = Num(4);
+    for (int part = 0; part < kParts; ++part) {
+      steps[k][part] = hn::Add(hn::Mul(Num(right[k]), hn::Load(kFloats, kColumn + kLanes * part)),
+                               hn::Mul(Num(down[k]), hn::Load(kFloats, kRow + kLanes * part)));
+      tile_steps[k][part] = hn::Add(most, hn::Mul(four, steps[k][part]));
     }
-    for (int bx = b.x0[i]; bx <= b.x1[i]; ++bx) {
-      float* at = buffer->nearness[row + bx].at;
-      uint32_t* ids = kIds ? buffer->ids[row + bx].at : nullptr;
-      for (int part = 0; part < kSoftPixels; part += kLanes) {
-        V e1, e2;
-        const M covered = Inside(edges, part, &e1, &e2);
-        if (hn::AllFalse(kFloats, covered)) continue;
-        const V q = hn::Add(nearness, hn::Add(hn::Mul(e1, weight1), hn::Mul(e2, weight2)));
-        Put<kIds>(covered, hn::Min(hn::Max(q, low), high), id, part, at, ids);
+  }
+  const int x0 = b.x0[i], y0 = b.y0[i], x1 = b.x1[i];
+  const int begin = std::max(y0, to.rows.begin), y1 = std::min(b.y1[i], to.rows.end - 1);
+  for (int ty = begin; ty <= y1; ty += kSoftBlock) {
+    for (int tx = x0; tx <= x1; tx += kSoftBlock) {
+      float at_tile[3];
+      for (int k = 0; k < 3; ++k) {
+        at_tile[k] = first[k] + (static_cast<float>(4 * (tx - x0)) * right[k] +
+                                 static_cast<float>(4 * (ty - y0)) * down[k]);
       }
-      for (int k = 0; k < 3; ++k) edges.e[k] += 4 * edges.right[k];
+      uint32_t met = 0;
+      for (int part = 0; part < kParts; ++part) {
+        const auto most = [&](int k)
+                              HWY_ATTR { return hn::Add(Num(at_tile[k]), tile_steps[k][part]); };
+        met |= BitsOf(hn::Ge(hn::Min(most(0), hn::Min(most(1), most(2))), zero)) << (kLanes * part);
+      }
+      // Those beyond the triangle's box may be beyond the image.
+      const int across = std::min(kSoftBlock, x1 - tx + 1),
+                along = std::min(kSoftBlock, y1 - ty + 1);
+      met &= (0x1111u * ((1u << across) - 1)) & ((1u << (kSoftBlock * along)) - 1);
+      for (; met != 0; met &= met - 1) {
+        const int which = __builtin_ctz(met);
+        const int bx = which % kSoftBlock, by = which / kSoftBlock;
+        const auto dx = static_cast<float>(4 * bx), dy = static_cast<float>(4 * by);
+        V e[3];
+        for (int k = 0; k < 3; ++k) e[k] = Num(at_tile[k] + (dx * right[k] + dy * down[k]));
+        const size_t block = static_cast<size_t>(ty + by) * buffer->columns + (tx + bx);
+        float* at = buffer->nearness[block].at;
+        uint32_t* ids = kIds ? buffer->ids[block].at : nullptr;
+        for (int part = 0; part < kParts; ++part) {
+          const V e0 = hn::Add(e[0], steps[0][part]), e1 = hn::Add(e[1], steps[1][part]),
+                  e2 = hn::Add(e[2], steps[2][part]);
+          const M covered = hn::Ge(hn::Min(e0, hn::Min(e1, e2)), zero);
+          const V q = hn::Add(nearness, hn::Add(hn::Mul(e1, weight1), hn::Mul(e2, weight2)));
+          Put<kIds>(covered, hn::Min(hn::Max(q, low), high), id, kLanes * part, at, ids);
+        }
+      }
     }
   }
 }
@@ -519,7 +702,6 @@ HWY_INLINE void DrawFacing(const SoftView& view, const SoftInstance& instance, i
                            SoftScratch* scratch, const To& to) {
   const SoftMesh& mesh = *instance.mesh;
   const float *px = scratch->x.data(), *py = scratch->y.data(), *pq = scratch->nearness.data();
-  const int32_t* corners = mesh.corners.data();
   const V zero = hn::Zero(kFloats), half = Num(0.5f * view.steps), per_step = Num(1 / view.steps);
   const V steps = Num(view.steps), middling = Num(kMiddling * view.steps);
   // Positions of a pixel's last and first samples.
@@ -530,17 +712,22 @@ HWY_INLINE void DrawFacing(const SoftView& view, const SoftInstance& instance, i
   }
   const V last_x = Num(static_cast<float>(view.width - 1)),
           last_y = Num(static_cast<float>(view.height - 1));
+  // How a triangle is drawn must not depend on the rows.
+  const V top = Num(static_cast<float>(to.rows.begin)),
+          bottom = Num(static_cast<float>(to.rows.end - 1));
   const SoftSide side = instance.side;
   int cut = 0;
   Batch b = {};
   // The last register is filled up with the last triangle.
-  for (int k = 0; k < kLanes; ++k)
-    scratch->facing[count + k] = count ? scratch->facing[count - 1] : 0;
+  for (auto* row :
+       {&scratch->facing, &scratch->corners[0], &scratch->corners[1], &scratch->corners[2]}) {
+    std::fill_n(row->begin() + count, kLanes, count ? (*row)[count - 1] : 0);
+  }
   for (int i = 0; i < count; i += kLanes) {
     const I triangle = hn::LoadU(kInts, &scratch->facing[i]);
-    const I at = hn::Add(triangle, hn::Add(triangle, triangle));
-    const I i0 = hn::GatherIndex(kInts, corners, at), i1 = hn::GatherIndex(kInts, corners + 1, at),
-            i2 = hn::GatherIndex(kInts, corners + 2, at);
+    const I i0 = hn::LoadU(kInts, &scratch->corners[0][i]),
+            i1 = hn::LoadU(kInts, &scratch->corners[1][i]),
+            i2 = hn::LoadU(kInts, &scratch->corners[2][i]);
     const V x0 = hn::GatherIndex(kFloats, px, i0), y0 = hn::GatherIndex(kFloats, py, i0);
     V x1 = hn::GatherIndex(kFloats, px, i1), y1 = hn::GatherIndex(kFloats, py, i1);
     V x2 = hn::GatherIndex(kFloats, px, i2), y2 = hn::GatherIndex(kFloats, py, i2);
@@ -558,6 +745,7 @@ HWY_INLINE void DrawFacing(const SoftView& view, const SoftInstance& instance, i
     const V quarter = Num(0.25f);
     const V bx0 = hn::Floor(hn::Mul(first_x, quarter)), by0 = hn::Floor(hn::Mul(first_y, quarter));
     const V bx1 = hn::Floor(hn::Mul(end_x, quarter)), by1 = hn::Floor(hn::Mul(end_y, quarter));
+    seen = hn::And(seen, hn::Or(beyond, hn::And(hn::Ge(by1, top), hn::Le(by0, bottom))));
     if constexpr (To::kSamples) {
       seen =
           hn::And(seen, hn::Or(beyond, to.AtEdges(hn::AndNot(beyond, seen), bx0, by0, bx1, by1)));
@@ -601,18 +789,36 @@ HWY_INLINE void DrawFacing(const SoftView& view, const SoftInstance& instance, i
     const M draw_middling = hn::And(hn::AndNot(tiny, seen), hn::And(fits, hn::Gt(area, zero)));
     const M draw_large = hn::AndNot(hn::Or(tiny, fits), seen);
 
+    uint64_t entries = 0;  // blocks of small ones: bit 4 * triangle + block
     if (!hn::AllFalse(kFloats, hn::Or(draw_small, draw_middling))) {
       const V ox = hn::Add(hn::Mul(bx0, hn::Mul(Num(4), steps)), half),
               oy = hn::Add(hn::Mul(by0, hn::Mul(Num(4), steps)), half);
       const bool none_middling = hn::AllFalse(kFloats, draw_middling);
+      // Which of its blocks a small one may meet.
+      const M wide = hn::Gt(bx1, bx0);
+      const M upper = hn::And(draw_small, hn::Ge(by0, top)),
+              lower = hn::And(hn::And(draw_small, hn::Gt(by1, by0)), hn::Lt(by0, bottom));
+      M meets[Batch::kBlocks] = {upper, hn::And(upper, wide), lower, hn::And(lower, wide)};
       const auto edge = [&](int k, V ax, V ay, V bx, V by) HWY_ATTR {
         const V dx = hn::Sub(ay, by), dy = hn::Sub(bx, ax);
         const M inclusive = hn::Or(hn::Gt(dx, zero), hn::And(hn::Eq(dx, zero), hn::Gt(dy, zero)));
         const V e = hn::Sub(hn::Mul(hn::Sub(ax, ox), hn::Sub(by, oy)),
                             hn::Mul(hn::Sub(ay, oy), hn::Sub(bx, ox)));
-        hn::Store(hn::Sub(e, hn::IfThenElse(inclusive, zero, Num(1))), kFloats, b.e[k]);
-        hn::Store(hn::IfThenElse(tiny, hn::Mul(dx, steps), dx), kFloats, b.right[k]);
-        hn::Store(hn::IfThenElse(tiny, hn::Mul(dy, steps), dy), kFloats, b.down[k]);
+        const V first = hn::Sub(e, hn::IfThenElse(inclusive, zero, Num(1)));
+        const V right = hn::IfThenElse(tiny, hn::Mul(dx, steps), dx),
+                down = hn::IfThenElse(tiny, hn::Mul(dy, steps), dy);
+        hn::Store(right, kFloats, b.right[k]);
+        hn::Store(down, kFloats, b.down[k]);
+        const V block_right = hn::Mul(Num(4), right), block_down = hn::Mul(Num(4), down);
+        const V below = hn::Add(first, block_down);
+        const V at_block[] = {first, hn::Add(first, block_right), below,
+                              hn::Add(below, block_right)};
+        // What a block's pixels add at most.
+        const V most = hn::Mul(Num(3), hn::Add(hn::Max(right, zero), hn::Max(down, zero)));
+        for (int j = 0; j < Batch::kBlocks; ++j) {
+          hn::Store(at_block[j], kFloats, b.e[j][k]);
+          meets[j] = hn::And(meets[j], hn::Ge(hn::Add(at_block[j], most), zero));
+        }
         if (none_middling) return;
         const I exact = hn::Sub(hn::Mul(whole(hn::Sub(ax, ox)), whole(hn::Sub(by, oy))),
                                 hn::Mul(whole(hn::Sub(ay, oy)), whole(hn::Sub(bx, ox))));
@@ -629,10 +835,20 @@ HWY_INLINE void DrawFacing(const SoftView& view, const SoftInstance& instance, i
       hn::Store(hn::Mul(hn::Sub(q2, q0), per_area), kFloats, b.weight2);
       hn::Store(low, kFloats, b.low);
       hn::Store(high, kFloats, b.high);
-      hn::Store(hn::ConvertTo(kInts, bx0), kInts, b.x0);
+      const I column = hn::ConvertTo(kInts, bx0), row = hn::ConvertTo(kInts, by0);
+      hn::Store(column, kInts, b.x0);
       hn::Store(hn::ConvertTo(kInts, bx1), kInts, b.x1);
-      hn::Store(hn::ConvertTo(kInts, by0), kInts, b.y0);
+      hn::Store(row, kInts, b.y0);
       hn::Store(hn::ConvertTo(kInts, by1), kInts, b.y1);
+      if constexpr (!To::kSamples) {
+        const I columns = hn::Set(kInts, to.buffer->columns), one = hn::Set(kInts, 1);
+        const I block = hn::Add(hn::Mul(row, columns), column), below = hn::Add(block, columns);
+        const I at_block[] = {block, hn::Add(block, one), below, hn::Add(below, one)};
+        for (int j = 0; j < Batch::kBlocks; ++j) {
+          hn::Store(at_block[j], kInts, b.block[j]);
+          entries |= Spread(BitsOf(meets[j])) << j;
+        }
+      }
     }
     hn::Store(triangle, kInts, b.triangle);
     hn::Store(x0, kFloats, b.x[0]);
@@ -643,25 +859,32 @@ HWY_INLINE void DrawFacing(const SoftView& view, const SoftInstance& instance, i
     hn::Store(y2, kFloats, b.y[2]);
     hn::Store(low, kFloats, b.low);
     hn::Store(high, kFloats, b.high);
-    const auto bits = [](M mask) HWY_ATTR {
-      uint8_t bytes[8] = {};
-      hn::StoreMaskBits(kFloats, mask, bytes);
-      return static_cast<uint32_t>(bytes[0] | bytes[1] << 8);
-    };
     // In the order of the mesh, whatever their size: of triangles at one place the last is seen.
-    const uint32_t of_small = bits(draw_small), of_middling = bits(draw_middling);
-    const uint32_t of_cut = bits(hn::And(draw_large, beyond));
+    const uint32_t of_small = BitsOf(draw_small), of_middling = BitsOf(draw_middling),
+                   of_large = BitsOf(draw_large), of_cut = BitsOf(hn::And(draw_large, beyond));
     if constexpr (!To::kSamples) {
       for (uint32_t rest = of_small | of_middling; rest != 0; rest &= rest - 1) {
         const int k = __builtin_ctz(rest);
         to.Prefetch(b.x0[k], b.y0[k]);
       }
+      if ((of_middling | of_large) == 0) {
+        for (; entries != 0; entries &= entries - 1) {
+          DrawEntry(b, __builtin_ctzll(entries), instance.first_id, to);
+        }
+        continue;
+      }
     }
-    for (uint32_t rest = of_small | of_middling | bits(draw_large); rest != 0; rest &= rest - 1) {
+    for (uint32_t rest = of_small | of_middling | of_large; rest != 0; rest &= rest - 1) {
       const int k = __builtin_ctz(rest);
       const uint32_t id = instance.first_id + static_cast<uint32_t>(b.triangle[k]);
       if (of_small >> k & 1) {
-        DrawSmall(b, k, id, to);
+        if constexpr (To::kSamples) {
+          DrawSmall(b, k, id, to);
+        } else {
+          for (uint64_t its = entries >> (Batch::kBlocks * k) & 15; its != 0; its &= its - 1) {
+            DrawEntry(b, Batch::kBlocks * k + __builtin_ctzll(its), instance.first_id, to);
+          }
+        }
       } else if (of_middling >> k & 1) {
         DrawMiddling(view, b, k, id, to);
       } else if (of_cut >> k & 1) {
@@ -675,7 +898,7 @@ HWY_INLINE void DrawFacing(const SoftView& view, const SoftInstance& instance, i
         if (!Orient(side == SoftSide::kBoth ? side : SoftSide::kFront, p)) continue;
         ViewPoint v[3];
         for (int c = 0; c < 3; ++c) {
-          v[c] = InView(instance, corners[3 * b.triangle[k] + c]);
+          v[c] = InView(instance, mesh.corners[c][b.triangle[k]]);
         }
         PlaneNearness plane;
         if (!PlaneOf(view, v, &plane)) continue;
@@ -688,12 +911,14 @@ HWY_INLINE void DrawFacing(const SoftView& view, const SoftInstance& instance, i
 
 inline void DrawInstanceHere(const SoftView& view, const SoftInstance& instance,
                              SoftScratch* scratch, SoftBuffer* buffer) {
-  PlaceVertices(view, instance, scratch);
-  const int count = FindFacing(instance, scratch);
+  const SoftRows rows = BlockRows(view);
+  const auto draw = [&](const auto& to) HWY_ATTR {
+    DrawFacing(view, instance, Prepare(view, instance, to, scratch), scratch, to);
+  };
   if (buffer->ids.empty()) {
-    DrawFacing(view, instance, count, scratch, ToCentres<false>{buffer});
+    draw(ToCentres<false>{buffer, rows});
   } else {
-    DrawFacing(view, instance, count, scratch, ToCentres<true>{buffer});
+    draw(ToCentres<true>{buffer, rows});
   }
 }
 

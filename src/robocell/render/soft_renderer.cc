@@ -10,6 +10,7 @@
 #include "robocell/render/drawn_scene.h"
 #include "robocell/render/soft_kernel.h"
 #include "robocell/render/soft_scene.h"
+#include "robocell/render/soft_threads.h"
 
 namespace robocell::internal {
 
@@ -44,7 +45,7 @@ struct SoftRenderer::Impl {
   std::string description;
   DrawnScene drawn;
   internal::SoftScene scene;
-  internal::SoftScratch scratch;
+  internal::SoftThreads threads;
   SoftBuffer opaque;  // what hides what is behind it
   SoftBuffer all;     // for depth and segmentation, where something can be seen through
   SoftBuffer layer;
@@ -52,25 +53,60 @@ struct SoftRenderer::Impl {
   internal::SoftReflection reflection;
   std::vector<SoftIds> colours;
   std::vector<float> depth;  // when only millimetres are wanted
+  SoftClock clock;
 
   explicit Impl(const RendererOptions& chosen)
       : options(chosen),
         description("soft: " + internal::SoftInstructions()),
         drawn({.visibility = chosen.visibility,
                .keep_unseen = chosen.quality.shadows || chosen.quality.reflections}),
+        threads(chosen.threads),
         samples(Samples(chosen.quality.multisamples)) {}
+
+  // Calls work(rows, view of these rows, scratch memory) for bands of the image.
+  template <class Work>
+  void InBands(const Work& work) {
+    threads.InBands(opaque.rows, [&](SoftRows rows, int band) {
+      work(rows, internal::RowsOf(scene.view(), rows), threads.scratch(band));
+    });
+  }
+
+  void Draw(std::span<const int> instances, const SoftView& view, SoftScratch* scratch) {
+    for (const int i : instances) {
+      internal::DrawInstance(view, scene.instances()[i], scratch, &opaque);
+    }
+  }
+
+  void DrawOpaque() {
+    internal::FitBuffer(scene.view(), &opaque);
+    InBands([&](SoftRows rows, const SoftView& view, SoftScratch* scratch) {
+      internal::ClearRows(view, rows, &opaque);
+      Draw(scene.opaque(), view, scratch);
+    });
+  }
 
   void SmoothEdges(const SoftPicture& picture) {
     internal::FindEdges(scene.view(), opaque, &samples);
-    for (const int i : scene.opaque()) {
-      internal::DrawSamples(scene.view(), scene.instances()[i], &scratch, &samples);
-    }
-    internal::SmoothEdges(picture, opaque, &samples, colours);
+    clock.Mark(SoftStage::kEdges);
+    InBands([&](SoftRows, const SoftView& view, SoftScratch* scratch) {
+      for (const int i : scene.opaque()) {
+        internal::DrawSamples(view, scene.instances()[i], scratch, &samples);
+      }
+    });
+    clock.Mark(SoftStage::kSamples);
+    InBands([&](SoftRows rows, const SoftView&, SoftScratch* scratch) {
+      internal::SumSamples(picture, opaque, rows, colours, &scratch->strays, &samples);
+    });
+    InBands([&](SoftRows rows, const SoftView&, SoftScratch*) {
+      internal::TakeMeans(samples, rows, colours);
+    });
+    clock.Mark(SoftStage::kSmoothing);
   }
 
-  void DrawLayer(const internal::SoftScene::Layer& group, SoftBuffer* into) {
+  void DrawLayer(const internal::SoftScene::Layer& group, const SoftView& view,
+                 SoftScratch* scratch, SoftBuffer* into) {
     for (int i = group.first; i < group.end; ++i) {
-      internal::DrawInstance(scene.view(), scene.instances()[i], &scratch, into);
+      internal::DrawInstance(view, scene.instances()[i], scratch, into);
     }
   }
 
@@ -78,7 +114,9 @@ struct SoftRenderer::Impl {
     const SoftBuffer* seen = &opaque;
     if (!scene.layers().empty()) {
       all = opaque;
-      for (const auto& group : scene.layers()) DrawLayer(group, &all);
+      InBands([&](SoftRows, const SoftView& view, SoftScratch* scratch) {
+        for (const auto& group : scene.layers()) DrawLayer(group, view, scratch, &all);
+      });
       seen = &all;
     }
     std::span<float> metres = outputs.depth;
@@ -86,7 +124,10 @@ struct SoftRenderer::Impl {
       depth.resize(outputs.depth_mm.size());
       metres = depth;
     }
-    internal::ReadExact(scene.Picture(), *seen, metres, outputs.segmentation);
+    const SoftPicture picture = scene.Picture();
+    InBands([&](SoftRows rows, const SoftView&, SoftScratch*) {
+      internal::ReadExact(picture, *seen, rows, metres, outputs.segmentation);
+    });
     MetresToMillimetres(metres.first(outputs.depth_mm.size()), outputs.depth_mm);
   }
 
@@ -97,27 +138,46 @@ struct SoftRenderer::Impl {
     drawn.Add(request.markers);
     scene.AddMarkers(drawn.model(), *list, geoms);
     list->ngeom = geoms;
-    for (const int i : scene.opaque().subspan(opaque_before)) {
-      internal::DrawInstance(scene.view(), scene.instances()[i], &scratch, &opaque);
+    if (const auto marked = scene.opaque().subspan(opaque_before); !marked.empty()) {
+      InBands([&](SoftRows, const SoftView& view, SoftScratch* scratch) {
+        Draw(marked, view, scratch);
+      });
     }
-    scene.DrawShadows(&scratch);
+    clock.Mark(SoftStage::kTriangles);
+    scene.DrawShadows(&threads);
+    clock.Mark(SoftStage::kShadows);
     SoftPicture picture = scene.Picture();
-    if (scene.DrawReflection(&scratch, &reflection)) picture.reflection = &reflection;
+    if (scene.DrawReflection(&threads, &reflection)) picture.reflection = &reflection;
     const auto layers = scene.layers();
-    if (layers.empty() && samples.count == 0) return internal::ShadePicture(picture, opaque, rgb);
+    if (layers.empty() && samples.count == 0) {
+      InBands([&](SoftRows rows, const SoftView&, SoftScratch*) {
+        internal::ShadePicture(picture, opaque, rows, rgb);
+      });
+      clock.Mark(SoftStage::kShading);
+      return;
+    }
     colours.resize(opaque.ids.size());
-    internal::ShadePicture(picture, opaque, std::span<SoftIds>(colours));
+    InBands([&](SoftRows rows, const SoftView&, SoftScratch*) {
+      internal::ShadePicture(picture, opaque, rows, std::span<SoftIds>(colours));
+    });
+    clock.Mark(SoftStage::kShading);
     if (samples.count > 0) SmoothEdges(picture);
     picture.shadows = false;  // what can be seen through receives none
     // As the engine does: from the front to the back, then from the back to the front.
     const auto blend = [&](const internal::SoftScene::Layer& group) {
-      internal::ClearBuffer(scene.view(), &layer);
-      DrawLayer(group, &layer);
-      internal::BlendLayer(picture, opaque, layer, group.alpha, colours);
+      internal::FitBuffer(scene.view(), &layer);
+      InBands([&](SoftRows rows, const SoftView& view, SoftScratch* scratch) {
+        internal::ClearRows(view, rows, &layer);
+        DrawLayer(group, view, scratch, &layer);
+        internal::BlendLayer(picture, opaque, layer, rows, group.alpha, colours);
+      });
     };
     for (auto group = layers.begin(); group != layers.end(); ++group) blend(*group);
     for (auto group = layers.rbegin(); group != layers.rend(); ++group) blend(*group);
-    internal::PackColours(opaque, colours, rgb);
+    InBands([&](SoftRows rows, const SoftView&, SoftScratch*) {
+      internal::PackColours(opaque, rows, colours, rgb);
+    });
+    clock.Mark(SoftStage::kLayers);
   }
 };
 
@@ -127,6 +187,8 @@ SoftRenderer::SoftRenderer(const RendererOptions& options)
 SoftRenderer::~SoftRenderer() = default;
 
 const RenderQuality& SoftRenderer::quality() const { return impl_->options.quality; }
+
+SoftClock& SoftRenderer::clock() { return impl_->clock; }
 
 const std::string& SoftRenderer::description() const { return impl_->description; }
 
@@ -141,18 +203,20 @@ CameraModel SoftRenderer::Render(const mjData* data, const RenderRequest& reques
   Impl& r = *impl_;
   RequireOutputs(request, outputs);
   const RenderQuality& quality = r.options.quality;
+  r.clock.Begin();
   CameraModel camera = r.drawn.Update(data, request);
+  r.clock.Mark(SoftStage::kList);
   r.scene.Update(r.drawn.model(), *r.drawn.scene(), r.drawn.BodyOfId(), camera,
                  {.sky = r.options.visibility.skybox,
                   .shadows = quality.shadows && !outputs.rgb.empty(),
                   .reflections = quality.reflections && !outputs.rgb.empty(),
                   .shadow_size = quality.shadow_size});
-  internal::ClearBuffer(r.scene.view(), &r.opaque);
-  for (const int i : r.scene.opaque()) {
-    internal::DrawInstance(r.scene.view(), r.scene.instances()[i], &r.scratch, &r.opaque);
-  }
+  r.clock.Mark(SoftStage::kScene);
+  r.DrawOpaque();
+  r.clock.Mark(SoftStage::kTriangles);
   if (!outputs.depth.empty() || !outputs.depth_mm.empty() || !outputs.segmentation.empty()) {
     r.DrawExact(outputs);
+    r.clock.Mark(SoftStage::kExact);
   }
   if (!outputs.rgb.empty()) r.DrawColour(request, outputs.rgb);
   return camera;

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "robocell/render/renderer.h"
+#include "robocell/render/soft_clock.h"
 
 namespace robocell::internal {
 
@@ -20,6 +21,9 @@ class SoftRenderer final : public Renderer {
                      const RenderOutputs& outputs) override;
   const RenderQuality& quality() const override;
   const std::string& description() const override;
+
+  // For measurements; Render moves it on.
+  SoftClock& clock();
 
  private:
   struct Impl;

@@ -3,6 +3,7 @@
 #include <hwy/targets.h>
 #include <mujoco/mujoco.h>
 
+#include <chrono>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -15,7 +16,9 @@
 #include "robocell/mujoco/clip_planes.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/render/renderer.h"
+#include "robocell/render/soft_renderer.h"
 #include "robocell/render/testing/soft_images.h"
+#include "robocell/spec/render_quality.h"
 #include "robocell/testing/instruction_sets.h"
 #include "robocell/testing/menagerie.h"
 #include "robocell/testing/skip.h"
@@ -262,6 +265,29 @@ TEST_P(SoftAgrees, WithItselfOnEveryInstructionSet) {
   }
 }
 
+// Images are divided into rows; what is drawn across several of them is the same.
+TEST_P(SoftAgrees, WithItselfOnAnyNumberOfThreads) {
+  RandomViews views(Path());
+  std::vector<std::unique_ptr<Renderer>> renderers;
+  for (const int threads : {1, 2, 3, 7}) {
+    renderers.push_back(MakeRenderer(
+        {.backend = "soft",
+         .quality = {.shadows = true, .reflections = true, .multisamples = 4, .shadow_size = 512},
+         .threads = threads}));
+    renderers.back()->SetModel(views.model());
+  }
+  for (int i = 0; i < 3; ++i) {
+    views.Next();
+    const SoftImages one = TakeOf(*renderers[0], views.data(), views.view());
+    for (size_t k = 1; k < renderers.size(); ++k) {
+      const SoftImages several = TakeOf(*renderers[k], views.data(), views.view());
+      EXPECT_EQ(one.rgb, several.rgb) << "view " << i << ", renderer " << k;
+      EXPECT_EQ(one.depth, several.depth) << "view " << i << ", renderer " << k;
+      EXPECT_EQ(one.ids, several.ids) << "view " << i << ", renderer " << k;
+    }
+  }
+}
+
 // Shadows and reflections. Shadows are softer than OpenGL's, and lie where its lie.
 TEST_P(SoftAgrees, WithOpenGlOnShadowsAndReflections) {
   RandomViews views(Path());
@@ -317,6 +343,34 @@ TEST(SoftEffects, AreTheSameWhateverWasDrawnBefore) {
       EXPECT_EQ(TakeOf(*kept, views.data(), view).rgb, TakeOf(*make(), views.data(), view).rgb)
           << "state " << i << ", camera " << camera;
     }
+  }
+}
+
+// Where the time of an image goes, printed on request.
+TEST(SoftStages, AddUpToTheImage) {
+  for (const char* quality : {"fast", "standard"}) {
+    RandomViews views("");
+    views.Next();
+    SoftRenderer renderer({.quality = NamedQuality(quality)});
+    renderer.SetModel(views.model());
+    TakeOf(renderer, views.data(), views.view());
+    constexpr int kImages = 10;
+    renderer.clock().Run();
+    const auto begin = std::chrono::steady_clock::now();
+    for (int i = 0; i < kImages; ++i) TakeOf(renderer, views.data(), views.view());
+    const double all =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    double sum = 0;
+    for (size_t k = 0; k < kSoftStageNames.size(); ++k) {
+      const double stage = renderer.clock().milliseconds(static_cast<SoftStage>(k));
+      EXPECT_GE(stage, 0);
+      sum += stage;
+      if (std::getenv("ROBOCELL_TEST_VERBOSE")) {
+        std::printf("%s: %s %.3f ms\n", quality, kSoftStageNames[k], stage / kImages);
+      }
+    }
+    EXPECT_GT(sum, 0);
+    EXPECT_LE(sum, all);
   }
 }
 

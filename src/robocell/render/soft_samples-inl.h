@@ -48,6 +48,32 @@ HWY_INLINE bool ShowsOne(const SoftBuffer& buffer, size_t block, bool has_right,
   return other == 0;
 }
 
+// Returns true if no pixel of a block, of that right of it and of those below meets another surface:
+// a quick answer for what lies within a surface of small triangles.
+HWY_INLINE bool ShowsOneSurface(const SoftBuffer& buffer, size_t block, bool has_right,
+                                bool has_below) {
+  const size_t right = has_right ? 1 : 0,
+               below = has_below ? static_cast<size_t>(buffer.columns) : 0;
+  const I first = hn::Set(kInts, static_cast<int32_t>(buffer.ids[block].at[0]));
+  I other = hn::Zero(kInts);
+  V least = hn::Load(kFloats, buffer.nearness[block].at), most = least;
+  for (const size_t at : {block, block + right, block + below, block + below + right}) {
+    for (int part = 0; part < kSoftPixels; part += kLanes) {
+      const auto* ids = reinterpret_cast<const int32_t*>(buffer.ids[at].at) + part;
+      other = hn::Or(other, hn::Xor(first, hn::Load(kInts, ids)));
+      const V q = hn::Load(kFloats, buffer.nearness[at].at + part);
+      least = hn::Min(least, q);
+      most = hn::Max(most, q);
+    }
+  }
+  if (!hn::AllTrue(kInts, hn::Eq(hn::ShiftRight<kSoftRunBits>(other), hn::Zero(kInts)))) {
+    return false;
+  }
+  const float low = hn::GetLane(hn::MinOfLanes(kFloats, least)),
+              high = hn::GetLane(hn::MaxOfLanes(kFloats, most));
+  return high - low <= 0.75f * kOneSurface * low;
+}
+
 using Four = hn::CappedTag<float, kSoftBlock>;
 using FourInts = hn::RebindToSigned<Four>;
 
@@ -123,7 +149,10 @@ inline int FindEdgesHere(const SoftBuffer& buffer, SoftSamples* samples) {
     for (int bx = 0; bx < buffer.columns; ++bx) {
       const size_t block = static_cast<size_t>(by) * buffer.columns + bx;
       const bool has_right = bx + 1 < buffer.columns, has_below = by + 1 < buffer.rows;
-      if (ShowsOne(buffer, block, has_right, has_below)) continue;
+      if (ShowsOne(buffer, block, has_right, has_below) ||
+          ShowsOneSurface(buffer, block, has_right, has_below)) {
+        continue;
+      }
       MarkEdges(buffer, block, has_right, has_below, slots);
     }
   }
@@ -147,6 +176,7 @@ inline int FindEdgesHere(const SoftBuffer& buffer, SoftSamples* samples) {
 struct ToSamples {
   static constexpr bool kSamples = true;
   SoftSamples* samples;
+  SoftRows rows;
   int64_t margin;  // steps
 
   // Those of the triangles that meet a block with samples.
@@ -217,9 +247,11 @@ struct SampledTriangle {
 // Edge functions of triangles that are set up in batches are whole numbers below 2^24: sums are
 // exact in any order.
 HWY_INLINE void DrawInBlocks(const Batch& b, int i, uint32_t id, const float* first,
-                             const float (*of_samples)[3], SoftSamples& samples) {
+                             const float (*of_samples)[3], const ToSamples& to) {
+  SoftSamples& samples = *to.samples;
   const SampledTriangle triangle(b, i, id);
-  for (int by = b.y0[i]; by <= b.y1[i]; ++by) {
+  const int begin = std::max(b.y0[i], to.rows.begin), end = std::min(b.y1[i] + 1, to.rows.end);
+  for (int by = begin; by < end; ++by) {
     const int32_t* slots = samples.slots.data() + static_cast<size_t>(by) * samples.columns;
     const float dy = static_cast<float>(4 * (by - b.y0[i]));
     for (int bx = b.x0[i]; bx <= b.x1[i]; ++bx) {
@@ -236,12 +268,12 @@ HWY_INLINE void DrawSmall(const Batch& b, int i, uint32_t id, const ToSamples& t
   SoftSamples& samples = *to.samples;
   float first[3], of_samples[kSoftMostSamples][3];
   for (int k = 0; k < 3; ++k) {
-    first[k] = b.e[k][i];
+    first[k] = b.e[0][k][i];
     for (int s = 0; s < samples.count; ++s) {
       of_samples[s][k] = samples.right[s] * b.right[k][i] + samples.down[s] * b.down[k][i];
     }
   }
-  DrawInBlocks(b, i, id, first, of_samples, samples);
+  DrawInBlocks(b, i, id, first, of_samples, to);
 }
 
 HWY_INLINE void DrawMiddling(const SoftView& view, const Batch& b, int i, uint32_t id,
@@ -257,7 +289,7 @@ HWY_INLINE void DrawMiddling(const SoftView& view, const Batch& b, int i, uint32
       of_samples[s][k] = there - first[k];
     }
   }
-  DrawInBlocks(b, i, id, first, of_samples, samples);
+  DrawInBlocks(b, i, id, first, of_samples, to);
 }
 
 inline void DrawLarge(const SoftView& view, const Point* p, const PlaneNearness& plane, float low,
@@ -311,11 +343,9 @@ inline void DrawLarge(const SoftView& view, const Point* p, const PlaneNearness&
 
 inline void DrawSamplesHere(const SoftView& view, const SoftInstance& instance,
                             SoftScratch* scratch, SoftSamples* samples) {
-  PlaceVertices(view, instance, scratch);
-  const int count = FindFacing(instance, scratch);
   // Samples are less than half a pixel from the centre.
-  DrawFacing(view, instance, count, scratch,
-             ToSamples{samples, static_cast<int64_t>(0.5f * view.steps)});
+  const ToSamples to{samples, BlockRows(view), static_cast<int64_t>(0.5f * view.steps)};
+  DrawFacing(view, instance, Prepare(view, instance, to, scratch), scratch, to);
 }
 
 }  // namespace robocell::internal::HWY_NAMESPACE

@@ -117,11 +117,14 @@ void SoftScene::SetModel(const mjModel* model, const Visibility& visibility) {
 void SoftScene::SetCamera(const CameraModel& camera) {
   view_.width = camera.width;
   view_.height = camera.height;
+  view_.bottom = camera.height;
   view_.orthographic = camera.orthographic;
   view_.fx = static_cast<float>(camera.fx);
   view_.fy = static_cast<float>(camera.fy);
   view_.cx = static_cast<float>(camera.cx);
   view_.cy = static_cast<float>(camera.cy);
+  view_.per_fx = 1 / view_.fx;
+  view_.per_fy = 1 / view_.fy;
   view_.near = static_cast<float>(camera.near_m);
   view_.far = static_cast<float>(camera.far_m);
   view_.steps = 256;  // large images are drawn in coarser steps, so that numbers stay exact
@@ -164,6 +167,7 @@ void SoftScene::Elements::Clear() {
   opaque.clear();
   layers.clear();
   lights.clear();
+  gains.clear();
 }
 
 // The first one that reflects, as the engine has it, if its face is turned to the camera.
@@ -205,20 +209,25 @@ void SoftScene::AddMirrored(const mjModel* model, const mjvScene& list) {
   std::swap(now_, mirrored_);
 }
 
-bool SoftScene::DrawReflection(SoftScratch* scratch, SoftReflection* reflection) {
+bool SoftScene::DrawReflection(SoftThreads* threads, SoftReflection* reflection) {
   if (!mirror_.in_view) return false;
-  ClearBuffer(view_, &reflection->buffer);
-  for (const int i : mirrored_.opaque) {
-    DrawInstance(view_, mirrored_.instances[i], scratch, &reflection->buffer);
-  }
+  SoftBuffer& buffer = reflection->buffer;
+  FitBuffer(view_, &buffer);
+  threads->InBands(buffer.rows, [&](SoftRows rows, int band) {
+    ClearRows(view_, rows, &buffer);
+    const SoftView view = RowsOf(view_, rows);
+    for (const int i : mirrored_.opaque) {
+      DrawInstance(view, mirrored_.instances[i], threads->scratch(band), &buffer);
+    }
+  });
   reflection->picture = PictureOf(mirrored_);
   reflection->first_id = mirror_.first_id;
   reflection->triangles = 2;  // of a plane all, of a box those of the upper face
   return true;
 }
 
-void SoftScene::DrawShadows(SoftScratch* scratch) {
-  if (with_shadows_) shadows_.Draw(scratch);
+void SoftScene::DrawShadows(SoftThreads* threads) {
+  if (with_shadows_) shadows_.Draw(threads);
 }
 
 void SoftScene::AddMarkers(const mjModel* model, const mjvScene& list, int first) {
@@ -238,7 +247,7 @@ SoftPicture SoftScene::PictureOf(const Elements& elements) const {
   picture.instance_of_run = elements.instance_of_run.data();
   picture.lights = elements.lights.data();
   picture.light_count = static_cast<int>(elements.lights.size());
-  picture.ambient = ambient_;
+  picture.gains = elements.gains.data();
   return picture;
 }
 
@@ -264,6 +273,7 @@ void SoftScene::SetLights(const mjvScene& list) {
     std::copy_n(from.diffuse, 3, light.diffuse);
     std::copy_n(from.specular, 3, light.specular);
     if (with_shadows_) light.shadow = shadows_.Of(i);
+    light.everywhere = light.directional && !light.shadow;
     light.shines = std::any_of(from.specular, from.specular + 3, [](float s) { return s > 0; });
   }
 }
@@ -400,6 +410,23 @@ void SoftScene::AddMesh(const SoftMesh* mesh, const Affine3d& in_world,
   now_.instance_of_run.insert(now_.instance_of_run.end(), runs,
                               static_cast<int32_t>(now_.instances.size()));
   now_.instances.push_back(instance);
+  AddGains();
+}
+
+void SoftScene::AddGains() {
+  SoftInstance& instance = now_.instances.back();
+  const SoftMaterial& material = instance.material;
+  for (int c = 0; c < 3; ++c) instance.own[c] = (material.emission + ambient_) * material.rgba[c];
+  for (const SoftLight& light : now_.lights) {
+    SoftGain& gain = now_.gains.emplace_back();
+    gain.shines = material.shines && light.shines;
+    for (int c = 0; c < 3; ++c) {
+      gain.ambient[c] = light.ambient[c] * material.rgba[c];
+      gain.diffuse[c] = light.diffuse[c] * material.rgba[c];
+      gain.specular[c] = light.specular[c] * material.specular;
+      if (light.everywhere) instance.own[c] += gain.ambient[c];
+    }
+  }
 }
 
 void SoftScene::AddShapes(const mjvGeom& g, const SoftMaterial& material, bool behind) {

@@ -18,6 +18,7 @@
 #include "robocell/render/soft_assets.h"
 #include "robocell/render/soft_frame.h"
 #include "robocell/render/soft_shadows.h"
+#include "robocell/render/soft_threads.h"
 
 namespace robocell::internal {
 
@@ -34,7 +35,7 @@ class SoftScene {
   void Update(const mjModel* model, const mjvScene& list, std::span<const int32_t> bodies,
               const CameraModel& camera, const Effects& effects);
   // Before colours are computed.
-  void DrawShadows(SoftScratch* scratch);
+  void DrawShadows(SoftThreads* threads);
   // Adds the elements of the list from `first` on, in colour only.
   void AddMarkers(const mjModel* model, const mjvScene& list, int first);
 
@@ -42,7 +43,7 @@ class SoftScene {
   // Picture of the present instances; valid until the next call.
   SoftPicture Picture() const;
   // Draws what the scene's one mirror shows into `reflection`. False where there is none in view.
-  bool DrawReflection(SoftScratch* scratch, SoftReflection* reflection);
+  bool DrawReflection(SoftThreads* threads, SoftReflection* reflection);
   std::span<const SoftInstance> instances() const { return now_.instances; }
   // Indices of instances: those that hide what is behind them, and groups of those that can be seen
   // through, the nearest first. A group is one element of the list.
@@ -57,6 +58,8 @@ class SoftScene {
  private:
   void SetCamera(const CameraModel& camera);
   void SetLights(const mjvScene& list);
+  // Puts what the lights do to its material into the last instance.
+  void AddGains();
   void SetSky(const mjModel* model, const mjvScene& list, const CameraModel& camera);
   void AddElement(const mjModel* model, const mjvScene& list, const mjvGeom& geom, int body);
   void AddShapes(const mjvGeom& geom, const SoftMaterial& material, bool behind);
@@ -75,6 +78,7 @@ class SoftScene {
     std::vector<int> opaque;
     std::vector<Layer> layers;
     std::vector<SoftLight> lights;
+    std::vector<SoftGain> gains;  // of each instance, light after light
 
     void Clear();
   };

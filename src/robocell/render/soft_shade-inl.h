@@ -33,8 +33,8 @@ struct MeshSteps {
   float right[3], down[3];
 
   MeshSteps(const SoftView& view, const float* m)
-      : right{1 / view.fx * m[0], 1 / view.fx * m[4], 1 / view.fx * m[8]},
-        down{-1 / view.fy * m[1], -1 / view.fy * m[5], -1 / view.fy * m[9]} {}
+      : right{view.per_fx * m[0], view.per_fx * m[4], view.per_fx * m[8]},
+        down{-view.per_fy * m[1], -view.per_fy * m[5], -view.per_fy * m[9]} {}
 };
 
 // Where rays start, or with orthographic cameras the direction to it, in the mesh's axes.
@@ -111,46 +111,96 @@ struct SoftFace {
 
   HWY_INLINE void Be(const SoftPicture& picture, const SoftInstance& other, int number) {
     if (instance == &other && triangle == number) return;
+    Take(picture, other, number);
+  }
+
+ private:
+  HWY_NOINLINE void Take(const SoftPicture& picture, const SoftInstance& other, int number) {
     instance = &other;
     triangle = number;
     FlatNormal(other.to_mesh, other.mesh->surface[number], normal);
-    light.Be(picture, other.material, normal);
+    light.Be(picture, other, normal);
     if (other.material.mapping == SoftMapping::kNone) return;
     SlopeOf(*picture.view, *other.mesh, number, other.to_mesh, &slope_right, &slope_down);
   }
 };
 
-// Words of the surfaces of some triangles, word by word.
-struct alignas(64) SurfaceWords {
-  static constexpr int kUsed = 16;
-  int32_t at[kUsed][kSoftPixels];
+constexpr int kSurfaceWords = 16;
+static_assert(sizeof(SoftSurface) == 4 * kSurfaceWords);
 
-  HWY_INLINE SurfaceWords(const SoftMesh& mesh, I triangle) {
-    static_assert(sizeof(SoftSurface) == 4 * kUsed);
-    alignas(64) int32_t triangles[kSoftPixels];
-    hn::Store(triangle, kInts, triangles);
-    const auto* words = reinterpret_cast<const int32_t*>(mesh.surface.data());
+// The corners' data of one triangle in all lanes.
+struct OneSurface {
+  const SoftSurface& s;
+  int triangle;
+
+  HWY_INLINE V To1(int k) const { return Num(s.to1[k]); }
+  HWY_INLINE V To2(int k) const { return Num(s.to2[k]); }
+  HWY_INLINE V At1() const { return Num(s.at1); }
+  HWY_INLINE V At2() const { return Num(s.at2); }
+  HWY_INLINE float Part(int k) const {
+    return static_cast<float>(static_cast<int16_t>(s.normals[k / 2] >> (16 * (k % 2))));
+  }
+  HWY_INLINE V Normal(int k) const { return Num(Part(k)); }
+  HWY_INLINE V NormalStep(int k, int corner) const { return Num(Part(3 * corner + k) - Part(k)); }
+  HWY_INLINE V Texture(const SoftMesh& mesh, int k) const {
+    return Num(mesh.texture[SoftMesh::kTexture * triangle + k]);
+  }
+};
+
+// Those of a triangle in each lane.
+struct SomeSurfaces {
+  I words[12], last;
+  I triangle;
+
+  HWY_INLINE SomeSurfaces(const SoftMesh& mesh, I numbers) : triangle(numbers) {
+    const auto* from = reinterpret_cast<const int32_t*>(mesh.surface.data());
+    const I start = hn::Mul(numbers, hn::Set(kInts, kSurfaceWords));
 #if HWY_TARGET == HWY_SCALAR
-    for (int k = 0; k < kLanes; ++k) {
-      for (int w = 0; w < kUsed; ++w) at[w][k] = words[kUsed * triangles[k] + w];
-    }
+    for (int w = 0; w < 12; ++w) words[w] = hn::GatherIndex(kInts, from + w, start);
 #else
-    constexpr hn::CappedTag<int32_t, 4> four;
-    for (int k = 0; k < kLanes; k += 4) {
-      for (int w = 0; w < kUsed; w += 4) {
-        const auto a = hn::Load(four, words + kUsed * triangles[k] + w),
-                   b = hn::Load(four, words + kUsed * triangles[k + 1] + w),
-                   c = hn::Load(four, words + kUsed * triangles[k + 2] + w),
-                   d = hn::Load(four, words + kUsed * triangles[k + 3] + w);
-        const auto ac = hn::InterleaveLower(four, a, c), bd = hn::InterleaveLower(four, b, d);
-        const auto ac2 = hn::InterleaveUpper(four, a, c), bd2 = hn::InterleaveUpper(four, b, d);
-        hn::Store(hn::InterleaveLower(four, ac, bd), four, at[w] + k);
-        hn::Store(hn::InterleaveUpper(four, ac, bd), four, at[w + 1] + k);
-        hn::Store(hn::InterleaveLower(four, ac2, bd2), four, at[w + 2] + k);
-        hn::Store(hn::InterleaveUpper(four, ac2, bd2), four, at[w + 3] + k);
-      }
+    alignas(64) int32_t starts[kSoftPixels];
+    hn::Store(start, kInts, starts);
+    for (int w = 0; w < 12; w += 4) {
+      // Four words of the surfaces of lanes k, k + 4, k + 8, k + 12.
+      const auto rows = [&](int k) HWY_ATTR {
+        const auto row = [&](int lane)
+                             HWY_ATTR { return hn::LoadDup128(kInts, from + starts[lane] + w); };
+        if constexpr (kLanes == 16) {
+          return hn::ConcatLowerLower(kInts, hn::OddEvenBlocks(row(k + 12), row(k + 8)),
+                                      hn::OddEvenBlocks(row(k + 4), row(k)));
+        } else if constexpr (kLanes == 8) {
+          return hn::OddEvenBlocks(row(k + 4), row(k));
+        } else {
+          return row(k);
+        }
+      };
+      const I a = rows(0), b = rows(1), c = rows(2), d = rows(3);
+      const I ac = hn::InterleaveLower(kInts, a, c), bd = hn::InterleaveLower(kInts, b, d);
+      const I ac2 = hn::InterleaveUpper(kInts, a, c), bd2 = hn::InterleaveUpper(kInts, b, d);
+      words[w] = hn::InterleaveLower(kInts, ac, bd);
+      words[w + 1] = hn::InterleaveUpper(kInts, ac, bd);
+      words[w + 2] = hn::InterleaveLower(kInts, ac2, bd2);
+      words[w + 3] = hn::InterleaveUpper(kInts, ac2, bd2);
     }
 #endif
+    last = hn::GatherIndex(kInts, from + 12, start);
+  }
+
+  HWY_INLINE V To1(int k) const { return hn::BitCast(kFloats, words[k]); }
+  HWY_INLINE V To2(int k) const { return hn::BitCast(kFloats, words[4 + k]); }
+  HWY_INLINE V At1() const { return hn::BitCast(kFloats, words[3]); }
+  HWY_INLINE V At2() const { return hn::BitCast(kFloats, words[7]); }
+  HWY_INLINE V Normal(int k) const {
+    const I both = k == 8 ? last : words[8 + k / 2];
+    return hn::ConvertTo(kFloats, k % 2 == 0 ? hn::ShiftRight<16>(hn::ShiftLeft<16>(both))
+                                             : hn::ShiftRight<16>(both));
+  }
+  HWY_INLINE V NormalStep(int k, int corner) const {
+    return hn::Sub(Normal(3 * corner + k), Normal(k));
+  }
+  HWY_INLINE V Texture(const SoftMesh& mesh, int k) const {
+    return hn::GatherIndex(kFloats, mesh.texture.data() + k,
+                           hn::Mul(triangle, hn::Set(kInts, SoftMesh::kTexture)));
   }
 };
 
@@ -218,7 +268,7 @@ HWY_INLINE Colour ShadeFace(const SoftPicture& picture, const SoftInstance& inst
                             const Pixels& p, int triangle, SoftFace* face) {
   face->Be(picture, instance, triangle);
   const SoftMaterial& material = instance.material;
-  const Colour c = Light(picture, material, p, Set3(face->normal), &face->light);
+  const Colour c = Light(picture, instance, p, Set3(face->normal), &face->light);
   if (material.mapping == SoftMapping::kNone) return c;
   const SoftMesh& mesh = *instance.mesh;
   const float* m = instance.to_mesh;
@@ -239,40 +289,45 @@ HWY_INLINE Colour ShadeFace(const SoftPicture& picture, const SoftInstance& inst
                  }));
 }
 
-HWY_INLINE Colour ShadeInstance(const SoftPicture& picture, const SoftInstance& instance,
-                                const Pixels& p, I triangle) {
+template <class Surfaces>
+HWY_INLINE Colour ShadeSurfaces(const SoftPicture& picture, const SoftInstance& instance,
+                                const Pixels& p, I triangle, const Surfaces& surfaces) {
   const SoftMesh& mesh = *instance.mesh;
-  const SurfaceWords words(mesh, triangle);
-  const auto word = [&](int k) HWY_ATTR { return hn::Load(kInts, words.at[k]); };
-  const auto number = [&](int k) HWY_ATTR { return hn::BitCast(kFloats, word(k)); };
   const float* m = instance.to_mesh;
   const V3 at = InMesh(m, p.at);
-  const CornerWeights corners{
-      {number(0), number(1), number(2)},
-      {number(4), number(5), number(6)},
-      Clamp01(hn::Sub(Dot(at, {number(0), number(1), number(2)}), number(3))),
-      Clamp01(hn::Sub(Dot(at, {number(4), number(5), number(6)}), number(7)))};
-  V n[10];
-  for (int k = 0; k < 5; ++k) {
-    const I both = word(8 + k);
-    n[2 * k] = hn::ConvertTo(kFloats, hn::ShiftRight<16>(hn::ShiftLeft<16>(both)));
-    n[2 * k + 1] = hn::ConvertTo(kFloats, hn::ShiftRight<16>(both));
-  }
+  CornerWeights corners{{surfaces.To1(0), surfaces.To1(1), surfaces.To1(2)},
+                        {surfaces.To2(0), surfaces.To2(1), surfaces.To2(2)},
+                        {},
+                        {}};
+  corners.w1 = Clamp01(hn::Sub(Dot(at, corners.to1), surfaces.At1()));
+  corners.w2 = Clamp01(hn::Sub(Dot(at, corners.to2), surfaces.At2()));
   const auto between = [&](int k) HWY_ATTR {
-    return hn::Add(n[k], hn::Add(hn::Mul(corners.w1, hn::Sub(n[3 + k], n[k])),
-                                 hn::Mul(corners.w2, hn::Sub(n[6 + k], n[k]))));
+    return hn::Add(surfaces.Normal(k), hn::Add(hn::Mul(corners.w1, surfaces.NormalStep(k, 1)),
+                                               hn::Mul(corners.w2, surfaces.NormalStep(k, 2))));
   };
   const V3 normal = Unit(TurnedBack(m, 4, {between(0), between(1), between(2)}));
   const SoftMaterial& material = instance.material;
-  const Colour c = Light(picture, material, p, normal, nullptr);
+  const Colour c = Light(picture, instance, p, normal, nullptr);
   if (material.mapping == SoftMapping::kNone) return c;
-
   V3 right, down;
   Changes(*picture.view, m, p.depth, at, SlopesOf(*picture.view, mesh, triangle, m), &right, &down);
-  const I place = hn::Mul(triangle, hn::Set(kInts, SoftMesh::kTexture));
-  return Product(c, Texel(material, at, right, down, corners, [&](int k) HWY_ATTR {
-                   return hn::GatherIndex(kFloats, mesh.texture.data() + k, place);
-                 }));
+  return Product(c, Texel(material, at, right, down, corners,
+                          [&](int k) HWY_ATTR { return surfaces.Texture(mesh, k); }));
+}
+
+// Pixels that all show one triangle.
+HWY_NOINLINE Colour ShadeOne(const SoftPicture& picture, const SoftInstance& instance,
+                             const Pixels& p, int triangle, SoftFace* face) {
+  const SoftSurface& surface = instance.mesh->surface[triangle];
+  if (surface.flat) return ShadeFace(picture, instance, p, triangle, face);
+  return ShadeSurfaces(picture, instance, p, hn::Set(kInts, triangle),
+                       OneSurface{surface, triangle});
+}
+
+// Pixels that show a triangle of the instance each.
+HWY_NOINLINE Colour ShadeSome(const SoftPicture& picture, const SoftInstance& instance,
+                              const Pixels& p, I triangle) {
+  return ShadeSurfaces(picture, instance, p, triangle, SomeSurfaces(*instance.mesh, triangle));
 }
 
 // ---- Sky
@@ -289,6 +344,20 @@ HWY_INLINE Colour SkyColour(const SoftPicture& picture, const V3& in_world) {
                     Num(step * step));
 }
 
+HWY_INLINE V3 SkyRay(const SoftPicture& picture, const Pixels& p) {
+  return picture.view->orthographic ? V3{hn::Zero(kFloats), hn::Zero(kFloats), Num(-1)} : p.ray;
+}
+
+// Where sky or haze may hide the surface: nothing that is near enough is hidden.
+HWY_INLINE M MayBeSky(const SoftPicture& picture, const Pixels& p) {
+  const SoftSky& sky = picture.sky;
+  const V3 ray = SkyRay(picture, p);
+  const float haze_begins = sky.elevation > 0 ? 1 - sky.haze : 1;
+  const V within = Num(0.7f * haze_begins * sky.radius);
+  const V length2 = hn::Mul(hn::Mul(p.depth, p.depth), Dot(ray, ray));
+  return hn::Gt(length2, hn::Mul(within, within));
+}
+
 // Sky and haze hide what is beyond them. `nothing`: pixels that show no surface.
 HWY_INLINE Colour WithSky(const SoftPicture& picture, const Pixels& p, M nothing, Colour c) {
   const SoftSky& sky = picture.sky;
@@ -297,13 +366,8 @@ HWY_INLINE Colour WithSky(const SoftPicture& picture, const Pixels& p, M nothing
     return {hn::IfThenElse(nothing, zero, c.r), hn::IfThenElse(nothing, zero, c.g),
             hn::IfThenElse(nothing, zero, c.b)};
   }
-  const V3 ray =
-      picture.view->orthographic ? V3{hn::Zero(kFloats), hn::Zero(kFloats), Num(-1)} : p.ray;
-  // Nothing that is near enough is hidden.
-  const float haze_begins = sky.elevation > 0 ? 1 - sky.haze : 1;
-  const V within = Num(0.7f * haze_begins * sky.radius);
-  const V length2 = hn::Mul(hn::Mul(p.depth, p.depth), Dot(ray, ray));
-  const M may_be = hn::Or(nothing, hn::Gt(length2, hn::Mul(within, within)));
+  const V3 ray = SkyRay(picture, p);
+  const M may_be = hn::Or(nothing, MayBeSky(picture, p));
   if (hn::AllFalse(kFloats, may_be)) return c;
 
   const V3 in_world = Turned(sky.from_view, 3, ray);
@@ -357,16 +421,12 @@ HWY_INLINE Colour ShadePixels(const SoftPicture& picture, const Pixels& p, I ids
     const auto first = static_cast<int32_t>(instance.first_id);
     const I one = hn::Set(kInts, all[k]);
     if (hn::AllTrue(kInts, hn::Eq(ids, one))) {
-      const int triangle = all[k] - first;
-      if (instance.mesh->surface[triangle].flat) {
-        return ShadeFace(picture, instance, p, triangle, face);
-      }
-      return ShadeInstance(picture, instance, p, hn::Set(kInts, triangle));
+      return ShadeOne(picture, instance, p, all[k] - first, face);
     }
     const I triangle = hn::Sub(ids, hn::Set(kInts, first));
     const auto of_this = hn::And(hn::Gt(triangle, hn::Set(kInts, -1)),
                                  hn::Lt(triangle, hn::Set(kInts, instance.mesh->triangles)));
-    const Colour here = ShadeInstance(picture, instance, p, hn::IfThenElseZero(of_this, triangle));
+    const Colour here = ShadeSome(picture, instance, p, hn::IfThenElseZero(of_this, triangle));
     const M mask = hn::RebindMask(kFloats, of_this);
     c = {hn::IfThenElse(mask, here.r, c.r), hn::IfThenElse(mask, here.g, c.g),
          hn::IfThenElse(mask, here.b, c.b)};
@@ -437,34 +497,6 @@ HWY_INLINE void PutColours(const int32_t* pixels, int bx, int by, int width, int
   }
 }
 
-inline void ShadePictureHere(const SoftPicture& picture, const SoftBuffer& buffer, SoftIds* colours,
-                             uint8_t* rgb) {
-  SoftFace face, mirrored;
-  alignas(64) int32_t pixels[kSoftPixels];
-  for (int by = 0; by < buffer.rows; ++by) {
-    for (int bx = 0; bx < buffer.columns; ++bx) {
-      const size_t block = static_cast<size_t>(by) * buffer.columns + bx;
-      for (int part = 0; part < kSoftPixels; part += kLanes) {
-        const I ids = LoadIds(buffer, block, part);
-        const V nearness = LoadNearness(buffer, block, part);
-        const Pixels p = PixelsAt(*picture.view, bx, by, part, nearness);
-        const M nothing = hn::RebindMask(kFloats, hn::Lt(ids, hn::Zero(kInts)));
-        Colour c = ShadePixels(picture, p, ids, &face);
-        if (picture.reflection) {
-          c = WithReflection(picture, block, bx, by, part, ids, nearness, c, &mirrored);
-        }
-        c = WithSky(picture, p, nothing, c);
-        hn::Store(PackPixels(c), kInts, pixels + part);
-      }
-      if (rgb) {
-        PutColours(pixels, bx, by, picture.view->width, picture.view->height, rgb);
-      } else {
-        std::copy_n(pixels, kSoftPixels, reinterpret_cast<int32_t*>(colours[block].at));
-      }
-    }
-  }
-}
-
 // Puts a block's pixels to their place in an image of rows.
 template <class T>
 HWY_INLINE void PutBlock(const T* from, int bx, int by, int width, int height, T* image) {
@@ -481,14 +513,14 @@ HWY_INLINE void PutBlock(const T* from, int bx, int by, int width, int height, T
   }
 }
 
-inline void ReadExactHere(const SoftPicture& picture, const SoftBuffer& buffer, float* metres,
-                          int32_t* bodies) {
+inline void ReadExactHere(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
+                          float* metres, int32_t* bodies) {
   const SoftView& view = *picture.view;
   const auto body_of = [&](uint32_t id) {
     return id == kSoftNothing ? -1
                               : picture.instances[picture.instance_of_run[id >> kSoftRunBits]].body;
   };
-  for (int by = 0; by < buffer.rows; ++by) {
+  for (int by = rows.begin; by < rows.end; ++by) {
     for (int bx = 0; bx < buffer.columns; ++bx) {
       const size_t block = static_cast<size_t>(by) * buffer.columns + bx;
       const uint32_t* ids = buffer.ids[block].at;
@@ -526,9 +558,9 @@ inline void ReadExactHere(const SoftPicture& picture, const SoftBuffer& buffer, 
 }
 
 inline void BlendLayerHere(const SoftPicture& picture, const SoftBuffer& behind,
-                           const SoftBuffer& layer, float alpha, SoftIds* colours) {
+                           const SoftBuffer& layer, SoftRows rows, float alpha, SoftIds* colours) {
   SoftFace face;
-  for (int by = 0; by < layer.rows; ++by) {
+  for (int by = rows.begin; by < rows.end; ++by) {
     for (int bx = 0; bx < layer.columns; ++bx) {
       const size_t block = static_cast<size_t>(by) * layer.columns + bx;
       for (int part = 0; part < kSoftPixels; part += kLanes) {
@@ -553,8 +585,9 @@ inline void BlendLayerHere(const SoftPicture& picture, const SoftBuffer& behind,
   }
 }
 
-inline void PackColoursHere(const SoftBuffer& buffer, const SoftIds* colours, uint8_t* rgb) {
-  for (int by = 0; by < buffer.rows; ++by) {
+inline void PackColoursHere(const SoftBuffer& buffer, SoftRows rows, const SoftIds* colours,
+                            uint8_t* rgb) {
+  for (int by = rows.begin; by < rows.end; ++by) {
     for (int bx = 0; bx < buffer.columns; ++bx) {
       const size_t block = static_cast<size_t>(by) * buffer.columns + bx;
       PutColours(reinterpret_cast<const int32_t*>(colours[block].at), bx, by, buffer.width,

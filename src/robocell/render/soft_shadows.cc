@@ -43,7 +43,7 @@ Affine3d ToLight(const mjvLight& light) {
 
 SoftView LightView(const mjModel* m, const mjvLight& light, const CameraModel& camera, int size) {
   SoftView view;
-  view.width = view.height = size;
+  view.width = view.height = view.bottom = size;
   view.cx = view.cy = 0.5f * static_cast<float>(size - 1);
   view.near = static_cast<float>(camera.near_m);
   view.far = static_cast<float>(camera.far_m);
@@ -58,32 +58,55 @@ SoftView LightView(const mjModel* m, const mjvLight& light, const CameraModel& c
         0.5f * static_cast<float>(size) / std::tan(0.5f * angle * std::numbers::pi_v<float> / 180);
   }
   view.fy = view.fx;
+  view.per_fx = view.per_fy = 1 / view.fx;
   return view;
 }
 
-// Empties what was drawn; the rest is empty already.
-void ClearMap(const SoftView& view, SoftShadowMap* map) {
-  const float background = view.orthographic ? 0.0f : 1 / view.far;
+void MakeToMap(const Affine3d& from_view, SoftShadow* shadow) {
+  const SoftView& view = shadow->view;
+  const double half = 0.5, range = 1.0 / (static_cast<double>(view.far) - view.near);
+  Eigen::Matrix<double, 3, 4> rows = from_view.affine();
+  rows.row(0) *= view.fx;
+  rows.row(1) *= -view.fy;
+  rows.row(2) *= -1;
+  if (view.orthographic) {
+    rows(0, 3) += view.cx - half;
+    rows(1, 3) += view.cy - half;
+    rows.row(2) *= -range;
+    rows(2, 3) += view.far * range;
+  }
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 4; ++c) shadow->to_map[4 * r + c] = static_cast<float>(rows(r, c));
+  }
+}
+
+float Background(const SoftView& view) { return view.orthographic ? 0.0f : 1 / view.far; }
+
+// Makes room for the map. A new one is marked as drawn, so that it is emptied.
+void FitMap(const SoftView& view, SoftShadowMap* map) {
   SoftBuffer& buffer = map->buffer;
-  if (buffer.width != view.width || map->background != background || buffer.nearness.empty()) {
-    ClearNearness(view, &buffer);
-    map->background = background;
-    map->tile_columns = (buffer.columns + kSoftTile - 1) / kSoftTile;
-    map->tile_rows = (buffer.rows + kSoftTile - 1) / kSoftTile;
-    const auto tiles = static_cast<size_t>(map->tile_columns) * static_cast<size_t>(map->tile_rows);
-    map->drawn.assign(tiles, 0);
-    map->nearest.resize(tiles);
-    map->farthest.resize(tiles);
+  if (buffer.width == view.width && map->background == Background(view) &&
+      !buffer.nearness.empty()) {
     return;
   }
+  FitNearness(view, &buffer);
+  map->background = Background(view);
+  map->tile_columns = (buffer.columns + kSoftTile - 1) / kSoftTile;
+  map->tile_rows = (buffer.rows + kSoftTile - 1) / kSoftTile;
+  const auto tiles = static_cast<size_t>(map->tile_columns) * static_cast<size_t>(map->tile_rows);
+  map->drawn.assign(tiles, 1);
+  map->nearest.resize(tiles);
+  map->farthest.resize(tiles);
+}
+
+// Empties what was drawn in some rows of tiles; the rest is empty already.
+void ClearTiles(SoftRows rows, SoftShadowMap* map) {
+  SoftBuffer& buffer = map->buffer;
   SoftNumbers empty;
-  std::fill_n(empty.at, kSoftPixels, background);
-  for (int y = 0; y < map->tile_rows; ++y) {
+  std::fill_n(empty.at, kSoftPixels, map->background);
+  for (int y = rows.begin; y < rows.end; ++y) {
     for (int x = 0; x < map->tile_columns; ++x) {
-      uint8_t& drawn = map->drawn[static_cast<size_t>(y) * static_cast<size_t>(map->tile_columns) +
-                                  static_cast<size_t>(x)];
-      if (!drawn) continue;
-      drawn = 0;
+      if (!map->drawn[static_cast<size_t>(y * map->tile_columns + x)]) continue;
       const int begin = kSoftTile * x, end = std::min(buffer.columns, begin + kSoftTile);
       for (int row = kSoftTile * y; row < std::min(buffer.rows, kSoftTile * (y + 1)); ++row) {
         const auto first = buffer.nearness.begin() + static_cast<ptrdiff_t>(row) * buffer.columns;
@@ -172,7 +195,7 @@ void SoftShadows::Begin(const mjModel* model, const mjvScene& list, const Camera
     const Affine3d to_camera(Affine3d(Eigen::Translation3d(camera.camera_in_world.translation()) *
                                       camera.camera_in_world.rotation())
                                  .inverse(Eigen::Isometry));
-    Store(map.to_light * to_camera.inverse(Eigen::Isometry), map.shadow.from_view);
+    MakeToMap(map.to_light * to_camera.inverse(Eigen::Isometry), &map.shadow);
     map.shadow.map = &map.map;
   }
 }
@@ -184,7 +207,23 @@ void SoftShadows::AddCaster(const SoftMesh* mesh, const Affine3d& in_world, bool
   Store(in_world, caster.in_world);
 }
 
-void SoftShadows::Draw(SoftScratch* scratch) {
+SoftInstance SoftShadows::InLight(const Caster& caster, const Map& map) {
+  SoftInstance instance;
+  instance.mesh = caster.mesh;
+  const Affine3d to_view = map.to_light * Loaded(caster.in_world);
+  Store(to_view, instance.to_view);
+  // All faces cast; of a closed mesh those towards the light are the nearest.
+  instance.side = caster.mesh->closed ? SoftSide::kFront : SoftSide::kBoth;
+  const bool far_away = map.shadow.view.orthographic;
+  const Affine3d to_mesh = to_view.inverse(Eigen::Affine);
+  const Vector3d eye =
+      far_away ? Vector3d(to_mesh.linear().col(2)) : Vector3d(to_mesh.translation());
+  for (int k = 0; k < 3; ++k) instance.eye[k] = static_cast<float>(eye[k]);
+  instance.eye[3] = far_away ? 0 : 1;
+  return instance;
+}
+
+void SoftShadows::Draw(SoftThreads* threads) {
   for (int i = 0; i < used_; ++i) {
     Map& map = maps_[static_cast<size_t>(i)];
     float to_light[12];
@@ -193,29 +232,32 @@ void SoftShadows::Draw(SoftScratch* scratch) {
         std::equal(to_light, to_light + 12, map.drawn_to_light) && casters_ == map.drawn_casters) {
       continue;
     }
-    const SoftView& view = map.shadow.view;
-    ClearMap(view, &map.map);
-    for (const Caster& caster : casters_) {
-      SoftInstance instance;
-      instance.mesh = caster.mesh;
-      const Affine3d to_view = map.to_light * Loaded(caster.in_world);
-      Store(to_view, instance.to_view);
-      // All faces cast; of a closed mesh those towards the light are the nearest.
-      instance.side = caster.mesh->closed ? SoftSide::kFront : SoftSide::kBoth;
-      const Affine3d to_mesh = to_view.inverse(Eigen::Affine);
-      const Vector3d eye =
-          view.orthographic ? Vector3d(to_mesh.linear().col(2)) : Vector3d(to_mesh.translation());
-      for (int k = 0; k < 3; ++k) instance.eye[k] = static_cast<float>(eye[k]);
-      instance.eye[3] = view.orthographic ? 0 : 1;
-      MarkTiles(view, instance, &map.map);
-      DrawInstance(view, instance, scratch, &map.map.buffer);
-    }
-    SummariseMap(&map.map);
+    DrawMap(threads, &map);
     map.drawn = true;
     std::copy_n(to_light, 12, map.drawn_to_light);
-    map.drawn_view = view;
+    map.drawn_view = map.shadow.view;
     map.drawn_casters = casters_;
   }
+}
+
+void SoftShadows::DrawMap(SoftThreads* threads, Map* map) const {
+  const SoftView& whole = map->shadow.view;
+  SoftShadowMap& pixels = map->map;
+  FitMap(whole, &pixels);
+  threads->InBands(pixels.tile_rows, [&](SoftRows rows, int) { ClearTiles(rows, &pixels); });
+  std::ranges::fill(pixels.drawn, uint8_t{0});
+  map->instances.clear();
+  for (const Caster& caster : casters_) {
+    map->instances.push_back(InLight(caster, *map));
+    MarkTiles(whole, map->instances.back(), &pixels);
+  }
+  threads->InBands(pixels.buffer.rows, [&](SoftRows rows, int band) {
+    const SoftView view = RowsOf(whole, rows);
+    for (const SoftInstance& instance : map->instances) {
+      DrawInstance(view, instance, threads->scratch(band), &pixels.buffer);
+    }
+  });
+  threads->InBands(pixels.tile_rows, [&](SoftRows rows, int) { SummariseMap(&pixels, rows); });
 }
 
 const SoftShadow* SoftShadows::Of(int light) const {

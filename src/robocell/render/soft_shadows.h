@@ -5,7 +5,7 @@
 //   SoftShadows shadows;
 //   shadows.Begin(model, list, camera);
 //   shadows.AddCaster(mesh, in_world);            // everything that casts
-//   shadows.Draw(&scratch);
+//   shadows.Draw(&threads);
 //   const SoftShadow* shadow = shadows.Of(light);
 #pragma once
 
@@ -17,6 +17,7 @@
 
 #include "robocell/render/camera_model.h"
 #include "robocell/render/soft_frame.h"
+#include "robocell/render/soft_threads.h"
 
 namespace robocell::internal {
 
@@ -29,7 +30,7 @@ class SoftShadows {
   void Begin(const mjModel* model, const mjvScene& list, const CameraModel& camera, int size);
   // `bends`: the mesh is another one than it was.
   void AddCaster(const SoftMesh* mesh, const Eigen::Affine3d& in_world, bool bends);
-  void Draw(SoftScratch* scratch);
+  void Draw(SoftThreads* threads);
 
   // That of a light of the list; null when it casts none.
   const SoftShadow* Of(int light) const;
@@ -51,7 +52,12 @@ class SoftShadows {
     float drawn_to_light[12];
     SoftView drawn_view;
     std::vector<Caster> drawn_casters;
+    std::vector<SoftInstance> instances;  // of the casters; scratch memory
   };
+
+  // The caster as the light sees it.
+  static SoftInstance InLight(const Caster& caster, const Map& map);
+  void DrawMap(SoftThreads* threads, Map* map) const;
 
   std::vector<Map> maps_;
   int used_ = 0;

@@ -15,7 +15,7 @@ double VolumeOf(const SoftMesh& mesh) {
   for (int t = 0; t < mesh.triangles; ++t) {
     Eigen::Matrix3d corners;
     for (int k = 0; k < 3; ++k) {
-      const int v = mesh.corners[3 * t + k];
+      const int v = mesh.corners[k][t];
       corners.row(k) << mesh.x[v], mesh.y[v], mesh.z[v];
     }
     volume += corners.determinant() / 6;
@@ -40,6 +40,25 @@ TEST(SoftShapes, OpenOnesAreOpen) {
   EXPECT_FALSE(shapes.open_cylinder.closed);
   EXPECT_FALSE(shapes.upper_half.closed);
   EXPECT_FALSE(shapes.plane.closed);
+}
+
+TEST(SoftShapes, ClustersHoldTheirTrianglesAndVertices) {
+  const SoftShapes shapes(64, 32);
+  const SoftMesh& mesh = shapes.sphere;
+  const SoftClusters& clusters = mesh.clusters;
+  ASSERT_EQ(clusters.count, (mesh.triangles + 63) / 64);
+  for (int t = 0; t < mesh.triangles; ++t) {
+    const int c = t / SoftClusters::kTriangles;
+    for (int k = 0; k < 3; ++k) {
+      const int v = mesh.corners[k][t];
+      const Eigen::Vector3f from(mesh.x[v] - clusters.x[c], mesh.y[v] - clusters.y[c],
+                                 mesh.z[v] - clusters.z[c]);
+      EXPECT_LE(from.norm(), clusters.radius[c]) << "triangle " << t;
+      EXPECT_GE(v / SoftClusters::kVertices, clusters.first_group[c]);
+      EXPECT_LE(v / SoftClusters::kVertices, clusters.last_group[c]);
+    }
+  }
+  EXPECT_EQ(shapes.box.clusters.count, 0);
 }
 
 TEST(SoftShapes, MeshesAndHeightFieldsOfAModel) {

@@ -85,27 +85,46 @@ HWY_INLINE Colour SampleLevel(const SoftTexture& texture, I level, I face, V u, 
   const I stride = hn::Add(width, hn::Set(kInts, 1));
   I corner = hn::Add(start, hn::ConvertTo(kInts, x0));
   if (texture.cube) corner = hn::Add(corner, hn::Mul(face, hn::Mul(stride, height)));
-  const auto load = [&](V row, I* left, I* right) HWY_ATTR {
-    Neighbours(texture.texels.data(), hn::Add(corner, hn::Mul(hn::ConvertTo(kInts, row), stride)),
-               left, right);
+  const auto at = [&](V row) HWY_ATTR {
+    return hn::Add(corner, hn::Mul(hn::ConvertTo(kInts, row), stride));
   };
-  I left0, right0, left1, right1;
-  load(y0, &left0, &right0);
-  load(y1, &left1, &right1);
-  const Colour corner_colour = Unpack(left0);
+  const uint32_t* texels = texture.texels.data();
+  const I at0 = at(y0);
   // Inside of one colour, as in most of a checker.
-  const I other =
-      hn::Or(hn::Or(hn::Xor(left0, right0), hn::Xor(left0, left1)), hn::Xor(left0, right1));
-  if (hn::AllTrue(kInts, hn::Eq(other, hn::Zero(kInts)))) return corner_colour;
-  return Mix(Mix(corner_colour, Unpack(right0), fx), Mix(Unpack(left1), Unpack(right1), fx), fy);
+  const I plain = hn::GatherIndex(kInts, reinterpret_cast<const int32_t*>(texels), at0);
+  if (hn::AllTrue(kInts, hn::Gt(plain, hn::Set(kInts, 0xffffff)))) return Unpack(plain);
+  I left0, right0, left1, right1;
+  Neighbours(texels, at0, &left0, &right0);
+  Neighbours(texels, at(y1), &left1, &right1);
+  return Mix(Mix(Unpack(left0), Unpack(right0), fx), Mix(Unpack(left1), Unpack(right1), fx), fy);
 }
 
-// `square` is the square of a pixel's size in texels. 0 ... 1.
-HWY_INLINE Colour Sample(const SoftTexture& texture, I face, V u, V v, V square) {
+// The level that shows a pixel as one texel, and a fraction. `square` is the square of a pixel's size
+// in texels of the largest level.
+HWY_INLINE V LevelOf(const SoftTexture& texture, V square) {
   const V most = Num(static_cast<float>(texture.levels - 1));
-  const V lod = hn::Min(
+  return hn::Min(
       hn::Max(hn::Mul(Num(0.5f), RoughLog2(hn::Max(square, Num(1e-12f)))), hn::Zero(kFloats)),
       most);
+}
+
+HWY_INLINE Colour Share255(const Colour& c) {
+  const V scale = Num(1.0f / 255);
+  return {hn::Mul(c.r, scale), hn::Mul(c.g, scale), hn::Mul(c.b, scale)};
+}
+
+// 0 ... 1, between one level and the next.
+HWY_INLINE Colour Sample(const SoftTexture& texture, int level, float rest, V u, V v) {
+  const I none = hn::Zero(kInts);
+  const Colour c = SampleLevel(texture, hn::Set(kInts, level), none, u, v);
+  if (rest <= 0) return Share255(c);
+  const int next = level + 1 < texture.levels ? level + 1 : level;
+  return Share255(Mix(c, SampleLevel(texture, hn::Set(kInts, next), none, u, v), Num(rest)));
+}
+
+// The same where levels may differ. `square` as above.
+HWY_INLINE Colour Sample(const SoftTexture& texture, I face, V u, V v, V square) {
+  const V lod = LevelOf(texture, square);
   const V whole = hn::Floor(lod), rest = hn::Sub(lod, whole);
   const I level = hn::ConvertTo(kInts, whole);
   Colour c = SampleLevel(texture, level, face, u, v);
@@ -113,8 +132,7 @@ HWY_INLINE Colour Sample(const SoftTexture& texture, I face, V u, V v, V square)
     const I next = hn::Min(hn::Add(level, hn::Set(kInts, 1)), hn::Set(kInts, texture.levels - 1));
     c = Mix(c, SampleLevel(texture, next, face, u, v), rest);
   }
-  const V scale = Num(1.0f / 255);
-  return {hn::Mul(c.r, scale), hn::Mul(c.g, scale), hn::Mul(c.b, scale)};
+  return Share255(c);
 }
 
 // `square`: of the change of the direction from pixel to pixel.

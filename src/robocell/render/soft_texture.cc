@@ -40,7 +40,7 @@ SoftTexture::SoftTexture(const mjModel* m, int texture) {
         data +
         (one_face ? 0 : static_cast<size_t>(face) * face_size * static_cast<size_t>(channels));
     for (size_t i = 0; i < face_size; ++i, from += channels) {
-      uint32_t texel = channels == 4 ? static_cast<uint32_t>(from[3]) << 24 : 0xff000000u;
+      uint32_t texel = 0;
       for (int c = 0; c < 3; ++c) {
         texel |= static_cast<uint32_t>(linear ? table[from[c]] : from[c]) << (8 * c);
       }
@@ -52,6 +52,7 @@ SoftTexture::SoftTexture(const mjModel* m, int texture) {
   level_height = {height};
   level_start = {0};
   AddSmallerLevels(faces);
+  MarkPlain(faces);
   levels = static_cast<int>(level_width.size());
 }
 
@@ -74,20 +75,40 @@ void SoftTexture::AddSmallerLevels(int faces) {
                                            static_cast<size_t>(from_h);
       for (int y = 0; y < h; ++y) {
         for (int x = 0; x < w; ++x) {
-          uint32_t sum[4] = {};
+          uint32_t sum[3] = {};
           for (int k = 0; k < 4; ++k) {
             const int sx = std::min(2 * x + (k & 1), from_w - 1),
                       sy = std::min(2 * y + (k >> 1), from_h - 1);
             const uint32_t texel =
                 texels[from + static_cast<size_t>(sy) * static_cast<size_t>(from_w + 1) +
                        static_cast<size_t>(sx)];
-            for (int c = 0; c < 4; ++c) sum[c] += texel >> (8 * c) & 255;
+            for (int c = 0; c < 3; ++c) sum[c] += texel >> (8 * c) & 255;
           }
           uint32_t texel = 0;
-          for (int c = 0; c < 4; ++c) texel |= (sum[c] + 2) / 4 << (8 * c);
+          for (int c = 0; c < 3; ++c) texel |= (sum[c] + 2) / 4 << (8 * c);
           texels.push_back(texel);
         }
         EndRow();
+      }
+    }
+  }
+}
+
+void SoftTexture::MarkPlain(int faces) {
+  constexpr uint32_t kColour = 0xffffffu;
+  for (size_t level = 0; level < level_width.size(); ++level) {
+    const auto w = static_cast<size_t>(level_width[level]),
+               h = static_cast<size_t>(level_height[level]);
+    for (size_t face = 0; face < static_cast<size_t>(faces); ++face) {
+      uint32_t* rows = &texels[static_cast<size_t>(level_start[level]) + face * (w + 1) * h];
+      for (size_t y = 0; y < h; ++y) {
+        const size_t next = y + 1 < h ? y + 1 : cube ? y : 0;
+        uint32_t *here = rows + y * (w + 1), *below = rows + next * (w + 1);
+        for (size_t x = 0; x < w; ++x) {
+          const uint32_t other =
+              (here[x] ^ here[x + 1]) | (here[x] ^ below[x]) | (here[x] ^ below[x + 1]);
+          here[x] = (here[x] & kColour) | ((other & kColour) == 0 ? kColour + 1 : 0);
+        }
       }
     }
   }

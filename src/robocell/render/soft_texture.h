@@ -8,8 +8,9 @@
 
 namespace robocell::internal {
 
-// Texels are red, green, blue, alpha from the lowest byte on. A cube has six square faces in each
-// level: +x, -x, +y, -y, +z, -z. After each row comes the texel that follows its last one: the first
+// Texels are red, green, blue from the lowest byte on. The highest byte is 1 if the texels that are
+// mixed with this one, those to the right and below, have its colour, else 0. A cube has six square
+// faces in each level: +x, -x, +y, -y, +z, -z. After each row comes the texel that follows its last one: the first
 // again, or in a cube the last, so that neighbours lie together.
 struct SoftTexture {
   bool cube = false;
@@ -26,6 +27,7 @@ struct SoftTexture {
  private:
   void AddSmallerLevels(int faces);
   void EndRow();
+  void MarkPlain(int faces);
 };
 
 }  // namespace robocell::internal

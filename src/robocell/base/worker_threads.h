@@ -1,5 +1,5 @@
 // WorkerThreads: runs the same work for the numbers 0 to n-1 on persistent threads, including the
-// caller's. Private to env.
+// caller's. Internal to the library.
 #pragma once
 
 #include <atomic>
@@ -21,6 +21,8 @@ class WorkerThreads {
   ~WorkerThreads();
   WorkerThreads(const WorkerThreads&) = delete;
   WorkerThreads& operator=(const WorkerThreads&) = delete;
+
+  int count() const { return static_cast<int>(threads_.size()) + 1; }
 
   // Returns when all work is done and rethrows the exception of the lowest number. While the caller
   // waits for the others, it calls `meanwhile` every few milliseconds; an exception of `meanwhile`
