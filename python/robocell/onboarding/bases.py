@@ -5,14 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import mujoco
+import numpy as np
 
 from robocell.onboarding.actuation import Actuation
+from robocell.onboarding.geometry import surface_points
 from robocell.onboarding.guess import Confidence, Guess
-from robocell.onboarding.source_model import SourceModel
+from robocell.onboarding.source_model import SourceModel, Vector
 
 WIDE_M = 2.0  # the travel of a slide that moves a base and not a gantry
 # Pedestals of arms that reach this far, m; smaller ones stand on the table.
 REACH_FOR_PEDESTAL = 0.62
+# A base whose lowest point is farther than this from its frame does not stand on a box, m.
+FLUSH_M = 0.008
 
 
 @dataclass
@@ -69,7 +73,8 @@ def guess_base(
     """The field `base` of the robot file."""
     value: dict[str, object] = {"kind": "mocap"}
     driven = any(actuation.is_moved(joint) for joint in base.joints)
-    if has_arm and reach > REACH_FOR_PEDESTAL and not base.joints:
+    stands = abs(lowest_of_base(source, base.body)) < FLUSH_M
+    if has_arm and reach > REACH_FOR_PEDESTAL and not base.joints and stands:
         value["size"] = pedestal_size(source, base.body, reach)
     if base.joints:
         how = "its own joints drive it" if driven else "nothing drives the joints of its base"
@@ -90,16 +95,30 @@ def guess_base(
     )
 
 
+def _fixed_points(source: SourceModel, body: int) -> Vector:
+    """(n, 3) points on the base and what is fixed to it, in its frame."""
+    bodies = [each for each in source.rigid_with(body) if source.is_below(each, body)]
+    geoms = [geom for each in bodies for geom in source.geoms_of(each)]
+    points = surface_points(source, source.data, geoms)
+    rotation = source.data.xmat[body].reshape(3, 3)
+    return np.asarray((points - source.data.xpos[body]) @ rotation)
+
+
+def lowest_of_base(source: SourceModel, body: int) -> float:
+    """The height of the lowest point of a base in its frame, m; 0 without geoms."""
+    points = _fixed_points(source, body)
+    return float(points[:, 2].min()) if len(points) else 0.0
+
+
+def is_at_origin(source: SourceModel, root: int) -> bool:
+    """Whether the model's file puts its topmost body at the world's origin, upright."""
+    at, quat = source.model.body_pos[root], source.model.body_quat[root]
+    return bool(np.abs(at).max() < 1e-6 and abs(abs(quat[0]) - 1) < 1e-6)
+
+
 def pedestal_size(source: SourceModel, body: int, reach: float) -> list[float]:
     """Length, width and height of a box under the base, m."""
-    half = 0.0
-    for each in source.rigid_with(body):
-        if not source.is_below(each, body):
-            continue
-        for geom in source.geoms_of(each):
-            if source.model.geom_rbound[geom] > 0:
-                offset = source.data.geom_xpos[geom] - source.data.xpos[body]
-                half = max(half, float(max(abs(offset[0]), abs(offset[1]))))
-                half = max(half, min(float(source.model.geom_rbound[geom]), 0.2) * 0.6)
+    points = _fixed_points(source, body)
+    half = float(np.abs(points[:, :2]).max()) if len(points) else 0.0
     side = round(min(max(2 * half + 0.04, 0.16), 0.4), 2)
     return [side, side, round(min(0.3, 0.3 * reach), 2)]

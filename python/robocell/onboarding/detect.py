@@ -13,7 +13,7 @@ import numpy as np
 
 from robocell.onboarding.actuation import Actuation, Actuator, Drive
 from robocell.onboarding.arm_control import drive_of
-from robocell.onboarding.bases import Base, find_base, guess_base
+from robocell.onboarding.bases import Base, find_base, guess_base, is_at_origin
 from robocell.onboarding.cameras import (
     Camera,
     cameras_of_model,
@@ -23,7 +23,7 @@ from robocell.onboarding.cameras import (
 )
 from robocell.onboarding.guess import Confidence, Guess, shortened
 from robocell.onboarding.hands import Fingers, HandMotion, find_fingers
-from robocell.onboarding.home import ArmFrame, Home, guess_home, reach_of
+from robocell.onboarding.home import ArmFrame, Home, PoseJudge, guess_home
 from robocell.onboarding.limbs import Anatomy, Hand, Limb, LimbKind
 from robocell.onboarding.prepared import prepare, reasons_to_prepare
 from robocell.onboarding.roots import Roots, anatomy_of, find_roots
@@ -72,6 +72,7 @@ class RobotGuess:
     prepared: list[str]
     root_body: Field
     base: Field
+    reset_root_pose: bool = False
     edits: list[Field] = field(default_factory=list)
     groups: list[Group] = field(default_factory=list)
     home: dict[str, list[float]] = field(default_factory=dict)
@@ -159,7 +160,7 @@ class _Detection:
         arms = self._arms()
         hands = self._hands_alone()
         self._home(arms, hands)
-        reach = max((reach_of(self._source, arm.frame) for arm in arms), default=0.0)
+        reach = max((PoseJudge(self._source, arm.frame).reach for arm in arms), default=0.0)
         out.reach = reach
         base = self._choose(
             "base",
@@ -168,6 +169,8 @@ class _Detection:
             ),
         )
         out.base = Field(base.value, base.comment())
+        if "size" in base.value and not is_at_origin(self._source, self._root):
+            out.reset_root_pose = True
         if self._base.free_joint is not None:
             joint = self._source.joint_name(self._base.free_joint)
             out.edits.insert(
@@ -189,15 +192,24 @@ class _Detection:
     # --- Arms ---
 
     def _root_body(self) -> int:
-        if self._anatomy.trunk:
-            return self._anatomy.trunk_end
-        return self._base.body
+        """What all arms hang on: the base, or what a torso's joints move."""
+        source, top = self._source, self._base.body
+        roots = [
+            int(source.model.body_parentid[source.model.jnt_bodyid[limb.joints[0]]])
+            for limb in self._anatomy.arms
+        ]
+        if not roots:
+            return top
+        common = roots[0]
+        for root in roots[1:]:
+            common = source.common_ancestor(common, root)
+        between = [joint for body in source.way(top, common) for joint in source.joints_of(body)]
+        return common if between else top
 
     def _root_comment(self, roots: Guess[Roots]) -> str:
-        if self._anatomy.trunk:
-            joints = shortened([self._source.joint_name(j) for j in self._anatomy.trunk])
+        if self._root_body() != self._base.body:
             return (
-                f"the arms hang on it; the joints before it ({joints}) are a group of their own "
+                "the arms hang on it; the joints before it are a group of their own "
                 f"[{Confidence.HIGH.value}]"
             )
         if self._base.joints:
@@ -296,6 +308,7 @@ class _Detection:
             tip=np.asarray(rotation.T @ (at - d.xpos[body])),
             approach=approach,
             robot=self._bodies,
+            moving=self._source.subtree(int(self._source.model.jnt_bodyid[limb.joints[0]])),
         )
 
     def _joint_words(self, joints: list[int]) -> str:

@@ -20,6 +20,7 @@ TRIED = 200  # of the best, for contacts
 DEEP = 0.001  # m; parts that touch less than this only rest on each other
 # Manipulability below this share of what the arm has elsewhere is a singular pose.
 SINGULAR_SHARE = 0.08
+LEAST_MARGIN = 0.03  # of a joint's range, to its nearer limit
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,7 @@ class ArmFrame:
     tip: Vector  # TCP in the frame of the tip's body
     approach: Vector  # z of the TCP in that frame
     robot: list[int]  # bodies whose contacts count
+    moving: list[int]  # bodies that the arm moves
 
 
 def guess_home(source: SourceModel, arms: list[ArmFrame], start: Vector) -> Guess[Home]:
@@ -69,14 +71,18 @@ def guess_home(source: SourceModel, arms: list[ArmFrame], start: Vector) -> Gues
             )
         reasons.append(f"not the keyframe '{home.name}': {wrong}")
     wrong = what_is_wrong(source, arms, start)
-    if not wrong and all(has_room(source, arm, start) for arm in arms):
+    judges = [PoseJudge(source, arm) for arm in arms]
+    if not wrong and all(judge.has_room(start) for judge in judges):
         return Guess(Home(start, ""), "all joints at their reference", Confidence.MEDIUM)
-    reasons.append(f"not the reference pose: {wrong or 'the arm is stretched out or at a limit there'}")
+    reasons.append(
+        f"not the reference pose: {wrong or 'the arm is stretched out or at a limit there'}"
+    )
     qpos = start.copy()
-    for arm in arms:
-        qpos = _looked_for(source, arm, qpos)
+    for judge in judges:
+        qpos = judge.found(qpos)
     left = what_is_wrong(source, arms, qpos)
-    reasons.insert(0, f"looked for: nothing touches, room to move, TCP in front{' (but ' + left + ')' if left else ''}")
+    found = "looked for: nothing touches, room to move, TCP in front"
+    reasons.insert(0, f"{found}, but {left}" if left else found)
     return Guess(
         Home(qpos, ""), "; ".join(reasons), Confidence.LOW if left else Confidence.MEDIUM, ()
     )
@@ -119,142 +125,122 @@ def _are_neighbours(source: SourceModel, a: int, b: int) -> bool:
     return first == second or parents[0] == second or parents[1] == first
 
 
-def has_room(source: SourceModel, arm: ArmFrame, qpos: Vector) -> bool:
-    """Whether the arm can move in every direction and no joint is near a limit."""
-    best = max(_manipulability(source, arm, each) for each in _samples(source, arm, qpos, 60))
-    margin = _margin(source, arm, qpos)
-    return margin > 0.03 and _manipulability(source, arm, qpos) > SINGULAR_SHARE * best
+class PoseJudge:
+    """Judges joint positions of one arm; keeps what it needs between calls."""
 
+    def __init__(self, source: SourceModel, arm: ArmFrame):
+        self._source = source
+        self._arm = arm
+        self._data = mujoco.MjData(source.model)
+        self._addresses = [int(source.model.jnt_qposadr[joint]) for joint in arm.joints]
+        self._dofs = [int(source.model.jnt_dofadr[joint]) for joint in arm.joints]
+        self._limits = [source.limits(joint) for joint in arm.joints]
+        self.reach = self._measured_reach()
 
-# --- Looking for a pose ---
+    def has_room(self, qpos: Vector) -> bool:
+        """Whether the arm can move in every direction and no joint is near a limit."""
+        best = max(self.manipulability(each) for each in self.samples(qpos, 60))
+        return self.margin(qpos) > LEAST_MARGIN and (
+            self.manipulability(qpos) > SINGULAR_SHARE * best
+        )
 
+    def found(self, start: Vector) -> Vector:
+        """A pose with room; `start` where every one that was tried touches something."""
+        samples = self.samples(start, SAMPLES)
+        scores = np.array([self.score(qpos) for qpos in samples])
+        for index in np.argsort(-scores)[:TRIED]:
+            if first_contact(self._source, self._arm.robot, samples[index]) is not None:
+                continue
+            qpos = self._improved(samples[index], float(scores[index]))
+            for each in (self._tidied(qpos), qpos, samples[index]):
+                if first_contact(self._source, self._arm.robot, each) is None:
+                    return np.asarray(each)
+        return start
 
-def _looked_for(source: SourceModel, arm: ArmFrame, start: Vector) -> Vector:
-    samples = _samples(source, arm, start, SAMPLES)
-    scores = np.array([_score(source, arm, qpos) for qpos in samples])
-    order = np.argsort(-scores)[:TRIED]
-    for index in order:
-        qpos = _improved(source, arm, samples[index], float(scores[index]))
-        if first_contact(source, arm.robot, qpos) is None:
-            return _tidied(source, arm, qpos)
-    return start
+    def samples(self, start: Vector, count: int) -> Vector:
+        """(count, nq) joint positions spread over the limits of the arm."""
+        rng = np.random.default_rng(0)
+        qpos = np.tile(start, (count, 1))
+        for joint, address, limits in zip(
+            self._arm.joints, self._addresses, self._limits, strict=True
+        ):
+            lower, upper = limits or (-np.pi, np.pi)
+            if not self._source.is_slide(joint):
+                lower, upper = max(lower, -np.pi), min(upper, np.pi)
+            qpos[:, address] = rng.uniform(min(lower, upper), upper, count)
+        return qpos
 
+    def score(self, qpos: Vector) -> float:
+        """Higher for a TCP in front, above the base and pointing down, with room at the limits."""
+        arm, data = self._arm, self._at(qpos)
+        rotation = data.xmat[arm.tip_body].reshape(3, 3)
+        base = data.xmat[arm.base].reshape(3, 3)
+        tip = base.T @ (rotation @ arm.tip + data.xpos[arm.tip_body] - data.xpos[arm.base])
+        tip = tip / self.reach
+        down = -float((base.T @ rotation @ arm.approach)[2])
+        ahead, aside = float(np.hypot(tip[0], tip[1])), abs(float(np.arctan2(tip[1], tip[0])))
+        score = 2.0 * down - 3.0 * abs(ahead - 0.5) - 2.0 * abs(float(tip[2]) - 0.25) - 0.5 * aside
+        score += 6 * min(self.margin(qpos), 0.15)
+        lowest = min(float(data.xpos[body][2] - data.xpos[arm.base][2]) for body in arm.moving)
+        return score - 4 * max(0.0, -lowest) / self.reach
 
-def _samples(source: SourceModel, arm: ArmFrame, start: Vector, count: int) -> Vector:
-    """Joint positions spread over the limits of an arm."""
-    rng = np.random.default_rng(0)
-    qpos = np.tile(start, (count, 1))
-    for joint in arm.joints:
-        lower, upper = source.limits(joint) or (-np.pi, np.pi)
-        if not source.is_slide(joint):
-            lower, upper = max(lower, -np.pi), min(upper, np.pi)
-        qpos[:, source.model.jnt_qposadr[joint]] = rng.uniform(lower, upper, count)
-    return qpos
+    def margin(self, qpos: Vector) -> float:
+        """The least share of its range that a joint has left to a limit."""
+        least = 0.5
+        for address, limits in zip(self._addresses, self._limits, strict=True):
+            if limits and limits[1] > limits[0]:
+                left = min(qpos[address] - limits[0], limits[1] - qpos[address])
+                least = min(least, float(left / (limits[1] - limits[0])))
+        return least
 
+    def manipulability(self, qpos: Vector) -> float:
+        """The smallest velocity of the TCP that joints at unit speed give it in some direction."""
+        data = self._at(qpos)
+        mujoco.mj_comPos(self._source.model, data)
+        rotation = data.xmat[self._arm.tip_body].reshape(3, 3)
+        point = rotation @ self._arm.tip + data.xpos[self._arm.tip_body]
+        jacobian = np.zeros((3, self._source.model.nv))
+        mujoco.mj_jac(self._source.model, data, jacobian, None, point, self._arm.tip_body)
+        values = np.linalg.svd(jacobian[:, self._dofs], compute_uv=False)
+        return float(values[min(3, len(self._dofs)) - 1])
 
-def _improved(source: SourceModel, arm: ArmFrame, qpos: Vector, score: float) -> Vector:
-    """Climbs to a better pose nearby by small random steps."""
-    rng = np.random.default_rng(1)
-    addresses = [int(source.model.jnt_qposadr[joint]) for joint in arm.joints]
-    size = 0.3
-    for _ in range(400):
-        other = qpos.copy()
-        for joint, address in zip(arm.joints, addresses, strict=True):
-            lower, upper = source.limits(joint) or (-np.pi, np.pi)
-            step = size * rng.normal() * (0.3 if source.is_slide(joint) else 1.0)
-            other[address] = np.clip(other[address] + step, lower, upper)
-        found = _score(source, arm, other)
-        if found > score:
-            qpos, score = other, found
-        else:
-            size = max(size * 0.985, 0.01)
-    return qpos
+    def _at(self, qpos: Vector) -> mujoco.MjData:
+        self._data.qpos[:] = qpos
+        mujoco.mj_kinematics(self._source.model, self._data)
+        return self._data
 
-
-def _tidied(source: SourceModel, arm: ArmFrame, qpos: Vector) -> Vector:
-    """Two digits behind the point are enough for a pose that was found by chance."""
-    tidy = qpos.copy()
-    for joint in arm.joints:
-        address = int(source.model.jnt_qposadr[joint])
-        lower, upper = source.limits(joint) or (-np.inf, np.inf)
-        tidy[address] = np.clip(np.round(qpos[address], 2), lower, upper)
-    return tidy if first_contact(source, arm.robot, tidy) is None else qpos
-
-
-_scratch: dict[int, mujoco.MjData] = {}
-
-
-def _kinematics(source: SourceModel, qpos: Vector) -> mujoco.MjData:
-    data = _scratch.setdefault(id(source.model), mujoco.MjData(source.model))
-    data.qpos[:] = qpos
-    mujoco.mj_kinematics(source.model, data)
-    return data
-
-
-def _score(source: SourceModel, arm: ArmFrame, qpos: Vector) -> float:
-    data = _kinematics(source, qpos)
-    rotation = data.xmat[arm.tip_body].reshape(3, 3)
-    base = data.xmat[arm.base].reshape(3, 3)
-    tip = base.T @ (rotation @ arm.tip + data.xpos[arm.tip_body] - data.xpos[arm.base])
-    down = -float((base.T @ rotation @ arm.approach)[2])
-    reach = _reach(source, arm)
-    ahead = float(np.hypot(tip[0], tip[1])) / reach
-    aside = abs(float(np.arctan2(tip[1], tip[0])))
-    height = float(tip[2]) / reach
-    score = 2.0 * down - 3.0 * abs(ahead - 0.55) - 2.0 * abs(height - 0.25) - 0.5 * aside
-    score += min(_margin(source, arm, qpos), 0.15) * 6
-    middle = 0.0
-    for joint in arm.joints:
-        limits = source.limits(joint)
-        if limits:
-            value = qpos[source.model.jnt_qposadr[joint]]
-            middle += abs(2 * (value - limits[0]) / max(limits[1] - limits[0], 1e-9) - 1)
-    lowest = min(float(data.xpos[body][2] - data.xpos[arm.base][2]) for body in arm.robot)
-    return score - 0.1 * middle / len(arm.joints) - 4 * max(0.0, -lowest - 0.3 * reach)
-
-
-def _margin(source: SourceModel, arm: ArmFrame, qpos: Vector) -> float:
-    """The least share of its range that a joint has left to a limit."""
-    least = 0.5
-    for joint in arm.joints:
-        limits = source.limits(joint)
-        if limits and limits[1] > limits[0]:
-            value = qpos[source.model.jnt_qposadr[joint]]
-            least = min(
-                least, float(min(value - limits[0], limits[1] - value) / (limits[1] - limits[0]))
-            )
-    return least
-
-
-def _manipulability(source: SourceModel, arm: ArmFrame, qpos: Vector) -> float:
-    """The smallest velocity of the TCP that joints at unit speed give it in some direction."""
-    data = source.new_data(qpos)
-    rotation = data.xmat[arm.tip_body].reshape(3, 3)
-    point = rotation @ arm.tip + data.xpos[arm.tip_body]
-    jacobian = np.zeros((3, source.model.nv))
-    mujoco.mj_jac(source.model, data, jacobian, None, point, arm.tip_body)
-    columns = jacobian[:, [int(source.model.jnt_dofadr[joint]) for joint in arm.joints]]
-    values = np.linalg.svd(columns, compute_uv=False)
-    return float(values[min(3, len(arm.joints)) - 1])
-
-
-_reaches: dict[tuple[int, int], float] = {}
-
-
-def _reach(source: SourceModel, arm: ArmFrame) -> float:
-    """The farthest that random poses put the TCP from the base, m."""
-    key = (id(source.model), arm.tip_body)
-    if key not in _reaches:
-        best = 1e-3
-        for qpos in _samples(source, arm, source.model.qpos0, 300):
-            data = _kinematics(source, qpos)
+    def _measured_reach(self) -> float:
+        best, arm = 1e-3, self._arm
+        for qpos in self.samples(self._source.model.qpos0, 400):
+            data = self._at(qpos)
             rotation = data.xmat[arm.tip_body].reshape(3, 3)
             tip = rotation @ arm.tip + data.xpos[arm.tip_body] - data.xpos[arm.base]
             best = max(best, float(np.linalg.norm(tip)))
-        _reaches[key] = best
-    return _reaches[key]
+        return best
 
+    def _improved(self, qpos: Vector, score: float) -> Vector:
+        """Climbs to a better pose nearby by small random steps."""
+        rng = np.random.default_rng(1)
+        size = 0.3
+        for _ in range(400):
+            other = qpos.copy()
+            for joint, address, limits in zip(
+                self._arm.joints, self._addresses, self._limits, strict=True
+            ):
+                lower, upper = limits or (-np.pi, np.pi)
+                step = size * rng.normal() * (0.3 if self._source.is_slide(joint) else 1.0)
+                other[address] = np.clip(other[address] + step, lower, upper)
+            found = self.score(other)
+            if found > score:
+                qpos, score = other, found
+            else:
+                size = max(size * 0.985, 0.01)
+        return qpos
 
-def reach_of(source: SourceModel, arm: ArmFrame) -> float:
-    """How far the TCP gets from the base, roughly, m."""
-    return _reach(source, arm)
+    def _tidied(self, qpos: Vector) -> Vector:
+        """Two digits behind the point are enough for a pose that was found by chance."""
+        tidy = qpos.copy()
+        for address, limits in zip(self._addresses, self._limits, strict=True):
+            lower, upper = limits or (-np.inf, np.inf)
+            tidy[address] = np.clip(np.round(qpos[address], 2), lower, upper)
+        return tidy

@@ -82,12 +82,12 @@ def prepare(source: SourceModel, actuation: Actuation, roots: Roots, file: Path)
 def model_text(source: SourceModel, reasons: list[str], original: Path) -> str:
     """The MJCF of a prepared model; files that it refers to are named from its folder."""
     folder = source.path.parent
-    spec = source.spec.copy()
-    for element in _with_files(spec):
-        element.file = os.path.relpath(element.file, folder)
-    spec.compile()
+    text = str(source.spec.to_xml())
+    for element in _with_files(source.spec):
+        text = text.replace(
+            f'file="{element.file}"', f'file="{os.path.relpath(element.file, folder)}"'
+        )
     note = f"Made from {os.path.relpath(original, folder)} by `robocell init`: {'; '.join(reasons)}."
-    text = str(spec.to_xml())
     return f"<!-- {note.replace('--', '- -')} -->\n{text}"
 
 

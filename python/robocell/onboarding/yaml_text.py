@@ -25,7 +25,7 @@ def flow(value: object) -> str:
         return str(value)
     if isinstance(value, float):
         return f"{value:.6g}"
-    return quoted(str(value))
+    return str(value) if isinstance(value, Raw) else quoted(str(value))
 
 
 def quoted(text: str) -> str:
@@ -54,11 +54,11 @@ def name_list(names: list[str]) -> object:
         short = f"{names[0]}..{names[-1]}"
         try:
             if list(expand_names(short)) == names and PLAIN.fullmatch(names[0]):
-                return _Range(short)
+                return Raw(short)
         except (ValueError, RuntimeError):
             pass
     return names
 
 
-class _Range(str):
-    """A range of names, which needs no quotes."""
+class Raw(str):
+    """A text that is YAML already: a range of names, an edit that a finding proposes."""
