@@ -15,7 +15,7 @@ from robocell.onboarding.source_model import SourceModel, Vector
 WIDE_M = 2.0  # the travel of a slide that moves a base and not a gantry
 # Pedestals of arms that reach this far, m; smaller ones stand on the table.
 REACH_FOR_PEDESTAL = 0.62
-# A base whose lowest point is farther than this from its frame does not stand on a box, m.
+# A base whose lowest point is farther than this from its frame is moved to stand on its box, m.
 FLUSH_M = 0.008
 
 
@@ -68,13 +68,22 @@ def _moves_base(source: SourceModel, joint: int, before: list[int]) -> bool:
 
 
 def guess_base(
-    source: SourceModel, actuation: Actuation, base: Base, *, has_arm: bool, reach: float
+    source: SourceModel, actuation: Actuation, base: Base, *, reach: float, on_box: bool
 ) -> Guess[dict[str, object]]:
-    """The field `base` of the robot file."""
+    """The field `base` of the robot file.
+
+    Args:
+        source: The model.
+        actuation: Its actuators.
+        base: The joints of the base.
+        reach: Of the longest arm, m; 0 without one.
+        on_box: Whether the arms' base is what stands on a box, and not what a torso carries.
+    """
+    has_arm = reach > 0
     value: dict[str, object] = {"kind": "mocap"}
     driven = any(actuation.is_moved(joint) for joint in base.joints)
-    stands = abs(lowest_of_base(source, base.body)) < FLUSH_M
-    if has_arm and reach > REACH_FOR_PEDESTAL and not base.joints and stands:
+    on_box = on_box and not base.joints and _stands_upright(source, base.body)
+    if on_box and reach > REACH_FOR_PEDESTAL:
         value["size"] = pedestal_size(source, base.body, reach)
     if base.joints:
         how = "its own joints drive it" if driven else "nothing drives the joints of its base"
@@ -108,6 +117,16 @@ def lowest_of_base(source: SourceModel, body: int) -> float:
     """The height of the lowest point of a base in its frame, m; 0 without geoms."""
     points = _fixed_points(source, body)
     return float(points[:, 2].min()) if len(points) else 0.0
+
+
+def _stands_upright(source: SourceModel, body: int) -> bool:
+    """Whether a box of `pedestal_size` below its frame is below the base."""
+    points = _fixed_points(source, body)
+    if len(points) == 0:
+        return True
+    low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
+    is_over_it = bool((low < 0.05).all() and (high > -0.05).all())
+    return bool(source.data.xmat[body][8] > 0.99) and is_over_it and float(high.max()) < 1
 
 
 def is_at_origin(source: SourceModel, root: int) -> bool:

@@ -13,7 +13,14 @@ import numpy as np
 
 from robocell.onboarding.actuation import Actuation, Actuator, Drive
 from robocell.onboarding.arm_control import drive_of
-from robocell.onboarding.bases import Base, find_base, guess_base, is_at_origin
+from robocell.onboarding.bases import (
+    FLUSH_M,
+    Base,
+    find_base,
+    guess_base,
+    is_at_origin,
+    lowest_of_base,
+)
 from robocell.onboarding.cameras import (
     Camera,
     cameras_of_model,
@@ -34,6 +41,13 @@ from robocell.onboarding.yaml_text import name_list
 # Chooses one of a guess's value and alternatives; what comes in is what goes out unless asked.
 Choose = Callable[[str, Guess[Any]], Guess[Any]]
 
+# Of the travel of fingers that overlap when closed: so much of it squeezes, and so much is left out
+# at least.
+SQUEEZE = 0.02
+LEAST_GAP = 0.04
+# Starts vary by this much.
+NOISE_RAD = 0.03
+NOISE_M = 0.005
 # Fingers that turn are measured at their tips when their least distance opens this much less, m.
 AT_THE_HINGE = 0.008
 
@@ -48,12 +62,13 @@ class Field:
 
 @dataclass
 class Group:
-    """A move group."""
+    """A move group; `other_fields` are tried when robocell cannot use it with its fields."""
 
     name: str
     fields: dict[str, Any]
     comment: str
     kind: str
+    other_fields: dict[str, Any] | None = None
 
 
 @dataclass
@@ -77,6 +92,7 @@ class RobotGuess:
     groups: list[Group] = field(default_factory=list)
     home: dict[str, list[float]] = field(default_factory=dict)
     home_comment: str = ""
+    home_noise: dict[str, list[float]] = field(default_factory=dict)
     control: dict[str, str] = field(default_factory=dict)
     cameras: list[Field] = field(default_factory=list)
     camera_note: str = ""
@@ -165,12 +181,16 @@ class _Detection:
         base = self._choose(
             "base",
             guess_base(
-                self._source, self._actuation, self._base, has_arm=bool(arms), reach=reach
+                self._source,
+                self._actuation,
+                self._base,
+                reach=reach if arms else 0.0,
+                on_box=self._root_body() == self._root,
             ),
         )
         out.base = Field(base.value, base.comment())
-        if "size" in base.value and not is_at_origin(self._source, self._root):
-            out.reset_root_pose = True
+        if "size" in base.value:
+            self._stand_on_box()
         if self._base.free_joint is not None:
             joint = self._source.joint_name(self._base.free_joint)
             out.edits.insert(
@@ -188,6 +208,16 @@ class _Detection:
                 "actuator closes"
             )
         return out
+
+    def _stand_on_box(self) -> None:
+        """Puts the lowest point of the base on its box."""
+        low = lowest_of_base(self._source, self._root)
+        if abs(low) > FLUSH_M:
+            edit = {"body": self._source.body_name(self._root), "pos": [0, 0, round(-low, 4)]}
+            why = "the lowest point of the base stands on its box"
+            self._out.edits.append(Field(edit, why))
+        elif not is_at_origin(self._source, self._root):
+            self._out.reset_root_pose = True
 
     # --- Arms ---
 
@@ -382,7 +412,29 @@ class _Detection:
             self._out.notes.append(
                 f"'{name}' is driven by motors, which hold it open or closed and nothing in between"
             )
-        self._out.groups.append(Group(name, fields, comment, "gripper"))
+        for joint, friction in motion.friction.items():
+            edit = {"joint": self._source.joint_name(joint), "frictionloss": friction}
+            why = (
+                f"dry friction of {self._source.model.dof_frictionloss[self._dof(joint)]:g} holds "
+                "this joint against all that its actuator can push with [likely]"
+            )
+            self._out.edits.append(Field(edit, why))
+        other = self._until_they_meet(fields, fingers, motion.actuators)
+        self._out.groups.append(Group(name, fields, comment, "gripper", other))
+
+    def _dof(self, joint: int) -> int:
+        return int(self._source.model.jnt_dofadr[joint])
+
+    def _until_they_meet(
+        self, fields: dict[str, Any], fingers: Fingers, actuators: list[Actuator]
+    ) -> dict[str, Any] | None:
+        """With controls that close the fingers until they meet and not into each other."""
+        if len(actuators) != 1:
+            return None
+        share = max(fingers.meets - SQUEEZE, LEAST_GAP)
+        opened, closed = fingers.open_ctrl[0], fingers.closed_ctrl[0]
+        ctrl = {"open": opened, "closed": float(f"{closed + share * (opened - closed):.4g}")}
+        return {**fields, "ctrl": ctrl}
 
     def _hand_without_fingers(self, hand: Hand, motion: HandMotion, name: str) -> None:
         self._out.notes.append(
@@ -441,16 +493,29 @@ class _Detection:
         for group in self._out.groups:
             joints = self._ids(group.fields.get("joints", []))
             if group.kind == "gripper":
-                values = self._open_values(joints, motions, qpos)
+                values = self._open_values(joints, motions)
                 if values is None:
                     continue
                 self._out.home[group.name] = values
             else:
                 addresses = [int(self._source.model.jnt_qposadr[joint]) for joint in joints]
-                self._out.home[group.name] = rounded(qpos[addresses])
+                self._out.home[group.name] = self._within_limits(joints, qpos[addresses])
+            self._out.home_noise[group.name] = self._noise(group, joints, qpos)
+
+    def _noise(self, group: Group, joints: list[int], qpos: Vector) -> list[float]:
+        """How far starts vary: inside the limits of every joint; grippers stay open."""
+        if group.kind != "arm":
+            return [0.0]
+        values = []
+        for joint in joints:
+            most = NOISE_M if self._source.is_slide(joint) else NOISE_RAD
+            value = float(qpos[self._source.model.jnt_qposadr[joint]])
+            lower, upper = self._source.limits(joint) or (-np.inf, np.inf)
+            values.append(round(max(0.0, min(most, value - lower, upper - value)), 4))
+        return values[:1] if len(set(values)) == 1 else values
 
     def _open_values(
-        self, joints: list[int], motions: list[HandMotion], qpos: Vector
+        self, joints: list[int], motions: list[HandMotion]
     ) -> list[float] | None:
         """Of an open gripper, if all its joints can be put there at once."""
         m = self._source.model
@@ -459,14 +524,17 @@ class _Detection:
             if fingers is None or not any(a.joints and set(a.joints) & set(joints)
                                           for a in motion.actuators):
                 continue
-            del qpos
-            values = []
-            for joint in joints:
-                value = float(fingers.open_qpos[m.jnt_qposadr[joint]])
-                limits = self._source.limits(joint)
-                values.append(float(np.clip(value, *limits)) if limits else value)
-            return rounded(values, 4)
+            addresses = [int(m.jnt_qposadr[joint]) for joint in joints]
+            return self._within_limits(joints, fingers.open_qpos[addresses])
         return None
+
+    def _within_limits(self, joints: list[int], values: Vector) -> list[float]:
+        """Rounded, and no farther than the limits."""
+        out = []
+        for joint, value in zip(joints, rounded(values, 4), strict=True):
+            lower, upper = self._source.limits(joint) or (-np.inf, np.inf)
+            out.append(float(np.clip(value, lower, upper)))
+        return out
 
     def _ids(self, names: Any) -> list[int]:
         from robocell.robots import expand_names

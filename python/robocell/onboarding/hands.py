@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import copy
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import mujoco
 import numpy as np
@@ -22,6 +22,7 @@ from robocell.onboarding.source_model import SourceModel, Vector
 
 MOST_ACTUATORS = 3  # of a gripper; hands with more have no single opening
 LONGEST_S = 3.0
+HELD = 0.5  # of an actuator's push: dry friction above this keeps fingers from closing
 STILL = 1e-3  # rad/s or m/s
 LEAST_TRAVEL = 0.004  # m between open and closed
 FARTHEST = 0.5  # m that distances are measured to
@@ -47,6 +48,9 @@ class Fingers:
         closed_qpos: The same with the hand closed.
         middle: Between the pads, in the frame of `Hand.body`.
         closing: Unit vector from the first finger to the second.
+        open_ctrl: The controls of the actuators with the hand open.
+        closed_ctrl: The same with the hand closed.
+        meets: The share of the travel, from closed (0) to open (1), at which they meet.
         is_jaw: Whether one of them is the hand itself.
         tips: Where each finger meets the other, in the frame of its body.
     """
@@ -60,17 +64,24 @@ class Fingers:
     closed_qpos: Vector
     middle: Vector
     closing: Vector
+    open_ctrl: list[float]
+    closed_ctrl: list[float]
+    meets: float
     is_jaw: bool
     tips: tuple[Vector, Vector]
 
 
 @dataclass
 class HandMotion:
-    """What a hand's actuators do; `fingers` is None for the reason `why_none`."""
+    """What a hand's actuators do; `fingers` is None for the reason `why_none`.
+
+    `friction` has smaller friction losses for joints whose actuators cannot overcome theirs.
+    """
 
     actuators: list[Actuator]
     fingers: Fingers | None
     why_none: str = ""
+    friction: dict[int, float] = field(default_factory=dict)
 
 
 def hand_actuators(actuation: Actuation, hand: Hand) -> list[Actuator]:
@@ -105,13 +116,14 @@ def find_fingers(
     ends = [control_range(source, actuator) for actuator in actuators]
     if None in ends:
         return HandMotion(actuators, None, "its actuators have no control range")
+    friction = _lower_friction(source, actuators)
     poses = []
     for corner in itertools.product((0, 1), repeat=len(ends)):
         ctrl = [end[index] for end, index in zip(ends, corner, strict=True) if end]
-        pose = _moved(source, hand, actuators, ctrl, qpos)
-        if pose is None:
+        qpos_there = _moved(source, hand, actuators, ctrl, qpos, friction)
+        if qpos_there is None:
             return HandMotion(actuators, None, "the simulation of its motion diverged")
-        poses.append(pose)
+        poses.append(_Pose(ctrl, qpos_there, source.new_data(qpos_there)))
     branches = _branches(source, hand)
     if len(branches) > 1:
         groups = [source.subtree(branch) for branch in branches]
@@ -120,7 +132,7 @@ def find_fingers(
         fingers = _jaw(source, hand, poses)
     if fingers is None:
         return HandMotion(actuators, None, "no two parts of it come together when it is driven")
-    return HandMotion(actuators, fingers)
+    return HandMotion(actuators, fingers, friction=friction)
 
 
 def control_range(source: SourceModel, actuator: Actuator) -> tuple[float, float] | None:
@@ -135,6 +147,32 @@ def control_range(source: SourceModel, actuator: Actuator) -> tuple[float, float
     return None
 
 
+def _lower_friction(source: SourceModel, actuators: list[Actuator]) -> dict[int, float]:
+    """By joint, for servos on joints that dry friction holds against all they push with."""
+    m = source.model
+    found = {}
+    for actuator in actuators:
+        ends = control_range(source, actuator)
+        if actuator.drive is not Drive.POSITION or not actuator.is_on_joint or not ends:
+            continue
+        joint = actuator.joints[0]
+        push = float(m.actuator_gainprm[actuator.id][0]) * (ends[1] - ends[0])
+        if m.actuator_forcelimited[actuator.id]:
+            push = min(push, float(np.abs(m.actuator_forcerange[actuator.id]).max()))
+        if m.dof_frictionloss[m.jnt_dofadr[joint]] > HELD * push:
+            found[joint] = float(f"{push / 20:.1g}")
+    return found
+
+
+@dataclass
+class _Pose:
+    """The hand after it was driven to controls."""
+
+    ctrl: list[float]
+    qpos: Vector
+    data: mujoco.MjData
+
+
 # --- Moving it ---
 
 
@@ -144,10 +182,13 @@ def _moved(
     actuators: list[Actuator],
     ctrl: list[float],
     qpos: Vector | None,
+    friction: dict[int, float],
 ) -> Vector | None:
     """Joint positions after the hand was driven to controls; None when that diverges."""
     m = copy.copy(source.model)
     m.opt.gravity[:] = 0
+    for joint, loss in friction.items():
+        m.dof_frictionloss[m.jnt_dofadr[joint]] = loss
     inside = set(source.subtree(hand.body))
     for geom in range(m.ngeom):
         if int(m.geom_bodyid[geom]) not in inside:
@@ -155,6 +196,11 @@ def _moved(
     data = mujoco.MjData(m)
     if qpos is not None:
         data.qpos[:] = qpos
+    for joint in hand.joints:  # fingers that begin beyond their limits would jam
+        limits = source.limits(joint)
+        if limits and source.is_scalar(joint):
+            address = int(m.jnt_qposadr[joint])
+            data.qpos[address] = np.clip(data.qpos[address], *limits)
     start = data.qpos.copy()
     others = [j for j in range(m.njnt) if j not in set(hand.joints)]
     held_q, held_v = _addresses(source, others)
@@ -195,29 +241,28 @@ def _branches(source: SourceModel, hand: Hand) -> list[int]:
         body = branches[0]
 
 
-def _jaw(source: SourceModel, hand: Hand, poses: list[Vector]) -> Fingers | None:
+def _jaw(source: SourceModel, hand: Hand, poses: list[_Pose]) -> Fingers | None:
     """A single jaw: its tip and that of the hand."""
     joint = hand.joints[-1]
     address = int(source.model.jnt_qposadr[joint])
-    ends = [jaw_tips(source, joint, float(pose[address])) for pose in poses]
+    ends = [jaw_tips(source, joint, float(pose.qpos[address])) for pose in poses]
     tips = [end for end in ends if end is not None]
     if len(tips) < len(poses):
         return None
     gaps = [float(np.linalg.norm(moving - fixed)) for moving, fixed in tips]
     closed, opened = int(np.argmin(gaps)), int(np.argmax(gaps))
-    states = [source.new_data(pose) for pose in poses]
     jaw = int(source.model.jnt_bodyid[joint])
     bodies = (int(source.model.body_parentid[jaw]), jaw)
     pads = (
-        _to_body(states[closed], bodies[0], tips[closed][1]),
-        _to_body(states[closed], bodies[1], tips[closed][0]),
+        _to_body(poses[closed].data, bodies[0], tips[closed][1]),
+        _to_body(poses[closed].data, bodies[1], tips[closed][0]),
     )
-    ends_open = [_to_world(states[opened], b, p) for b, p in zip(bodies, pads, strict=True)]
+    ends_open = [_to_world(poses[opened].data, b, p) for b, p in zip(bodies, pads, strict=True)]
     gap_open = float(np.linalg.norm(ends_open[1] - ends_open[0]))
     if gap_open < gaps[closed] + LEAST_TRAVEL:
         return None
     pair = _Pair(bodies, gaps[closed], gap_open, closed, opened)
-    return _fingers(source, hand, pair, pads, poses, states)
+    return _fingers(source, hand, pair, pads, poses)
 
 
 @dataclass
@@ -230,14 +275,13 @@ class _Pair:
 
 
 def _meeting_pair(
-    source: SourceModel, hand: Hand, groups: list[list[int]], poses: list[Vector]
+    source: SourceModel, hand: Hand, groups: list[list[int]], poses: list[_Pose]
 ) -> Fingers | None:
     """The two bodies that come together, farthest apart before."""
-    states = [source.new_data(pose) for pose in poses]
     pairs = []
     for first, second in itertools.combinations(groups, 2):
         for bodies in itertools.product(first, second):
-            gaps = [_gap(source, state, *bodies) for state in states]
+            gaps = [_gap(source, pose.data, *bodies) for pose in poses]
             closed, opened = int(np.argmin(gaps)), int(np.argmax(gaps))
             pairs.append(_Pair(bodies, gaps[closed], gaps[opened], closed, opened))
     pairs = [pair for pair in pairs if pair.open > max(pair.closed, 0) + LEAST_TRAVEL]
@@ -245,8 +289,13 @@ def _meeting_pair(
         return None
     nearest = min(pair.closed for pair in pairs)
     near = [pair for pair in pairs if pair.closed <= max(nearest, 0) + NEARLY_CLOSED]
-    candidates = [_fingers(source, hand, pair, _pads(source, pair, states), poses, states)
-                  for pair in near]
+    candidates = [
+        _fingers(source, hand, pair, _pads(source, pair, poses), poses) for pair in near
+    ]
+    overlaps = [pair for pair in pairs if pair.closed <= 0]
+    meets = max((_meeting_share(source, pair, poses) for pair in overlaps), default=0.0)
+    for candidate in candidates:
+        candidate.meets = meets
     widest = max(fingers.pad_open for fingers in candidates)
     best = [each for each in candidates if each.pad_open > widest - NEARLY_AS_WIDE]
     # Of several that are as wide, the outermost: pads, not what carries them.
@@ -255,10 +304,8 @@ def _meeting_pair(
     )
 
 
-def _pads(
-    source: SourceModel, pair: _Pair, states: list[mujoco.MjData]
-) -> tuple[Vector, Vector]:
-    closed = states[pair.closed_pose]
+def _pads(source: SourceModel, pair: _Pair, poses: list[_Pose]) -> tuple[Vector, Vector]:
+    closed = poses[pair.closed_pose].data
     return _pad(source, closed, pair.bodies, 0), _pad(source, closed, pair.bodies, 1)
 
 
@@ -291,18 +338,17 @@ def _fingers(
     hand: Hand,
     pair: _Pair,
     pads: tuple[Vector, Vector],
-    poses: list[Vector],
-    states: list[mujoco.MjData],
+    poses: list[_Pose],
 ) -> Fingers:
-    closed, opened = states[pair.closed_pose], states[pair.open_pose]
+    closed, opened = poses[pair.closed_pose], poses[pair.open_pose]
     rigid = set(source.rigid_with(hand.body))
     is_jaw = any(body in rigid for body in pair.bodies)
     # A jaw swings wide: what it holds is where it is nearly closed.
     share = NEARLY_CLOSED_SHARE if is_jaw else 0.5
-    between = source.new_data(_between(poses[pair.closed_pose], poses[pair.open_pose], share))
+    between = source.new_data(_between(closed, opened, share))
     ends = [
         [_to_world(state, body, pad) for body, pad in zip(pair.bodies, pads, strict=True)]
-        for state in (closed, opened, between)
+        for state in (closed.data, opened.data, between)
     ]
     closing = between.xmat[hand.body].reshape(3, 3).T @ (ends[2][1] - ends[2][0])
     return Fingers(
@@ -311,8 +357,11 @@ def _fingers(
         open=pair.open,
         pad_closed=float(np.linalg.norm(ends[0][1] - ends[0][0])),
         pad_open=float(np.linalg.norm(ends[1][1] - ends[1][0])),
-        open_qpos=poses[pair.open_pose],
-        closed_qpos=poses[pair.closed_pose],
+        open_qpos=opened.qpos,
+        closed_qpos=closed.qpos,
+        open_ctrl=opened.ctrl,
+        closed_ctrl=closed.ctrl,
+        meets=0.0,
         middle=_to_body(between, hand.body, (ends[2][0] + ends[2][1]) / 2),
         closing=closing / max(float(np.linalg.norm(closing)), 1e-9),
         is_jaw=is_jaw,
@@ -320,9 +369,19 @@ def _fingers(
     )
 
 
-def _between(closed: Vector, opened: Vector, share: float) -> Vector:
+def _between(closed: _Pose, opened: _Pose, share: float) -> Vector:
     """Joint positions on the way; those of free and ball joints are the same at both ends."""
-    return np.asarray(closed + share * (opened - closed))
+    return np.asarray(closed.qpos + share * (opened.qpos - closed.qpos))
+
+
+def _meeting_share(source: SourceModel, pair: _Pair, poses: list[_Pose]) -> float:
+    """Up to which share of the travel from closed on two bodies overlap."""
+    closed, opened = poses[pair.closed_pose], poses[pair.open_pose]
+    for share in np.linspace(0, 1, 41):
+        data = source.new_data(_between(closed, opened, float(share)))
+        if _gap(source, data, *pair.bodies) > 0:
+            return max(0.0, float(share) - 1 / 40)
+    return 0.0
 
 
 def _pad(

@@ -69,6 +69,9 @@ def prepare(source: SourceModel, actuation: Actuation, roots: Roots, file: Path)
         if needs_base:
             spec = mujoco.MjSpec.from_string(_with_base(str(spec.to_xml())))
         model = spec.compile()
+        if source.model.nkey and not model.nkey:
+            _add_keys(source, spec, model)
+            model = spec.compile()
     except (ValueError, OSError) as error:
         raise SpecError(
             f"{source.path}: the changed model does not compile: {str(error).strip()}. Add what is "
@@ -116,15 +119,15 @@ def _joints_without_servo(source: SourceModel, actuation: Actuation, roots: Root
     names = []
     for root in roots.bodies:
         for limb in anatomy_of(source, actuation, root).limbs:
-            joints = [*limb.joints, *(limb.hand.joints if limb.hand else [])]
-            wanted = limb.kind is LimbKind.ARM or limb.hand is not None
-            if not wanted or any(actuation.is_moved(joint) for joint in joints):
-                continue
-            names += [
-                source.joint_name(joint)
-                for joint in joints
-                if source.is_scalar(joint) and actuation.follower(joint) is None
-            ]
+            arm = limb.joints if limb.kind is LimbKind.ARM else []
+            for joints in (arm, limb.hand.joints if limb.hand else []):
+                if any(actuation.is_moved(joint) for joint in joints):
+                    continue
+                names += [
+                    source.joint_name(joint)
+                    for joint in joints
+                    if source.is_scalar(joint) and actuation.follower(joint) is None
+                ]
     return names
 
 
@@ -183,7 +186,7 @@ def _two_digits(value: float) -> float:
 
 
 def _drop_others(source: SourceModel, spec: Any, roots: Roots) -> None:
-    """Objects, tables and floors stay behind, and keyframes with them: their numbers do not fit."""
+    """Objects, tables and floors stay behind; keyframes come back when their numbers are known."""
     others = [b for b in source.children(0) if b not in roots.bodies]
     if others or len(roots.bodies) > 1:
         for key in list(spec.keys):
@@ -193,6 +196,19 @@ def _drop_others(source: SourceModel, spec: Any, roots: Roots) -> None:
     for elements in (spec.worldbody.geoms, spec.worldbody.sites, spec.worldbody.cameras):
         for element in list(elements):
             spec.delete(element)
+
+
+def _add_keys(source: SourceModel, spec: Any, model: Any) -> None:
+    """The keyframes of the given model, for the joints that are left."""
+    for key in range(source.model.nkey):
+        qpos = np.array(model.qpos0)
+        for joint in range(model.njnt):
+            name = model.joint(joint).name
+            size = len(model.joint(joint).qpos0)
+            begin = int(model.jnt_qposadr[joint])
+            old = int(source.model.jnt_qposadr[source.model.joint(name).id])
+            qpos[begin : begin + size] = source.model.key_qpos[key][old : old + size]
+        spec.add_key(name=source.model.key(key).name or f"key{key}", qpos=qpos.tolist())
 
 
 def _with_base(text: str) -> str:

@@ -36,9 +36,9 @@ def robot_text(guess: RobotGuess, file: Path) -> str:
         lines += comment(f"rad and m: {guess.home_comment}")
         lines += [f"home: {flow(guess.home)}"]
         noise = {
-            group.name: [0.03 if group.kind == "arm" else 0]
+            group.name: guess.home_noise[group.name]
             for group in guess.groups
-            if group.name in guess.home and group.kind in ("arm", "gripper")
+            if group.name in guess.home_noise and group.kind in ("arm", "gripper")
         }
         if noise:
             lines += comment("starts vary by this much, rad and m")

@@ -94,6 +94,13 @@ def _demote(guess: RobotGuess, problem: str) -> bool:
     for group in guess.groups:
         named = re.search(rf"move_groups\.{re.escape(group.name)}\b", problem)
         named = named or re.search(rf"group '{re.escape(group.name)}'", problem)
+        if named and group.kind == "gripper" and group.other_fields:
+            group.fields, group.other_fields = group.other_fields, None
+            group.comment += (
+                "; its fingers overlap before their actuator is at the end of its range, so `ctrl` "
+                "closes them no farther"
+            )
+            return True
         if named and group.kind == "gripper":
             group.kind = "generic"
             kept = ("joints", "actuators")
