@@ -155,7 +155,9 @@ def torso() -> str:
     )
     gains = {f"{side}_{joint}": kp for side in ("left", "right") for joint, kp in SIX_GAINS.items()}
     rest = "".join(finger_drive(f"{side}_") for side in ("left", "right"))
-    return model("torso", world, rest + f"<actuator>{servos({'waist': 3000.0, **gains})}</actuator>")
+    return model(
+        "torso", world, rest + f"<actuator>{servos({'waist': 3000.0, **gains})}</actuator>"
+    )
 
 
 def two_arms_apart() -> str:

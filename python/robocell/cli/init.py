@@ -104,16 +104,16 @@ def _ask(what: str, guess: Guess[Any]) -> Guess[Any]:
 
 def _require_model(model: Path) -> None:
     if model.is_dir():
-        files = sorted(
-            str(file) for kind in ("*.xml", "*.urdf") for file in model.glob(kind)
-        )
+        files = sorted(str(file) for kind in ("*.xml", "*.urdf") for file in model.glob(kind))
         fail(f"'{model}' is a folder; give one of its models: {', '.join(files) or 'it has none'}")
     if not model.is_file():
         near = sorted(str(file) for file in model.parent.glob("*.xml")) if model.parent else []
         there = f" Models there: {', '.join(near[:8])}" if near else ""
         fail(f"no model '{model}'.{there}")
     if model.suffix in (".yaml", ".yml"):
-        fail(f"'{model}' is YAML. Give the MJCF or URDF; `robocell check {model}` checks robot files")
+        fail(
+            f"'{model}' is YAML. Give the MJCF or URDF; `robocell check {model}` checks robot files"
+        )
 
 
 def _require_new(file: Path, force: bool) -> None:

@@ -145,9 +145,7 @@ def _followers(source: SourceModel) -> list[Follower]:
     return found
 
 
-def _coupled_joints(
-    source: SourceModel, followers: list[Follower]
-) -> dict[int, frozenset[int]]:
+def _coupled_joints(source: SourceModel, followers: list[Follower]) -> dict[int, frozenset[int]]:
     """Sets of joints that equalities tie together, by joint."""
     m = source.model
     parent = list(range(m.njnt))

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import mujoco
 import numpy as np
 
 from robocell.onboarding.actuation import Actuation, Actuator, Drive
@@ -102,6 +101,7 @@ class RobotGuess:
     notes: list[str] = field(default_factory=list)
 
     def of_kind(self, kind: str) -> list[Group]:
+        """Its groups of a kind."""
         return [group for group in self.groups if group.kind == kind]
 
 
@@ -165,7 +165,7 @@ class _Detection:
         self._out = RobotGuess(
             name,
             source,
-            original.resolve(),
+            original.absolute(),
             reasons,
             Field(source.body_name(self._root_body()), self._root_comment(roots)),
             Field({}),
@@ -273,7 +273,10 @@ class _Detection:
             tcp = tcp_of_hand(source, limb.hand, fingers, wrist, self._new_name(f"{prefix}tcp"))
             approach_body, approach = limb.hand.body, approach_of(fingers, wrist)
         else:
-            tcp = self._choose(f"TCP of {name}", tcp_without_hand(source, limb))
+            cups = [a.body for a in self._actuation.actuators if a.body is not None]
+            fixed = source.rigid_with(limb.end)
+            cup = next((body for body in cups if body in fixed), None)
+            tcp = self._choose(f"TCP of {name}", tcp_without_hand(source, limb, cup))
             approach_body, approach = limb.end, self._outward(limb, tcp.value)
         frame = self._frame(limb, tcp.value, approach_body, approach)
         if tcp.value.edit:
@@ -365,7 +368,9 @@ class _Detection:
     def _hands_alone(self) -> list[HandMotion]:
         """Hands that no arm carries."""
         found = []
-        limbs = [limb for limb in self._anatomy.limbs if limb.hand and limb.kind is not LimbKind.ARM]
+        limbs = [
+            limb for limb in self._anatomy.limbs if limb.hand and limb.kind is not LimbKind.ARM
+        ]
         for index, limb in enumerate(limbs):
             hand = limb.hand
             assert hand is not None
@@ -404,8 +409,9 @@ class _Detection:
         how = "was closed and opened in a copy of the model"
         comment = (
             f"{' and '.join(names)} {how}: '{self._source.body_name(fingers.bodies[0])}' and "
-            f"'{self._source.body_name(fingers.bodies[1])}' go from {1000 * fingers.pad_closed:.0f} "
-            f"to {1000 * fingers.pad_open:.0f} mm [{Confidence.HIGH.value}]"
+            f"'{self._source.body_name(fingers.bodies[1])}' go from "
+            f"{1000 * fingers.pad_closed:.0f} to {1000 * fingers.pad_open:.0f} mm "
+            f"[{Confidence.HIGH.value}]"
         )
         if any(actuator.drive is Drive.MOTOR for actuator in motion.actuators):
             comment += ". Its actuators are motors: they push, and hold no opening in between"
@@ -514,15 +520,14 @@ class _Detection:
             values.append(round(max(0.0, min(most, value - lower, upper - value)), 4))
         return values[:1] if len(set(values)) == 1 else values
 
-    def _open_values(
-        self, joints: list[int], motions: list[HandMotion]
-    ) -> list[float] | None:
+    def _open_values(self, joints: list[int], motions: list[HandMotion]) -> list[float] | None:
         """Of an open gripper, if all its joints can be put there at once."""
         m = self._source.model
         for motion in motions:
             fingers = motion.fingers
-            if fingers is None or not any(a.joints and set(a.joints) & set(joints)
-                                          for a in motion.actuators):
+            if fingers is None or not any(
+                a.joints and set(a.joints) & set(joints) for a in motion.actuators
+            ):
                 continue
             addresses = [int(m.jnt_qposadr[joint]) for joint in joints]
             return self._within_limits(joints, fingers.open_qpos[addresses])
@@ -579,10 +584,10 @@ class _Detection:
     def _cups(self) -> None:
         for actuator in self._actuation.actuators:
             if actuator.drive is Drive.ADHESION and actuator.body in self._bodies:
+                cup = self._source.body_name(actuator.body)
                 self._out.notes.append(
-                    f"'{actuator.name}' makes '{self._source.body_name(actuator.body)}' stick, as a "
-                    "suction cup does. robocell has no gripper of this kind yet: command it with "
-                    "scene.set_actuator_ctrl"
+                    f"'{actuator.name}' makes '{cup}' stick, as a suction cup does. robocell has "
+                    "no gripper of this kind yet: command it with scene.set_actuator_ctrl"
                 )
 
     # --- Cameras and gravity ---
@@ -635,9 +640,3 @@ def _unused(name: str, taken: list[str]) -> str:
     while name in taken:
         name = f"robot_{name}"
     return name
-
-
-def number_of_joints(guess: RobotGuess) -> int:
-    """Of the hinges and slides of the robot."""
-    kinds = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
-    return sum(int(kind) in kinds for kind in guess.source.model.jnt_type)

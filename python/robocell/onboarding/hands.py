@@ -218,7 +218,8 @@ def _moved(
 
 
 def _addresses(source: SourceModel, joints: list[int]) -> tuple[list[int], list[int]]:
-    positions, velocities = [], []
+    positions: list[int] = []
+    velocities: list[int] = []
     widths = {0: (7, 6), 1: (4, 3), 2: (1, 1), 3: (1, 1)}
     for joint in joints:
         nq, nv = widths[int(source.model.jnt_type[joint])]
@@ -289,9 +290,7 @@ def _meeting_pair(
         return None
     nearest = min(pair.closed for pair in pairs)
     near = [pair for pair in pairs if pair.closed <= max(nearest, 0) + NEARLY_CLOSED]
-    candidates = [
-        _fingers(source, hand, pair, _pads(source, pair, poses), poses) for pair in near
-    ]
+    candidates = [_fingers(source, hand, pair, _pads(source, pair, poses), poses) for pair in near]
     overlaps = [pair for pair in pairs if pair.closed <= 0]
     meets = max((_meeting_share(source, pair, poses) for pair in overlaps), default=0.0)
     for candidate in candidates:
@@ -299,9 +298,7 @@ def _meeting_pair(
     widest = max(fingers.pad_open for fingers in candidates)
     best = [each for each in candidates if each.pad_open > widest - NEARLY_AS_WIDE]
     # Of several that are as wide, the outermost: pads, not what carries them.
-    return max(
-        best, key=lambda each: min(_distance_from(source, hand, b) for b in each.bodies)
-    )
+    return max(best, key=lambda each: min(_distance_from(source, hand, b) for b in each.bodies))
 
 
 def _pads(source: SourceModel, pair: _Pair, poses: list[_Pose]) -> tuple[Vector, Vector]:
@@ -384,9 +381,7 @@ def _meeting_share(source: SourceModel, pair: _Pair, poses: list[_Pose]) -> floa
     return 0.0
 
 
-def _pad(
-    source: SourceModel, data: mujoco.MjData, bodies: tuple[int, int], which: int
-) -> Vector:
+def _pad(source: SourceModel, data: mujoco.MjData, bodies: tuple[int, int], which: int) -> Vector:
     """The middle of what a finger meets the other with, in the frame of its body."""
     own, other = bodies[which], bodies[1 - which]
     points = surface_points(source, data, _geoms(source, [own]))
@@ -402,4 +397,3 @@ def _to_world(data: mujoco.MjData, body: int, point: Vector) -> Vector:
 
 def _to_body(data: mujoco.MjData, body: int, point: Vector) -> Vector:
     return np.asarray(data.xmat[body].reshape(3, 3).T @ (point - data.xpos[body]))
-

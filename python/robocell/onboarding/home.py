@@ -101,9 +101,7 @@ def what_is_wrong(source: SourceModel, arms: list[ArmFrame], qpos: Vector) -> st
     return f"'{pair[0]}' touches '{pair[1]}' there" if pair else ""
 
 
-def first_contact(
-    source: SourceModel, robot: list[int], qpos: Vector
-) -> tuple[str, str] | None:
+def first_contact(source: SourceModel, robot: list[int], qpos: Vector) -> tuple[str, str] | None:
     """Two bodies of the robot that are in each other, neighbours left out."""
     m = source.model
     own = set(robot)

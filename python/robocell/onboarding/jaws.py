@@ -1,4 +1,4 @@
-"""Hands of two jaws of which one is the arm's last link and the other turns or slides against it."""
+"""Hands of two jaws: one is the arm's last link, the other turns or slides against it."""
 
 from __future__ import annotations
 
@@ -40,14 +40,12 @@ def is_jaw(source: SourceModel, joint: int) -> bool:
 
 
 def jaw_tips(source: SourceModel, joint: int, value: float) -> tuple[Vector, Vector] | None:
-    """Where the tips of moving and fixed jaw are nearest with the joint at a value, in the world."""
+    """Where the tips of the moving and the fixed jaw are nearest at a joint value, in the world."""
     found = _closing(source, joint, value)
     return (found[1], found[2]) if found else None
 
 
-def _closing(
-    source: SourceModel, joint: int, value: float
-) -> tuple[float, Vector, Vector] | None:
+def _closing(source: SourceModel, joint: int, value: float) -> tuple[float, Vector, Vector] | None:
     """Distance and points of the moving tip and its counterpart; None where there is none."""
     m = source.model
     body = int(m.jnt_bodyid[joint])

@@ -75,6 +75,7 @@ class Anatomy:
 
     @property
     def arms(self) -> list[Limb]:
+        """Its limbs that are arms."""
         return [limb for limb in self.limbs if limb.kind is LimbKind.ARM]
 
 
@@ -95,9 +96,7 @@ def dissect(
 
 
 class _Dissection:
-    def __init__(
-        self, source: SourceModel, actuation: Actuation, root: int, skipped: set[int]
-    ):
+    def __init__(self, source: SourceModel, actuation: Actuation, root: int, skipped: set[int]):
         self._source = source
         self._actuation = actuation
         self._skipped = skipped
@@ -167,10 +166,11 @@ class _Dissection:
         depths = {branch: self._depth(branch) for branch in stretch.branches}
         main = max(sizes, key=lambda branch: (depths[branch], sizes[branch]))
         others = [branch for branch in stretch.branches if branch != main]
-        if all(depths[b] <= 2 and 3 * depths[b] <= depths[main] + 1 for b in others):
-            if all(sizes[b] < sizes[main] for b in others) and depths[main] > LEAST_ARM_JOINTS:
-                return main
-        return None
+        beside = all(
+            depths[b] <= 2 and 3 * depths[b] <= depths[main] + 1 and sizes[b] < sizes[main]
+            for b in others
+        )
+        return main if beside and depths[main] > LEAST_ARM_JOINTS else None
 
     def _depth(self, body: int) -> int:
         """The most joints one after the other below a body."""
@@ -185,9 +185,7 @@ class _Dissection:
         """The way along joints at the reference pose, slides at their full travel, m."""
         source = self._source
         anchors = [source.data.xanchor[joint] for joint in joints]
-        length = sum(
-            float(np.linalg.norm(b - a)) for a, b in itertools.pairwise(anchors)
-        )
+        length = sum(float(np.linalg.norm(b - a)) for a, b in itertools.pairwise(anchors))
         for joint in joints:
             limits = source.limits(joint) if source.is_slide(joint) else None
             length += limits[1] - limits[0] if limits else 0.0

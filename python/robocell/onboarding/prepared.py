@@ -79,7 +79,7 @@ def prepare(source: SourceModel, actuation: Actuation, roots: Roots, file: Path)
         ) from error
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    return SourceModel(file.resolve(), spec, model, data, False)
+    return SourceModel(file.absolute(), spec, model, data, False)
 
 
 def model_text(source: SourceModel, reasons: list[str], original: Path) -> str:
@@ -90,7 +90,9 @@ def model_text(source: SourceModel, reasons: list[str], original: Path) -> str:
         text = text.replace(
             f'file="{element.file}"', f'file="{os.path.relpath(element.file, folder)}"'
         )
-    note = f"Made from {os.path.relpath(original, folder)} by `robocell init`: {'; '.join(reasons)}."
+    note = (
+        f"Made from {os.path.relpath(original, folder)} by `robocell init`: {'; '.join(reasons)}."
+    )
     return f"<!-- {note.replace('--', '- -')} -->\n{text}"
 
 

@@ -19,9 +19,7 @@ def robot_text(guess: RobotGuess, file: Path) -> str:
     )
     lines += [f"name: {quoted(guess.name)}"]
     if guess.prepared:
-        lines += comment(
-            f"Made from {_shown(guess.original, file)}: {'; '.join(guess.prepared)}"
-        )
+        lines += comment(f"Made from {_shown(guess.original, file)}: {'; '.join(guess.prepared)}")
     lines += [f"model: {quoted(model)}"]
     for note in guess.notes:
         lines += comment(f"NOTE: {note}")
@@ -82,11 +80,11 @@ def _groups(guess: RobotGuess) -> list[str]:
 def _model_name(guess: RobotGuess, file: Path) -> str:
     """Relative to the robot file when the model is near it; else the whole path."""
     path = guess.source.path
-    folder = file.resolve().parent
+    folder = file.absolute().parent
     relative = os.path.relpath(path, folder)
     return relative if relative.count("..") <= 2 else str(path)
 
 
 def _shown(path: Path, file: Path) -> str:
-    relative = os.path.relpath(path, file.resolve().parent)
+    relative = os.path.relpath(path, file.absolute().parent)
     return relative if relative.count("..") <= 2 else path.name

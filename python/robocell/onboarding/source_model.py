@@ -51,20 +51,25 @@ class SourceModel:
     # --- Names ---
 
     def body_name(self, body: int) -> str:
+        """The name or label of a body."""
         return str(self.model.body(body).name)
 
     def joint_name(self, joint: int) -> str:
+        """The name or label of a joint."""
         return str(self.model.joint(joint).name)
 
     def actuator_name(self, actuator: int) -> str:
+        """The name or label of an actuator."""
         return str(self.model.actuator(actuator).name)
 
     def site_name(self, site: int) -> str:
+        """The name or label of a site."""
         return str(self.model.site(site).name)
 
     # --- The tree ---
 
     def children(self, body: int) -> list[int]:
+        """The bodies that hang on a body directly."""
         return self._children[body]
 
     def subtree(self, body: int) -> list[int]:
@@ -89,11 +94,13 @@ class SourceModel:
         return found
 
     def common_ancestor(self, first: int, second: int) -> int:
+        """The lowest body that both hang on."""
         while not self.is_below(second, first):
             first = int(self.model.body_parentid[first])
         return first
 
     def joints_of(self, body: int) -> list[int]:
+        """The joints of a body itself."""
         begin = int(self.model.body_jntadr[body])
         return list(range(begin, begin + int(self.model.body_jntnum[body]))) if begin >= 0 else []
 
@@ -102,13 +109,12 @@ class SourceModel:
         return [joint for each in self.subtree(body) for joint in self.joints_of(each)]
 
     def geoms_of(self, body: int) -> list[int]:
+        """The geoms of a body itself."""
         begin = int(self.model.body_geomadr[body])
         return list(range(begin, begin + int(self.model.body_geomnum[body]))) if begin >= 0 else []
 
-    def colliding_geoms_of(self, body: int) -> list[int]:
-        return [geom for geom in self.geoms_of(body) if self.collides(geom)]
-
     def collides(self, geom: int) -> bool:
+        """Whether a geom touches other things."""
         return bool(self.model.geom_contype[geom] or self.model.geom_conaffinity[geom])
 
     def rigid_with(self, body: int) -> list[int]:
@@ -123,6 +129,7 @@ class SourceModel:
         return int(self.model.jnt_type[joint]) in SCALAR_JOINTS
 
     def is_slide(self, joint: int) -> bool:
+        """Whether it is a slide."""
         return int(self.model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
 
     def limits(self, joint: int) -> tuple[float, float] | None:
@@ -133,6 +140,7 @@ class SourceModel:
         return float(lower), float(upper)
 
     def joint_of_dof(self, dof: int) -> int:
+        """The joint that a degree of freedom is of."""
         return int(self.model.dof_jntid[dof])
 
     # --- Geometry at a state ---
@@ -181,7 +189,7 @@ def load_model(path: Path) -> SourceModel:
         )
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    return SourceModel(path.resolve(), spec, model, data, is_urdf)
+    return SourceModel(path.absolute(), spec, model, data, is_urdf)
 
 
 def _root_element(path: Path) -> str:

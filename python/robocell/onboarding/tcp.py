@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-import mujoco
 import numpy as np
 
 from robocell.onboarding.guess import Confidence, Guess
@@ -18,8 +17,20 @@ from robocell.onboarding.source_model import SourceModel, Vector
 NEAR_THE_FINGERS = 0.03
 ALONG = 0.9
 # Words in the names of sites that are tool frames, the most telling first.
-WORDS = ("tcp", "pinch", "grasp", "grip", "eef", "ee", "end", "tool", "attach", "flange", "tip",
-         "wrist")
+WORDS = (
+    "tcp",
+    "pinch",
+    "grasp",
+    "grip",
+    "eef",
+    "ee",
+    "end",
+    "tool",
+    "attach",
+    "flange",
+    "tip",
+    "wrist",
+)
 
 
 @dataclass(frozen=True)
@@ -65,7 +76,7 @@ def tcp_of_hand(
             Confidence.HIGH,
         )
     rotation = np.column_stack([np.cross(fingers.closing, approach), fingers.closing, approach])
-    edit = {
+    edit: dict[str, object] = {
         "add_site": name,
         "body": source.body_name(hand.body),
         "pos": rounded(fingers.middle),
@@ -98,10 +109,19 @@ def approach_of(fingers: Fingers, wrist: Vector) -> Vector:
     return np.asarray(away / np.linalg.norm(away))
 
 
-def tcp_without_hand(source: SourceModel, limb: Limb) -> Guess[Tcp]:
-    """The site for tools at the end of an arm, or its last link."""
+def tcp_without_hand(source: SourceModel, limb: Limb, cup: int | None = None) -> Guess[Tcp]:
+    """The site for tools at the end of an arm, or its last link; of a suction cup its own."""
     last = source.data.xanchor[limb.joints[-1]]
     sites = _sites_fixed_to(source, limb.end)
+    on_cup = [site for site in sites if int(source.model.site_bodyid[site]) == cup]
+    if on_cup:
+        tip = max(on_cup, key=lambda s: float(np.linalg.norm(source.data.site_xpos[s] - last)))
+        name = source.site_name(tip)
+        return Guess(
+            Tcp({"site": name}, None, source.data.site_xpos[tip]),
+            "the outermost site of the cup",
+            Confidence.HIGH,
+        )
     ranked = sorted(
         sites,
         key=lambda site: (
@@ -147,8 +167,10 @@ def _rank(name: str) -> int:
 
 def _sites_fixed_to(source: SourceModel, body: int) -> list[int]:
     """The sites of a body and of what is fixed to it, farther from the base."""
-    bodies = {each for each in source.rigid_with(body)}
-    return [site for site in range(source.model.nsite) if int(source.model.site_bodyid[site]) in bodies]
+    bodies = set(source.rigid_with(body))
+    return [
+        site for site in range(source.model.nsite) if int(source.model.site_bodyid[site]) in bodies
+    ]
 
 
 def _in_body(source: SourceModel, body: int, site: int) -> tuple[Vector, Vector]:
@@ -161,10 +183,3 @@ def _in_body(source: SourceModel, body: int, site: int) -> tuple[Vector, Vector]
 def rounded(values: object, digits: int = 5) -> list[float]:
     """Numbers for a file: no -0, no more digits than matter."""
     return [round(float(value), digits) + 0.0 for value in np.asarray(values, dtype=float)]
-
-
-def quat_of(rotation: Vector) -> Vector:
-    """wxyz of a matrix, for the engine."""
-    quat = np.zeros(4)
-    mujoco.mju_mat2Quat(quat, np.ascontiguousarray(rotation).reshape(9))
-    return quat
