@@ -7,11 +7,12 @@ One file per idea: `roots`, `bases`, `limbs`, `hands`, `tcp`, `home`, `cameras`,
 something off the model and say why; `detect` puts it together; `trial` loads and mends it.
 """
 
-from robocell.onboarding.detect import RobotGuess, detect
+from robocell.onboarding.detect import detect
 from robocell.onboarding.guess import Confidence, Guess
 from robocell.onboarding.pick_run import can_pick, run_text
 from robocell.onboarding.prepared import model_text
 from robocell.onboarding.robot_file import robot_text
+from robocell.onboarding.robot_guess import RobotGuess
 from robocell.onboarding.trial import Trial, tried
 
 __all__ = [

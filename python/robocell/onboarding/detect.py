@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from robocell.onboarding.actuation import Actuation, Actuator, Drive
+from robocell.onboarding.actuation import Actuation, Drive
 from robocell.onboarding.arm_control import drive_of
 from robocell.onboarding.bases import (
     FLUSH_M,
@@ -27,82 +27,25 @@ from robocell.onboarding.cameras import (
     is_on,
     wrist_camera,
 )
+from robocell.onboarding.gripper_groups import GripperGroups
 from robocell.onboarding.guess import Confidence, Guess, shortened
-from robocell.onboarding.hands import Fingers, HandMotion, find_fingers
+from robocell.onboarding.hands import HandMotion, find_fingers
 from robocell.onboarding.home import ArmFrame, Home, PoseJudge, guess_home
 from robocell.onboarding.limbs import Anatomy, Hand, Limb, LimbKind
 from robocell.onboarding.prepared import prepare, reasons_to_prepare
+from robocell.onboarding.robot_guess import Field, Group, RobotGuess
 from robocell.onboarding.roots import Roots, anatomy_of, find_roots
 from robocell.onboarding.source_model import SourceModel, Vector, load_model
 from robocell.onboarding.tcp import Tcp, approach_of, rounded, tcp_of_hand, tcp_without_hand
 from robocell.onboarding.yaml_text import name_list
+from robocell.robots import expand_names
 
 # Chooses one of a guess's value and alternatives; what comes in is what goes out unless asked.
 Choose = Callable[[str, Guess[Any]], Guess[Any]]
 
-# Of the travel of fingers that overlap when closed: so much of it squeezes, and so much is left out
-# at least.
-SQUEEZE = 0.02
-LEAST_GAP = 0.04
 # Starts vary by this much.
 NOISE_RAD = 0.03
 NOISE_M = 0.005
-# Fingers that turn are measured at their tips when their least distance opens this much less, m.
-AT_THE_HINGE = 0.008
-
-
-@dataclass
-class Field:
-    """A value of the robot file with the comment above it."""
-
-    value: Any
-    comment: str = ""
-
-
-@dataclass
-class Group:
-    """A move group; `other_fields` are tried when robocell cannot use it with its fields."""
-
-    name: str
-    fields: dict[str, Any]
-    comment: str
-    kind: str
-    other_fields: dict[str, Any] | None = None
-
-
-@dataclass
-class RobotGuess:
-    """A robot file before it is written.
-
-    Attributes:
-        source: The model that the file names: the given one, or one made from it.
-        prepared: Why that model had to be made; empty for the given one.
-        notes: What could not be guessed or cannot be used yet, with the next step.
-    """
-
-    name: str
-    source: SourceModel
-    original: Path
-    prepared: list[str]
-    root_body: Field
-    base: Field
-    reset_root_pose: bool = False
-    edits: list[Field] = field(default_factory=list)
-    groups: list[Group] = field(default_factory=list)
-    home: dict[str, list[float]] = field(default_factory=dict)
-    home_comment: str = ""
-    home_noise: dict[str, list[float]] = field(default_factory=dict)
-    control: dict[str, str] = field(default_factory=dict)
-    cameras: list[Field] = field(default_factory=list)
-    camera_note: str = ""
-    streams: list[tuple[str, str]] = field(default_factory=list)
-    gravcomp: Field | None = None
-    reach: float = 0.0
-    notes: list[str] = field(default_factory=list)
-
-    def of_kind(self, kind: str) -> list[Group]:
-        """Its groups of a kind."""
-        return [group for group in self.groups if group.kind == kind]
 
 
 def detect(
@@ -161,7 +104,6 @@ class _Detection:
         self._names: set[str] = {
             str(source.model.site(site).name) for site in range(source.model.nsite)
         }
-        self._used: set[str] = set()
         self._out = RobotGuess(
             name,
             source,
@@ -170,6 +112,8 @@ class _Detection:
             Field(source.body_name(self._root_body()), self._root_comment(roots)),
             Field({}),
         )
+
+        self._grippers = GripperGroups(source, actuation, self._out, self._new_name)
 
     def run(self) -> RobotGuess:
         out = self._out
@@ -288,7 +232,6 @@ class _Detection:
         if drive.actuators:
             fields["actuators"] = name_list(drive.actuators)
             comment += f", a {drive.drive.value if drive.drive else ''} on each [sure]"
-            self._used.update(drive.actuators)
             self._out.control[name] = drive.control
         elif drive.why_not:
             comment += f". It cannot be commanded: {drive.why_not}"
@@ -303,10 +246,9 @@ class _Detection:
             fields["kind"], group.kind = "generic", "generic"
             names = [a.name for j in limb.joints for a in self._actuation.of_joint(j)]
             fields["actuators"] = name_list(list(dict.fromkeys(names)))
-            self._used.update(names)
         self._out.groups.append(group)
         if limb.hand and motion:
-            self._gripper(limb.hand, motion, f"{prefix}gripper", tcp.value)
+            self._grippers.add(limb.hand, motion, f"{prefix}gripper", tcp.value)
         return _Arm(limb, name, comment, tcp, motion, frame)
 
     def _wrist(self, limb: Limb, hand: Hand) -> Vector:
@@ -385,103 +327,9 @@ class _Detection:
                 tcp = guess.value
                 if tcp.edit:
                     self._out.edits.append(Field(tcp.edit, f"the TCP: {guess.comment()}"))
-            self._gripper(hand, motion, name, tcp)
+            self._grippers.add(hand, motion, name, tcp)
             found.append(motion)
         return found
-
-    def _gripper(self, hand: Hand, motion: HandMotion, name: str, tcp: Tcp) -> None:
-        names = [actuator.name for actuator in motion.actuators]
-        self._used.update(names)
-        moved = [j for j in hand.joints if self._actuation.is_moved(j)]
-        direct = [j for j in hand.joints if self._is_direct(j, motion.actuators)]
-        fingers = motion.fingers
-        if not fingers:
-            self._hand_without_fingers(hand, motion, name)
-            return
-        refs = self._finger_refs(fingers, name)
-        fields: dict[str, Any] = {
-            "kind": "gripper",
-            "joints": self._joints(direct or moved),
-            "actuators": name_list(names),
-            "leaf": tcp.leaf,
-            "fingers": refs,
-        }
-        how = "was closed and opened in a copy of the model"
-        comment = (
-            f"{' and '.join(names)} {how}: '{self._source.body_name(fingers.bodies[0])}' and "
-            f"'{self._source.body_name(fingers.bodies[1])}' go from "
-            f"{1000 * fingers.pad_closed:.0f} to {1000 * fingers.pad_open:.0f} mm "
-            f"[{Confidence.HIGH.value}]"
-        )
-        if any(actuator.drive is Drive.MOTOR for actuator in motion.actuators):
-            comment += ". Its actuators are motors: they push, and hold no opening in between"
-            self._out.notes.append(
-                f"'{name}' is driven by motors, which hold it open or closed and nothing in between"
-            )
-        for joint, friction in motion.friction.items():
-            edit = {"joint": self._source.joint_name(joint), "frictionloss": friction}
-            why = (
-                f"dry friction of {self._source.model.dof_frictionloss[self._dof(joint)]:g} holds "
-                "this joint against all that its actuator can push with [likely]"
-            )
-            self._out.edits.append(Field(edit, why))
-        other = self._until_they_meet(fields, fingers, motion.actuators)
-        self._out.groups.append(Group(name, fields, comment, "gripper", other))
-
-    def _dof(self, joint: int) -> int:
-        return int(self._source.model.jnt_dofadr[joint])
-
-    def _until_they_meet(
-        self, fields: dict[str, Any], fingers: Fingers, actuators: list[Actuator]
-    ) -> dict[str, Any] | None:
-        """With controls that close the fingers until they meet and not into each other."""
-        if len(actuators) != 1:
-            return None
-        share = max(fingers.meets - SQUEEZE, LEAST_GAP)
-        opened, closed = fingers.open_ctrl[0], fingers.closed_ctrl[0]
-        ctrl = {"open": opened, "closed": float(f"{closed + share * (opened - closed):.4g}")}
-        return {**fields, "ctrl": ctrl}
-
-    def _hand_without_fingers(self, hand: Hand, motion: HandMotion, name: str) -> None:
-        self._out.notes.append(
-            f"the hand on '{self._source.body_name(hand.body)}' is no gripper: {motion.why_none}"
-        )
-        if not motion.actuators:
-            return
-        own = name.replace("gripper", "hand")
-        fields: dict[str, Any] = {
-            "kind": "generic",
-            "joints": self._joints(
-                [j for j in hand.joints if self._is_direct(j, motion.actuators)]
-            ),
-            "actuators": name_list([actuator.name for actuator in motion.actuators]),
-        }
-        comment = f"a hand that is commanded joint by joint: {motion.why_none}"
-        self._out.groups.append(Group(own, fields, comment, "generic"))
-
-    def _is_direct(self, joint: int, actuators: list[Actuator]) -> bool:
-        """Whether an actuator pulls a joint, or one that it follows by a joint equality."""
-        follower = self._actuation.follower(joint)
-        pulled = {each for actuator in actuators for each in actuator.joints}
-        return joint in pulled or (follower is not None and follower.leader in pulled)
-
-    def _finger_refs(self, fingers: Fingers, name: str) -> list[Any]:
-        """Bodies, or sites at the tips of fingers that turn."""
-        source = self._source
-        at_tips = fingers.is_jaw or fingers.pad_open > fingers.open + AT_THE_HINGE
-        if not at_tips:
-            return [{"body": source.body_name(body)} for body in fingers.bodies]
-        refs = []
-        for index, (body, tip) in enumerate(zip(fingers.bodies, fingers.tips, strict=True)):
-            site = self._new_name(f"{name}_tip{index + 1}")
-            edit = {"add_site": site, "body": source.body_name(body), "pos": rounded(tip)}
-            why = (
-                f"the tips of '{name}', between which its opening is measured; the fingers turn, "
-                "and are nearer to each other at their hinges"
-            )
-            self._out.edits.append(Field(edit, why if index == 0 else ""))
-            refs.append({"site": site})
-        return refs
 
     # --- Home ---
 
@@ -542,8 +390,6 @@ class _Detection:
         return out
 
     def _ids(self, names: Any) -> list[int]:
-        from robocell.robots import expand_names
-
         listed = expand_names(str(names)) if isinstance(names, str) else names
         return [int(self._source.model.joint(name).id) for name in listed]
 
@@ -578,7 +424,6 @@ class _Detection:
             "joints": self._joints([joint for joint, _ in pairs]),
             "actuators": name_list([actuator for _, actuator in pairs]),
         }
-        self._used.update(actuator for _, actuator in pairs)
         self._out.groups.append(Group(name, fields, f"{why} [likely]", "generic"))
 
     def _cups(self) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from robocell.onboarding.detect import RobotGuess
+from robocell.onboarding.robot_guess import RobotGuess
 from robocell.onboarding.yaml_text import flow, quoted
 
 

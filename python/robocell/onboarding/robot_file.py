@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from robocell import __version__
-from robocell.onboarding.detect import Field, RobotGuess
+from robocell.onboarding.robot_guess import Field, RobotGuess
 from robocell.onboarding.yaml_text import comment, flow, quoted
 
 

@@ -15,8 +15,8 @@ from pathlib import Path
 
 from robocell import Error, Robot, RobotConfig, RobotSpec, Scene, SceneSpec
 from robocell.diagnose import Severity, check_robot
-from robocell.onboarding.detect import Field, RobotGuess
 from robocell.onboarding.robot_file import robot_text
+from robocell.onboarding.robot_guess import Field, RobotGuess
 from robocell.onboarding.yaml_text import Raw
 from robocell.robots import GripperGroup
 
