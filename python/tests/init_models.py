@@ -240,3 +240,28 @@ def urdf() -> str:
         )
         parent, at = name, 0.2
     return URDF.format(links=links)
+
+
+def linkage_hand() -> str:
+    """A hand whose fingers have a link beside each that is nearer to the middle."""
+    fingers = "".join(
+        f"<body name='{name}' pos='0 {side}.011 .05'>"
+        f"<joint name='{name}' type='slide' axis='0 {side}1 0' range='0 .03' damping='5' "
+        "armature='.1'/>"
+        f"<geom type='box' size='.01 .01 .03' pos='0 0 .03' mass='.05' contype='1' "
+        "conaffinity='1'/></body>"
+        f"<body name='{name}_link' pos='0 {side}.02 .02'>"
+        f"<joint name='{name}_link' axis='1 0 0' range='-.6 .6' damping='.5'/>"
+        f"<geom type='box' size='.005 .008 .01' pos='0 0 .02' mass='.02' contype='1' "
+        "conaffinity='1'/></body>"
+        for name, side in (("left", ""), ("right", "-"))
+    )
+    world = f"<body name='hand'><geom type='box' size='.03 .06 .01' mass='.2'/>{fingers}</body>"
+    rest = (
+        "<equality><joint joint1='right' joint2='left'/>"
+        "<joint joint1='left_link' joint2='left' polycoef='0 -4 0 0 0'/>"
+        "<joint joint1='right_link' joint2='left' polycoef='0 4 0 0 0'/></equality>"
+        "<actuator><position name='grip' joint='left' kp='2000' kv='50' ctrlrange='0 .03'/>"
+        "</actuator>"
+    )
+    return model("linkage", world, rest)

@@ -295,8 +295,8 @@ def _meeting_pair(
     meets = max((_meeting_share(source, pair, poses) for pair in overlaps), default=0.0)
     for candidate in candidates:
         candidate.meets = meets
-    widest = max(fingers.pad_open for fingers in candidates)
-    best = [each for each in candidates if each.pad_open > widest - NEARLY_AS_WIDE]
+    widest = max(fingers.open for fingers in candidates)
+    best = [each for each in candidates if each.open > widest - NEARLY_AS_WIDE]
     # Of several that are as wide, the outermost: pads, not what carries them.
     return max(best, key=lambda each: min(_distance_from(source, hand, b) for b in each.bodies))
 
