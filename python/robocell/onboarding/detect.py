@@ -213,9 +213,9 @@ class _Detection:
         motion = find_fingers(source, self._actuation, limb.hand) if limb.hand else None
         fingers = motion.fingers if motion else None
         if limb.hand and fingers:
-            wrist = self._wrist(limb, limb.hand)
-            tcp = tcp_of_hand(source, limb.hand, fingers, wrist, self._new_name(f"{prefix}tcp"))
-            approach_body, approach = limb.hand.body, approach_of(fingers, wrist)
+            approach_body = limb.hand.body
+            approach = approach_of(fingers, *self._wrist(limb, limb.hand))
+            tcp = tcp_of_hand(source, limb.hand, fingers, approach, self._new_name(f"{prefix}tcp"))
         else:
             cups = [a.body for a in self._actuation.actuators if a.body is not None]
             fixed = source.rigid_with(limb.end)
@@ -251,12 +251,13 @@ class _Detection:
             self._grippers.add(limb.hand, motion, f"{prefix}gripper", tcp.value)
         return _Arm(limb, name, comment, tcp, motion, frame)
 
-    def _wrist(self, limb: Limb, hand: Hand) -> Vector:
-        """Where the last joint of the arm is, in the frame of the hand's body."""
-        d = self._source.data
+    def _wrist(self, limb: Limb, hand: Hand) -> tuple[Vector, Vector | None]:
+        """Where the last joint of the arm is and, of a hinge, its axis; in the hand's frame."""
+        d, joint = self._source.data, limb.joints[-1]
         rotation = d.xmat[hand.body].reshape(3, 3)
-        at = d.xanchor[limb.joints[-1]] if limb.joints else d.xpos[hand.body]
-        return np.asarray(rotation.T @ (at - d.xpos[hand.body]))
+        at = np.asarray(rotation.T @ (d.xanchor[joint] - d.xpos[hand.body]))
+        axis = None if self._source.is_slide(joint) else np.asarray(rotation.T @ d.xaxis[joint])
+        return at, axis
 
     def _outward(self, limb: Limb, tcp: Tcp) -> Vector:
         """From the last joint to the TCP, else along the last joint's axis, in its body's frame."""
@@ -320,9 +321,9 @@ class _Detection:
             name = "gripper" if len(limbs) == 1 else f"gripper{index + 1}"
             tcp = Tcp({"body": self._source.body_name(hand.body)})
             if motion.fingers:
-                wrist = np.zeros(3)
+                approach = approach_of(motion.fingers, np.zeros(3))
                 guess = tcp_of_hand(
-                    self._source, hand, motion.fingers, wrist, self._new_name("tcp")
+                    self._source, hand, motion.fingers, approach, self._new_name("tcp")
                 )
                 tcp = guess.value
                 if tcp.edit:

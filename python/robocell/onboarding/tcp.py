@@ -16,6 +16,9 @@ from robocell.onboarding.source_model import SourceModel, Vector
 # axis points where they do, within this (cosine).
 NEAR_THE_FINGERS = 0.03
 ALONG = 0.9
+# Cosine of the angle between the last joint's axis and the way from it to the fingers.
+ALONG_THE_ROLL = 0.8
+MUCH, LITTLE = 0.02, 1e-3  # m
 # Words in the names of sites that are tool frames, the most telling first.
 WORDS = (
     "tcp",
@@ -47,7 +50,7 @@ class Tcp:
 
 
 def tcp_of_hand(
-    source: SourceModel, hand: Hand, fingers: Fingers, wrist: Vector, name: str
+    source: SourceModel, hand: Hand, fingers: Fingers, approach: Vector, name: str
 ) -> Guess[Tcp]:
     """A site of the hand between the fingers, or one to be added there.
 
@@ -55,10 +58,9 @@ def tcp_of_hand(
         source: The model.
         hand: The hand.
         fingers: Its fingers.
-        wrist: Where the arm ends, in the frame of the hand's body: fingers point away from it.
+        approach: Where they point (`approach_of`).
         name: Of a site that has to be added.
     """
-    approach = approach_of(fingers, wrist)
     best: tuple[float, int] | None = None
     others = []
     for site in _sites_fixed_to(source, hand.body):
@@ -75,7 +77,8 @@ def tcp_of_hand(
             f"{1000 * best[0]:.0f} mm from the middle between the fingers, its z where they point",
             Confidence.HIGH,
         )
-    rotation = np.column_stack([np.cross(fingers.closing, approach), fingers.closing, approach])
+    closing = _square_to(fingers.closing, approach)
+    rotation = np.column_stack([np.cross(closing, approach), closing, approach])
     edit: dict[str, object] = {
         "add_site": name,
         "body": source.body_name(hand.body),
@@ -89,24 +92,41 @@ def tcp_of_hand(
     return Guess(Tcp({"site": name}, edit, at), reason, Confidence.HIGH)
 
 
-def approach_of(fingers: Fingers, wrist: Vector) -> Vector:
-    """Where the fingers point: away from the wrist, square to the direction in which they close."""
+def approach_of(fingers: Fingers, wrist: Vector, axis: Vector | None = None) -> Vector:
+    """Where the fingers point: away from the wrist, square to the direction in which they close.
+
+    Args:
+        fingers: The fingers.
+        wrist: Where the arm ends, in the frame of the hand's body.
+        axis: Of the arm's last joint there. Where it goes from the wrist to the fingers, they point
+            along it: an arm of five joints can turn nothing else downwards.
+    """
     away = fingers.middle - wrist
+    if axis is not None and float(np.linalg.norm(away)) > MUCH:
+        along = float(axis @ away) / float(np.linalg.norm(away))
+        if abs(along) > ALONG_THE_ROLL:
+            return np.asarray(np.sign(along) * axis)
     away = away - (away @ fingers.closing) * fingers.closing
     length = float(np.linalg.norm(away))
-    if length > 1e-3:
+    if length > LITTLE:
         # Hands are built along an axis of their body, as a rule.
         away = away / length
-        axis = int(np.argmax(np.abs(away)))
-        along = np.sign(away[axis]) * np.eye(3)[axis]
-        square = abs(float(along @ fingers.closing)) < 0.2
-        if square and float(away @ along) > 0.94:
-            away = along - (along @ fingers.closing) * fingers.closing
+        index = int(np.argmax(np.abs(away)))
+        own = np.sign(away[index]) * np.eye(3)[index]
+        square = abs(float(own @ fingers.closing)) < 0.2
+        if square and float(away @ own) > 0.94:
+            away = own - (own @ fingers.closing) * fingers.closing
             away = away / np.linalg.norm(away)
         return np.asarray(away)
     least = np.eye(3)[int(np.argmin(np.abs(fingers.closing)))]
     away = least - (least @ fingers.closing) * fingers.closing
     return np.asarray(away / np.linalg.norm(away))
+
+
+def _square_to(vector: Vector, axis: Vector) -> Vector:
+    """The part of a vector that is square to an axis, as a unit vector."""
+    rest = vector - (vector @ axis) * axis
+    return np.asarray(rest / max(float(np.linalg.norm(rest)), 1e-9))
 
 
 def tcp_without_hand(source: SourceModel, limb: Limb, cup: int | None = None) -> Guess[Tcp]:
