@@ -182,4 +182,7 @@ class TestText:
         again = load_model(tmp_path / "m.xml")
         assert again.model.nq == guess.source.model.nq
         np.testing.assert_allclose(again.model.body_pos, guess.source.model.body_pos, atol=1e-6)
+        # The first arm is at the origin, and the second where it was beside it.
+        left, right = (again.model.body(f"{side}_base").pos for side in ("left", "right"))
+        np.testing.assert_allclose([left, right], [[0, 0, 0], [0, -0.8, 0]], atol=1e-6)
         assert "m.xml" in robot_text(guess, tmp_path / "arm.yaml")

@@ -76,7 +76,7 @@ def guess_base(
         source: The model.
         actuation: Its actuators.
         base: The joints of the base.
-        reach: Of the longest arm, m; 0 without one.
+        reach: Of the first arm, m; 0 without one.
         on_box: Whether the arms' base is what stands on a box, and not what a torso carries.
     """
     has_arm = reach > 0

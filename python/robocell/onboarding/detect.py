@@ -120,7 +120,7 @@ class _Detection:
         arms = self._arms()
         hands = self._hands_alone()
         self._home(arms, hands)
-        reach = max((PoseJudge(self._source, arm.frame).reach for arm in arms), default=0.0)
+        reach = PoseJudge(self._source, arms[0].frame).reach if arms else 0.0
         out.reach = reach
         base = self._choose(
             "base",

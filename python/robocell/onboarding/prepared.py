@@ -67,7 +67,7 @@ def prepare(source: SourceModel, actuation: Actuation, roots: Roots, file: Path)
     try:
         spec.compile()
         if needs_base:
-            spec = mujoco.MjSpec.from_string(_with_base(str(spec.to_xml())))
+            spec = mujoco.MjSpec.from_string(_with_base(str(spec.to_xml()), source, roots))
         model = spec.compile()
         if source.model.nkey and not model.nkey:
             _add_keys(source, spec, model)
@@ -213,8 +213,11 @@ def _add_keys(source: SourceModel, spec: Any, model: Any) -> None:
         spec.add_key(name=source.model.key(key).name or f"key{key}", qpos=qpos.tolist())
 
 
-def _with_base(text: str) -> str:
-    """A body without joints around all bodies of the world, which keep their places."""
+def _with_base(text: str, source: SourceModel, roots: Roots) -> str:
+    """A body without joints around all bodies of the world, at the place of the first.
+
+    Arms keep their places to each other; the first one stands at the origin.
+    """
     tree = ElementTree.fromstring(text)
     world = tree.find("worldbody")
     assert world is not None
@@ -222,12 +225,30 @@ def _with_base(text: str) -> str:
     name = BASE_NAME
     while name in taken:
         name += "_"
+    if len(roots.bodies) > 1:
+        _put_at_the_first(world, source, roots)
     base = ElementTree.Element("body", name=name)
     for element in list(world):
         world.remove(element)
         base.append(element)
     world.append(base)
     return ElementTree.tostring(tree, encoding="unicode")
+
+
+def _put_at_the_first(world: ElementTree.Element, source: SourceModel, roots: Roots) -> None:
+    """Writes the poses of the roots in the frame of the first."""
+    m, first = source.model, roots.bodies[0]
+    inverse = np.zeros(3), np.zeros(4)
+    mujoco.mju_negPose(*inverse, m.body_pos[first], m.body_quat[first])
+    for body, name in zip(roots.bodies, roots.names, strict=True):
+        pos, quat = np.zeros(3), np.zeros(4)
+        mujoco.mju_mulPose(pos, quat, *inverse, m.body_pos[body], m.body_quat[body])
+        for element in world.iter("body"):
+            if element.get("name") == name:
+                for old in ("euler", "axisangle", "xyaxes", "zaxis"):
+                    element.attrib.pop(old, None)
+                element.set("pos", " ".join(f"{value:.9g}" for value in pos))
+                element.set("quat", " ".join(f"{value:.9g}" for value in quat))
 
 
 def _with_files(spec: Any) -> list[Any]:
