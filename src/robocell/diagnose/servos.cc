@@ -1,7 +1,7 @@
 // Where servos can send their joints, against home and the joints' ranges. A servo that stops short
 // of its joint is meant so more often than not: that is a note. One that goes far beyond was given
 // degrees: the engine converts joints' ranges, and never controls. Also servos that cannot damp
-// their joints at their force limit.
+// their joints at their force limit, and those whose force limits allow one direction only.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -180,6 +180,34 @@ void CheckDampingAtTheLimit(const CompiledRobot& robot, const std::string& group
       group_name, m->opt.timestep, fmt::join(servos, ", "), fmt::join(edits, ", ")));
 }
 
+// A position servo that can only push or only pull does not hold its joint. Tendons can be pulled
+// only, so that such limits make sense there.
+void CheckOneSidedForce(const CompiledRobot& robot, const MoveGroupConfig& group,
+                        Findings& findings) {
+  const mjModel* m = robot.model;
+  const JointRanges ranges(robot);
+  for (const std::string& name : group.joints) {
+    const int joint = ranges.Joint(name);
+    const int servo = joint < 0 ? -1 : ranges.ServoOf(group, joint);
+    if (servo < 0 || !IsPositionServo(m, servo) || !m->actuator_forcelimited[servo]) continue;
+    const mjtNum* range = m->actuator_forcerange + 2 * servo;
+    if (range[0] < 0 && range[1] > 0) continue;
+    const double most = std::max(std::abs(range[0]), std::abs(range[1]));
+    const std::string actuator = ranges.Name(mjOBJ_ACTUATOR, servo);
+    const std::string edit =
+        fmt::format("{{actuator: '{0}', forcerange: [-{1:.4g}, {1:.4g}]}}", actuator, most);
+    const std::string remedy = most > 0 ? fmt::format(". For both directions: edits: [{}]", edit)
+                                        : std::string(". Give it the force of its motor");
+    findings.WarnAt(
+        PlaceInModel(robot.part, mjOBJ_ACTUATOR, actuator),
+        fmt::format("the servo '{}' {} (its forcerange, {:g} to {:g}), so it cannot hold joint "
+                    "'{}'{}",
+                    actuator, most > 0 ? "pushes in one direction only" : "has no force", range[0],
+                    range[1], name, remedy),
+        most > 0 ? edit : "");
+  }
+}
+
 bool IsOfPositions(const RobotConfig& config, const std::string& group) {
   const ControlKind* control = config.control.find(group);
   return !control || ModeOf(*control) == CtrlMode::kPosition;
@@ -194,6 +222,7 @@ void CheckServos(const CompiledRobot& robot, Findings& findings) {
     if (group->kind != MoveGroupKind::kArm || !IsOfPositions(config, name)) continue;
     ServoCheck(robot, findings).Run(name, *group);
     CheckDampingAtTheLimit(robot, name, *group, findings);
+    CheckOneSidedForce(robot, *group, findings);
   }
 }
 

@@ -55,6 +55,21 @@ TEST_F(ServoRanges, ControlsInDegrees) {
   EXPECT_THAT(Warnings({.knee_ctrl = "-7 7"}), IsEmpty());
 }
 
+TEST_F(ServoRanges, AForceInOneDirectionOnlyIsAWarningWhoseEditMendsIt) {
+  for (const auto& [range, low] : {std::pair{"0 60", "0 to 60"}, {"-60 0", "-60 to 0"}}) {
+    const std::string ctrl = std::string("-2.5 2.5\" forcerange=\"") + range;
+    EXPECT_THAT(
+        Warnings({.knee_ctrl = ctrl}),
+        ElementsAre(HasSubstr(std::string("the servo 's2' pushes in one direction only (its "
+                                          "forcerange, ") +
+                              low +
+                              "), so it cannot hold joint 'knee'. For both directions: "
+                              "edits: [{actuator: 's2', forcerange: [-60, 60]}]")));
+    EXPECT_THAT(Warnings({.knee_ctrl = ctrl}, "edits: [{actuator: 's2', forcerange: [-60, 60]}]\n"),
+                IsEmpty());
+  }
+}
+
 // The largest speed of the knee on its way to a target half a radian ahead.
 double SpeedOfKnee(Scene scene) {
   scene.Reset();

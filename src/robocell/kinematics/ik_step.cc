@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 
 #include "robocell/kinematics/chain_model.h"
 #include "robocell/kinematics/differential_ik.h"
@@ -22,14 +24,21 @@ bool IsNear(const ChainModel& chain, std::span<const double> q, std::span<const 
   return true;
 }
 
-// How far the tip goes in one damped step, rad and chain lengths, and how many steps there are.
+// How far the tip goes in one damped step, rad and chain lengths, and how many steps one search
+// and all searches together may take. A step of seven joints takes about three microseconds.
 constexpr double kDampedStep = 0.02;
-constexpr int kDampedSteps = 60;
+constexpr int kDampedSteps = 60, kDampedStepsInAll = 360;
 // The share of the pose error that each step, and all of them together, must take away.
 constexpr double kShareOfStep = 1e-3, kShareInAll = 0.02;
 // Where the joints are singular to first order, as in a stretched arm that is to be bent, the
-// search begins beside them: one joint is moved by this, rad or chain lengths.
-constexpr double kAside = 0.05;
+// search begins beside them: one joint is moved by one of these, rad or chain lengths. The larger
+// ones are tried only if the smallest does not help: they pass the singular place, for an arm that
+// rests at a limit on the side of it where there is no more room.
+constexpr double kAside[] = {0.05, 0.15, 0.3};
+constexpr int kAsides = 2 * std::size(kAside);  // of a joint, to both sides
+// A search that takes less of the pose error away than this share is compared with others, until
+// one takes as much and leaves every joint this far from its limits, rad or chain lengths.
+constexpr double kGoodShare = 0.5, kGoodRoom = 0.1;
 constexpr double kNoRoom = 1e-12;  // the speed of a joint that has gone as far as it may
 
 struct Remaining {
@@ -48,6 +57,17 @@ Remaining DifferenceTo(const Chain& chain, std::span<const double> q, const Pose
   return out;
 }
 
+// Returns how far the joint that is nearest to a limit may still go, rad or chain lengths.
+double RoomOf(const ChainModel& chain, std::span<const double> q) {
+  double room = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < chain.n; ++i) {
+    const JointModel& limits = chain.joints[i];
+    room = std::min(
+        {room, (q[i] - limits.lower) / UnitOf(chain, i), (limits.upper - q[i]) / UnitOf(chain, i)});
+  }
+  return room;
+}
+
 class DampedSearch {
  public:
   DampedSearch(const Chain& chain, const Pose& target, std::span<const double> from)
@@ -63,7 +83,8 @@ class DampedSearch {
   Remaining GoFrom(JointVector& q) {
     Remaining left = DifferenceTo(chain_, q, target_);
     JointVector next = q;
-    for (int step = 0; step < kDampedSteps && left.size > 0; ++step) {
+    for (int step = 0; step < kDampedSteps && left.size > 0 && steps_left_ > 0; ++step) {
+      --steps_left_;
       LimitSpeeds(q);
       const double share = std::min(1.0, kDampedStep / left.size);
       const Twist part{left.twist.linear * share, left.twist.angular * share};
@@ -90,6 +111,7 @@ class DampedSearch {
   const Pose& target_;
   const JointVector from_;
   const double most_;
+  int steps_left_ = kDampedStepsInAll;
   DifferentialIkOptions options_;
 };
 
@@ -120,19 +142,32 @@ IkResult IkTowards(const Chain& chain, const Pose& tip_in_base, std::span<const 
   chain.RequireJointValues("inverse kinematics towards a pose", from);
   RequireIkTarget(tip_in_base, "inverse kinematics towards a pose");
   DampedSearch search(chain, tip_in_base, from);
-  const double enough = (1 - kShareInAll) * DifferenceTo(chain, from, tip_in_base).size;
+  const double start = DifferenceTo(chain, from, tip_in_base).size;
+  const double enough = (1 - kShareInAll) * start;
   IkResult result{.q = JointVector(from)};
   Remaining left = search.GoFrom(result.q);
-  for (int k = 0; k < 2 * chain.n_joints() && left.size > enough; ++k) {
-    const int joint = k / 2;
-    const JointModel& limits = chain.model().joints[joint];
+  const double good = (1 - kGoodShare) * start;
+  const bool compare = left.size > good;
+  double room = RoomOf(chain.model(), result.q);
+  for (int k = 0; compare && k < kAsides * chain.n_joints(); ++k) {
+    // The smaller steps aside of all joints come before the larger ones.
+    const double aside = kAside[k / (2 * chain.n_joints())];
+    const int joint = k / 2 % chain.n_joints();
+    if (left.size <= good && room >= kGoodRoom) break;
+    if (joint == 0 && k % 2 == 0 && left.size <= enough) break;
     JointVector q(from);
-    q[joint] = std::clamp(q[joint] + (k % 2 ? -kAside : kAside) * UnitOf(chain.model(), joint),
+    const JointModel& limits = chain.model().joints[joint];
+    q[joint] = std::clamp(q[joint] + (k % 2 ? -aside : aside) * UnitOf(chain.model(), joint),
                           limits.lower, limits.upper);
     const Remaining now = search.GoFrom(q);
-    if (now.size >= left.size) continue;
+    // Both sides of a singular place may lead equally far. The next step needs joints that can
+    // still move on.
+    const double here = RoomOf(chain.model(), q);
+    const double gain = left.size - now.size;
+    if (gain < -kShareInAll * start || (gain <= kShareInAll * start && here <= room)) continue;
     result.q = q;
     left = now;
+    room = here;
   }
   result.success = left.size <= enough;
   result.position_error = left.twist.linear.norm();

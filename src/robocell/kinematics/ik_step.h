@@ -31,9 +31,11 @@ IkResult IkStep(const Chain& chain, const Pose& tip_in_base, std::span<const dou
 
 // Returns joint values near `from` that bring the tip as near to `tip_in_base` as damped
 // differential steps (differential_ik.h) can, while no joint moves farther than LargestJointStep
-// from `from`. `success` says that at least a fiftieth of the pose error is gone; the errors are
-// the rest. Angles are weighed against lengths by the chain's length. Errors as in Ik. No
-// allocation; less than a millisecond.
+// from `from`. Of two ways that lead equally far, as of an elbow that can bend to both sides, it
+// takes the one with more room to the joint limits. `success` says that at least a fiftieth of the
+// pose error is gone; the errors are the rest. Angles are weighed against lengths by the chain's
+// length. Errors as in Ik. No allocation; 0.2 ms on average from singular places, a few
+// milliseconds where nothing helps.
 //
 //   const IkResult next = IkTowards(chain, target, commanded);
 //   if (next.success) Command(next.q);  // next.position_error is what is left

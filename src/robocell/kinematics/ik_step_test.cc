@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
 #include "robocell/kinematics/ik_step.h"
 #include "robocell/kinematics/testing/models.h"
@@ -68,6 +69,35 @@ TEST(IkTowards, BendsAStretchedArmAndFailsOnlyOutwards) {
   const IkResult out = IkTowards(chain, moved(0.02), straight);
   EXPECT_FALSE(out.success);
   EXPECT_NEAR(out.position_error, 0.02, 1e-3);
+}
+
+// The elbow of a stretched arm bends to the side where it has room, and an arm that stands at the
+// limit of the other side comes back: each step of a long way in is possible.
+TEST(IkTowards, BendsToTheSideThatHasRoomStepAfterStep) {
+  for (const char* range : {"-0.1 2", "-2 0.1", "0 2", "-2 0"}) {
+    std::string xml = kStraightArm;
+    const std::string old = R"(name="b" axis="0 1 0" range="-2 2")";
+    xml.replace(xml.find(old), old.size(),
+                std::string(R"(name="b" axis="0 1 0" range=")") + range + '"');
+    const TestModel model = TestModel::FromXml(xml);
+    const Chain chain(model.model(), "base", ChainTip::Site("tip"));
+    const double lower = chain.joints()[1].lower, upper = chain.joints()[1].upper;
+    const double near_end = std::abs(lower) < std::abs(upper) ? lower : upper;
+    for (const double elbow : {0.0, near_end}) {
+      JointVector q(3);
+      q[1] = elbow;
+      const Pose start = chain.Fk(q);
+      for (int step = 1; step <= 15; ++step) {
+        const Pose target(start.translation() - Eigen::Vector3d(0.01 * step, 0, 0),
+                          start.quaternion());
+        const IkResult next = IkTowards(chain, target, q);
+        ASSERT_TRUE(next.success) << range << ", elbow at " << elbow << ", step " << step;
+        q = next.q;
+      }
+      EXPECT_LT(chain.Fk(q).translation().x(), start.translation().x() - 0.12)
+          << range << ", elbow at " << elbow;
+    }
+  }
 }
 
 TEST(IkTowards, RejectsWhatIsNotFinite) {

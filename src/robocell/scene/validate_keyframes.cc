@@ -1,6 +1,7 @@
 #include "robocell/scene/validate_keyframes.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <set>
@@ -42,6 +43,36 @@ std::set<std::string> ConfiguredJoints(const std::vector<RobotRecord>& robots) {
   return joints;
 }
 
+// The reference position if it is inside the limits, else the middle between them.
+double NearestHome(const mjModel* model, int joint) {
+  const double reference = model->qpos0[model->jnt_qposadr[joint]];
+  const mjtNum* range = model->jnt_range + 2 * joint;
+  const bool inside = !model->jnt_limited[joint] || (reference > range[0] && reference < range[1]);
+  return inside ? reference : (range[0] + range[1]) / 2;
+}
+
+// Of a group for which neither the robot's file nor its model says a home.
+void WarnOfReference(const mjModel* model, const PartKey& home, const RobotRecord& robot,
+                     const std::string& group_name, const MoveGroupConfig& group, CompileLog& log) {
+  std::vector<std::string> wrong;
+  std::vector<double> possible;
+  for (const std::string& name : group.joints) {
+    const int joint = FindId(model, mjOBJ_JOINT, robot.prefix + name);
+    if (joint < 0 || model->jnt_type[joint] == mjJNT_FREE || model->jnt_type[joint] == mjJNT_BALL)
+      return;
+    possible.push_back(NearestHome(model, joint));
+    if (home.qpos.contains(robot.prefix + name)) continue;
+    if (auto text = OutsideLimits(model, joint, model->qpos0[model->jnt_qposadr[joint]], name))
+      wrong.push_back(std::move(*text));
+  }
+  if (wrong.empty()) return;
+  log.Warn(fmt::format("robot '{}'", robot.name),
+           fmt::format("'{0}' has no home, so it begins at the model's reference position: {1}. "
+                       "Give it one: home: {{{0}: [{2:.4g}]}}",
+                       group_name, fmt::join(wrong, "; "), fmt::join(possible, ", ")),
+           "move_groups." + group_name);
+}
+
 }  // namespace
 
 std::optional<std::string> OutsideLimits(const mjModel* model, int joint, double value,
@@ -73,6 +104,12 @@ void ValidateKeyframes(const mjModel* model, const PartKeys& parts,
     }
   };
   check(parts.home, true);
+  for (const RobotRecord& robot : robots) {
+    for (const auto& [name, group] : robot.config.move_groups.entries()) {
+      if (!robot.config.home.find(name))
+        WarnOfReference(model, parts.home, robot, name, *group, log);
+    }
+  }
   for (const auto& [name, key] : parts.presets) check(key, false);
 }
 

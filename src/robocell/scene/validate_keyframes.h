@@ -24,7 +24,9 @@ std::optional<std::string> OutsideLimits(const mjModel* model, int joint, double
                                          const std::string& shown);
 
 // Reports the keyframe values that are outside the limits: as a problem where a reset would use
-// them (of `home`, unless a robot's file replaces them), as a warning in other keyframes.
+// them (of `home`, unless a robot's file replaces them), as a warning in other keyframes. A group of
+// a robot without any home begins at the model's reference positions; a warning names those that
+// are outside the limits, with a home to write.
 void ValidateKeyframes(const mjModel* model, const PartKeys& parts,
                        const std::vector<RobotRecord>& robots, CompileLog& log);
 

@@ -37,5 +37,15 @@ TEST_F(Keyframes, OfTheModelOutsideTheLimitsAreWarningsUnlessTheyAreHome) {
                                             "joint 'hip'")));
 }
 
+TEST_F(Keyframes, AReferenceOutsideTheLimitsIsAWarningWithAHomeUnlessOneIsGiven) {
+  const auto warning = HasSubstr(
+      "'arm' has no home, so it begins at the model's reference position: 0 is outside the limits "
+      "0.5 to 2 of joint 'hip'. Give it one: home: {arm: [1.25, 0]}");
+  Model({.hip = "0.5 2"});
+  EXPECT_THAT(Build().compiled()->warnings(), ::testing::Contains(warning));
+  Model({.hip = "0.5 2", .rest = "<keyframe><key name=\"home\" qpos=\"1 0 0 0\"/></keyframe>"});
+  EXPECT_THAT(Build().compiled()->warnings(), Not(::testing::Contains(warning)));
+}
+
 }  // namespace
 }  // namespace robocell::internal
