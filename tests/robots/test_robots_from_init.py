@@ -6,9 +6,9 @@ import os
 from pathlib import Path
 
 import pytest
-from robots_from_init import Row, measure, menagerie_models, package_models
 
 from menagerie import require_menagerie
+from robots_from_init import Row, measure, menagerie_models, package_models
 
 EPISODES = 20
 LEAST_SHARE = 0.9  # of all models
