@@ -20,6 +20,7 @@ COMMANDS = (
     "verify",
     "replay",
     "evaluate",
+    "init",
     "check",
     "gripper-range",
     "ik-test",

@@ -1,0 +1,73 @@
+"""What `robocell check` prints of a robot, and `robocell init` of the file that it wrote."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from rich.console import Console
+
+from robocell import ArgumentError, EngineError, SpecError
+from robocell.cli.common import fail, print_wide
+from robocell.cli.robot_picture import draw_robot
+from robocell.cli.robot_scene import RobotScene
+from robocell.cli.robot_table import actuators_table, frames_table, joints_table, summary_lines
+from robocell.diagnose import Severity, check_robot, validate_robot, why_no_picks
+
+
+def print_report(
+    loaded: RobotScene, picture: Path | None, print_warning: Callable[[str], None]
+) -> list[str]:
+    """Prints tables, notes and warnings, and tries the robot out; returns the warnings.
+
+    Ends the command when what the file says is not so in the model.
+
+    Args:
+        loaded: The robot in a scene of its own.
+        picture: Where a PNG of it goes; none unless given.
+        print_warning: Called with each warning.
+    """
+    try:
+        loaded.scene.reset()
+        summary = list(summary_lines(loaded))  # measures the grippers
+    except (ArgumentError, EngineError):  # what was found before may be why
+        for warning in loaded.scene.warnings:
+            print_warning(warning)
+        raise
+    console = Console(soft_wrap=True)
+    for line in summary:
+        console.print(line, markup=False, highlight=False)
+    for table in (joints_table(loaded), actuators_table(loaded), frames_table(loaded)):
+        console.print()
+        print_wide(table)
+    if picture:
+        draw_robot(loaded, picture)
+        print(f"\npicture: {picture}")
+    wrong = _wrong(loaded)
+    no_picks = [] if wrong else why_no_picks(loaded.robot)
+    found = check_robot(loaded.robot, beside_warnings=True)
+    notes = [str(finding) for finding in found if finding.severity is Severity.NOTE]
+    warnings = [
+        *loaded.scene.warnings,
+        *(str(finding) for finding in found if finding.severity is Severity.WARNING),
+    ]
+    console.print()
+    unfit = [f"no robot for pick tasks: {reason}" for reason in no_picks]
+    for note in [*loaded.scene.notes, *notes, *unfit]:
+        console.print(f"note: {note}", markup=False, highlight=False)
+    for warning in warnings:
+        print_warning(warning)
+    if wrong:
+        fail(wrong)
+    if not warnings:
+        print("nothing found wrong")
+    return warnings
+
+
+def _wrong(loaded: RobotScene) -> str:
+    """What the file says although the model does otherwise; no run is made with that."""
+    try:
+        validate_robot(loaded.robot)
+    except SpecError as error:
+        return str(error)
+    return ""

@@ -1,0 +1,29 @@
+"""Robot files made from models: what `robocell init` knows about MJCF and URDF.
+
+    guess = detect(Path("arm.xml"), Path("arm_model.xml"), "arm")
+    print(robot_text(guess, Path("arm.yaml")))
+
+One file per idea: `roots`, `bases`, `limbs`, `hands`, `tcp`, `home`, `cameras`, `arm_control` read
+something off the model and say why; `detect` puts it together; `trial` loads and mends it.
+"""
+
+from robocell.onboarding.detect import detect
+from robocell.onboarding.guess import Confidence, Guess
+from robocell.onboarding.pick_run import can_pick, run_text
+from robocell.onboarding.prepared import model_text
+from robocell.onboarding.robot_file import robot_text
+from robocell.onboarding.robot_guess import RobotGuess
+from robocell.onboarding.trial import Trial, tried
+
+__all__ = [
+    "Confidence",
+    "Guess",
+    "RobotGuess",
+    "Trial",
+    "can_pick",
+    "detect",
+    "model_text",
+    "robot_text",
+    "run_text",
+    "tried",
+]

@@ -1,0 +1,237 @@
+"""`robocell init` as people use it: the files that it writes load and are checked."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+import init_models
+import robocell
+from command_line import refused, robocell_command
+
+
+def init(folder: Path, text: str, *options: object, name: str = "arm.xml") -> dict:
+    """Runs it on a model in a folder of its own; the robot file as plain data."""
+    model = folder / name
+    model.write_text(text)
+    result = robocell_command("init", model, "-o", folder / "out.yaml", *options)
+    assert result.returncode == 0, result.stdout + result.stderr
+    assert "Traceback" not in result.stderr
+    return yaml.safe_load((folder / "out.yaml").read_text())
+
+
+def kinds(written: dict) -> dict[str, str]:
+    return {name: group["kind"] for name, group in written["move_groups"].items()}
+
+
+class TestRobots:
+    def test_an_arm_with_a_hand_that_an_equality_closes(self, tmp_path: Path):
+        written = init(tmp_path, init_models.arm_with_hand())
+        assert kinds(written) == {"arm": "arm", "gripper": "gripper"}
+        assert written["root_body"] == "base"
+        assert written["base"]["kind"] == "mocap"
+        arm, gripper = written["move_groups"]["arm"], written["move_groups"]["gripper"]
+        assert arm["joints"] == "j1..j6"
+        assert arm["actuators"] == "m_j1..m_j6"
+        assert gripper["actuators"] == ["grip"]
+        assert gripper["fingers"] == [{"body": "left_finger"}, {"body": "right_finger"}]
+        assert written["home"]["gripper"] == [0.03, 0.03]
+        # Between the pads, which are 20 to 80 mm above the hand, looking away from the wrist.
+        (edit,) = written["edits"]
+        assert edit["body"] == "hand"
+        assert edit["pos"] == pytest.approx([0, 0, 0.08], abs=0.005)
+        assert [camera["name"] for camera in written["cameras"]] == ["wrist_camera", "exo_camera"]
+
+    def test_its_gripper_is_measured_as_it_is_in_the_model(self, tmp_path: Path):
+        init(tmp_path, init_models.arm_with_hand())
+        ranges = robocell_command("gripper-range", tmp_path / "out.yaml").stdout
+        assert "0.002 - 0.062" in ranges
+
+    def test_a_scara_starts_with_room_at_every_limit(self, tmp_path: Path):
+        written = init(tmp_path, init_models.scara())
+        arm = written["move_groups"]["arm"]
+        assert arm["joints"] == "j1..j4"
+        assert arm["leaf"] == {"site": "tool"}
+        slide = written["home"]["arm"][2]
+        assert -0.15 + written["home_noise"]["arm"][2] <= slide
+        assert slide <= -written["home_noise"]["arm"][2]
+
+    def test_a_desktop_arm_with_one_jaw(self, tmp_path: Path):
+        written = init(tmp_path, init_models.desktop_arm())
+        assert written["move_groups"]["arm"]["joints"] == ["pan", "lift", "elbow", "flex", "roll"]
+        gripper = written["move_groups"]["gripper"]
+        assert gripper["joints"] == ["jaw"]
+        # Measured at the tips: near its hinge a jaw opens hardly at all.
+        sites = {edit["add_site"]: edit for edit in written["edits"] if "add_site" in edit}
+        tips = [sites[finger["site"]] for finger in gripper["fingers"]]
+        assert {tip["body"] for tip in tips} == {"jaw_fixed", "jaw_moving"}
+        assert "size" not in written["base"]  # small enough for the table
+
+    def test_a_mobile_base_keeps_its_joints(self, tmp_path: Path):
+        written = init(tmp_path, init_models.mobile_arm())
+        assert written["root_body"] == "car"
+        assert written["move_groups"]["base_joints"]["joints"] == ["x", "y", "yaw"]
+        assert written["move_groups"]["arm"]["joints"] == "j1..j6"
+
+    def test_two_arms_on_a_torso(self, tmp_path: Path):
+        written = init(tmp_path, init_models.torso())
+        assert kinds(written) == {
+            "left_arm": "arm",
+            "left_gripper": "gripper",
+            "right_arm": "arm",
+            "right_gripper": "gripper",
+            "torso": "generic",
+        }
+        assert written["root_body"] == "chest"
+        assert written["move_groups"]["torso"]["joints"] == ["waist"]
+
+    def test_two_arms_beside_each_other_become_one_robot(self, tmp_path: Path):
+        written = init(tmp_path, init_models.two_arms_apart())
+        assert written["model"] == "out_model.xml"
+        assert [name for name, kind in kinds(written).items() if kind == "arm"] == [
+            "left_arm",
+            "right_arm",
+        ]
+        made = (tmp_path / "out_model.xml").read_text()
+        assert "cube" not in made
+        assert made.startswith("<!-- Made from arm.xml by `robocell init`")
+
+    def test_a_hand_alone_is_held_where_a_task_puts_it(self, tmp_path: Path):
+        written = init(tmp_path, init_models.hand_alone())
+        assert kinds(written) == {"gripper": "gripper"}
+        assert written["edits"][0]["delete"] == {"joint": "hand:joint0"}
+        assert written["base"] == {"kind": "mocap"}
+
+    def test_of_a_suction_cup_it_says_what_is_not_there_yet(self, tmp_path: Path):
+        written = init(tmp_path, init_models.suction_arm())
+        assert kinds(written) == {"arm": "arm"}
+        assert written["move_groups"]["arm"]["leaf"] == {"site": "tip"}
+        assert "suction cup" in (tmp_path / "out.yaml").read_text()
+
+    def test_an_arm_that_begins_at_the_models_root_gets_a_base(self, tmp_path: Path):
+        written = init(tmp_path, init_models.first_joint_at_the_root())
+        assert written["root_body"] == "robot_base"
+        assert written["move_groups"]["arm"]["joints"] == "j1..j6"
+
+    @pytest.mark.parametrize("text", [init_models.without_servos(), init_models.urdf()])
+    def test_joints_without_actuators_get_servos_that_hold_them(self, tmp_path: Path, text: str):
+        name = "arm.urdf" if "<robot" in text else "arm.xml"
+        written = init(tmp_path, text, name=name)
+        assert written["model"] == "out_model.xml"
+        config = robocell.RobotConfig.load(tmp_path / "out.yaml")
+        scene = robocell.Scene.build(_alone(config))
+        findings = robocell.diagnose.check_robot(robocell.Robot.of(scene, "out"))
+        assert [str(f) for f in findings if f.severity is robocell.diagnose.Severity.WARNING] == []
+
+    def test_a_urdf_keeps_its_fixed_links(self, tmp_path: Path):
+        written = init(tmp_path, init_models.urdf(), name="arm.urdf")
+        assert written["root_body"] == "base_link"
+        assert written["move_groups"]["arm"]["leaf"] == {"body": "tool0"}
+
+    def test_of_coupled_joints_it_says_that_they_are_no_arm_yet(self, tmp_path: Path):
+        init(tmp_path, init_models.parallelogram())
+        assert "'j3' follows 'j2'" in " ".join((tmp_path / "out.yaml").read_text().split())
+
+
+def _alone(config: robocell.RobotConfig) -> robocell.SceneSpec:
+    spec = robocell.SceneSpec(name="one", timestep=0.002, add_floor=True, add_skybox=False)
+    spec.robots.append(robocell.RobotSpec(name="out", config=config))
+    return spec
+
+
+class TestFile:
+    def test_every_guess_has_its_reason_above_it(self, tmp_path: Path):
+        init(tmp_path, init_models.arm_with_hand())
+        lines = (tmp_path / "out.yaml").read_text().splitlines()
+        for start in ("root_body:", "base:", "  - {add_site", "  arm:", "  gripper:", "home:"):
+            (at,) = [i for i, line in enumerate(lines) if line.startswith(start)]
+            assert lines[at - 1].lstrip().startswith("# "), lines[at]
+        assert any("[sure]" in line for line in lines)
+        assert all(len(line) <= 100 for line in lines if line.lstrip().startswith("#"))
+
+    def test_a_keyframe_home_is_taken(self, tmp_path: Path):
+        key = "<keyframe><key name='home' qpos='.1 .3 .9 0 .6 0 .03 .03'/></keyframe>"
+        text = init_models.arm_with_hand().replace("</mujoco>", f"{key}</mujoco>")
+        assert init(tmp_path, text)["home"]["arm"] == [0.1, 0.3, 0.9, 0, 0.6, 0]
+        assert "the model's keyframe 'home' [sure]" in (tmp_path / "out.yaml").read_text()
+
+    def test_a_keyframe_in_which_the_robot_touches_itself_is_not(self, tmp_path: Path):
+        collide = init_models.arm_with_hand().replace("contype='0' conaffinity='0'", "", 1)
+        key = "<keyframe><key name='home' qpos='0 0 2.6 0 2 0 .03 .03'/></keyframe>"
+        init(tmp_path, collide.replace("</mujoco>", f"{key}</mujoco>"))
+        text = " ".join((tmp_path / "out.yaml").read_text().replace("#", "").split())
+        assert "not the keyframe 'home'" in text
+
+    def test_names_that_yaml_reads_otherwise_are_quoted(self, tmp_path: Path):
+        text = init_models.arm_with_hand().replace("'j1'", "'a: b'").replace("'m_j1'", "'#1'")
+        written = init(tmp_path, text)
+        assert written["move_groups"]["arm"]["joints"][0] == "a: b"
+
+    def test_the_run_file_beside_it_makes_picks(self, tmp_path: Path):
+        init(tmp_path, init_models.arm_with_hand())
+        run = yaml.safe_load((tmp_path / "out_pick.yaml").read_text())
+        assert run["robot"] == "out.yaml"
+        result = robocell_command(
+            "generate", tmp_path / "out_pick.yaml", "--episodes", 1, "--set", "cameras.streams=[]",
+            "--output", tmp_path / "dataset",
+        )  # fmt: skip
+        assert result.returncode == 0, result.stdout + result.stderr
+
+
+class TestCommand:
+    def test_files_that_exist_are_kept_unless_forced(self, tmp_path: Path):
+        init(tmp_path, init_models.scara())
+        (tmp_path / "out.yaml").write_text("mine")
+        message = refused("init", tmp_path / "arm.xml", "-o", tmp_path / "out.yaml")
+        assert "exists. Replace it with --force" in message
+        assert (tmp_path / "out.yaml").read_text() == "mine"
+        init(tmp_path, init_models.scara(), "--force")
+        assert (tmp_path / "out.yaml").read_text() != "mine"
+
+    def test_nothing_else_is_left_beside_the_result(self, tmp_path: Path):
+        init(tmp_path, init_models.scara())
+        assert sorted(file.name for file in tmp_path.iterdir()) == ["arm.xml", "out.yaml"]
+
+    def test_a_missing_model_names_those_that_are_there(self, tmp_path: Path):
+        (tmp_path / "panda.xml").write_text(init_models.scara())
+        assert "panda.xml" in refused("init", tmp_path / "pandas.xml")
+
+    @pytest.mark.parametrize(
+        ("text", "said"),
+        [
+            ("<mujoco><worldbody/></mujoco>", "the model has no bodies"),
+            (
+                "<mujoco><worldbody><body><geom size='.1'/></body></worldbody></mujoco>",
+                "has a hinge or a slide",
+            ),
+            ("<mujoco><worldbody><body", "MuJoCo cannot read it: XML parse error"),
+            ("<mujocoinclude/>", "A model file begins with <mujoco> or <robot>"),
+            ("name: x", "not an XML file"),
+        ],
+    )
+    def test_what_is_no_robot_is_refused_with_the_reason(
+        self, tmp_path: Path, text: str, said: str
+    ):
+        (tmp_path / "x.xml").write_text(text)
+        assert said in refused("init", tmp_path / "x.xml", "-o", tmp_path / "x.yaml")
+        assert not (tmp_path / "x.yaml").exists()
+
+    def test_it_asks_where_it_is_not_sure(self, tmp_path: Path):
+        (tmp_path / "arm.xml").write_text(
+            init_models.scara().replace(
+                "<site name='tool'", "<site name='north'/><site name='south' pos='0 0 .01'/><site"
+            )
+        )
+        result = robocell_command(
+            "init", tmp_path / "arm.xml", "-o", tmp_path / "out.yaml", "--interactive", input="2\n"
+        )
+        assert result.returncode == 0, result.stdout + result.stderr
+        assert "TCP of arm?" in result.stdout
+        leaf = yaml.safe_load((tmp_path / "out.yaml").read_text())["move_groups"]["arm"]["leaf"]
+        assert leaf["site"] in ("north", "south")
+
+    def test_it_draws_the_robot(self, tmp_path: Path):
+        init(tmp_path, init_models.scara(), "--picture", tmp_path / "arm.png")
+        assert (tmp_path / "arm.png").read_bytes().startswith(b"\x89PNG")

@@ -1,0 +1,188 @@
+"""What `robocell init` reads off models, part by part, without the command."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+import init_models
+from robocell import SpecError
+from robocell.onboarding import Confidence, Guess, detect, model_text, robot_text
+from robocell.onboarding.actuation import Actuation, Drive
+from robocell.onboarding.hands import find_fingers
+from robocell.onboarding.home import first_contact
+from robocell.onboarding.jaws import is_jaw
+from robocell.onboarding.limbs import Anatomy
+from robocell.onboarding.roots import anatomy_of, find_roots
+from robocell.onboarding.source_model import SourceModel, load_model
+from robocell.onboarding.yaml_text import Raw, comment, flow, name_list
+
+
+def source_of(folder: Path, text: str) -> SourceModel:
+    file = folder / "model.xml"
+    file.write_text(text)
+    return load_model(file)
+
+
+def anatomy(source: SourceModel) -> Anatomy:
+    return anatomy_of(source, Actuation(source), source.children(0)[0])
+
+
+class TestModels:
+    def test_unnamed_elements_have_the_labels_of_robot_files(self, tmp_path: Path):
+        world = (
+            "<body><geom size='.1'/><joint/><site/><body><joint/><geom size='.1'/></body></body>"
+        )
+        drive = "<actuator><motor joint='hip'/><motor joint='hip'/></actuator>"
+        named = world.replace("<joint/>", "<joint name='hip'/>", 1)
+        source = source_of(tmp_path, init_models.model("x", named, drive))
+        assert source.body_name(1) == "root_body"
+        assert source.body_name(2) == "root_body:body0"
+        assert source.joint_name(1) == "root_body:body0:joint0"
+        assert source.site_name(0) == "root_body:site0"
+        assert [source.actuator_name(i) for i in (0, 1)] == ["hip:actuator0", "hip:actuator1"]
+
+    def test_a_missing_mesh_says_where_a_urdf_is_looked_through(self, tmp_path: Path):
+        urdf = init_models.urdf().replace(
+            '<cylinder radius=".06"\nlength=".12"/>', '<mesh filename="package://a/b.stl"/>'
+        )
+        file = tmp_path / "arm.urdf"
+        file.write_text(urdf)
+        with pytest.raises(SpecError, match="looks for the meshes of a URDF beside the file"):
+            load_model(file)
+
+
+class TestActuators:
+    def test_kinds_are_those_of_their_force(self, tmp_path: Path):
+        drives = (
+            "<position joint='j1' kp='10'/><velocity joint='j2' kv='3'/><motor joint='j3'/>"
+            "<intvelocity joint='j4' kp='5' actrange='-1 1'/><position joint='j5' kp='9' "
+            "timeconst='.1'/><adhesion body='l6' ctrlrange='0 1'/>"
+        )
+        text = init_models.model("x", init_models.six_axis(), f"<actuator>{drives}</actuator>")
+        found = [each.drive for each in Actuation(source_of(tmp_path, text)).actuators]
+        assert found == [
+            Drive.POSITION, Drive.VELOCITY, Drive.MOTOR, Drive.OTHER, Drive.POSITION,
+            Drive.ADHESION,
+        ]  # fmt: skip
+
+    def test_a_tendon_pulls_the_joints_that_it_is_made_of(self, tmp_path: Path):
+        rest = (
+            "<tendon><fixed name='t'><joint joint='j2' coef='1'/><joint joint='j5' coef='-2'/>"
+            "</fixed></tendon><actuator><motor tendon='t'/></actuator>"
+        )
+        source = source_of(tmp_path, init_models.model("x", init_models.six_axis(), rest))
+        (actuator,) = Actuation(source).actuators
+        assert [source.joint_name(j) for j in actuator.joints] == ["j2", "j5"]
+        assert not actuator.is_on_joint
+
+    def test_equalities_carry_motion_along(self, tmp_path: Path):
+        source = source_of(tmp_path, init_models.arm_with_hand())
+        actuation = Actuation(source)
+        (grip,) = [a for a in actuation.actuators if a.name == "grip"]
+        names = {source.joint_name(joint) for joint in actuation.moved_by(grip)}
+        assert names == {"left_finger", "right_finger"}
+
+
+class TestParts:
+    def test_objects_of_a_scene_are_no_robot(self, tmp_path: Path):
+        source = source_of(tmp_path, init_models.two_arms_apart())
+        roots = find_roots(source, Actuation(source))
+        assert roots.value.names == ("left_base", "right_base")
+        assert "left out of the model's world: table, cube" in roots.reason
+
+    def test_a_wrist_that_folds_back_is_no_jaw(self, tmp_path: Path):
+        text = init_models.model("x", init_models.six_axis())
+        source = source_of(tmp_path, text)
+        assert not any(is_jaw(source, joint) for joint in range(source.model.njnt))
+
+    def test_a_jaw_is_one_wherever_its_arm_points(self, tmp_path: Path):
+        text = init_models.desktop_arm().replace(
+            "<body name='shoulder' pos='0 0 .05'>",
+            "<body name='shoulder' pos='0 0 .05' euler='.4 .9 -1.1'>",
+        )
+        source = source_of(tmp_path, text)
+        assert is_jaw(source, int(source.model.joint("jaw").id))
+        (limb,) = anatomy(source).limbs
+        assert len(limb.joints) == 5
+
+    @pytest.mark.parametrize("euler", ["0 0 0", "1.57 0 0", "0 3.14 0", ".3 -.8 2"])
+    def test_fingers_are_found_however_the_hand_is_turned(self, tmp_path: Path, euler: str):
+        text = init_models.linkage_hand().replace(
+            "<body name='hand'>", f"<body name='hand' euler='{euler}'>"
+        )
+        source = source_of(tmp_path, text)
+        hand = anatomy(source).limbs[0].hand
+        assert hand is not None
+        fingers = find_fingers(source, Actuation(source), hand).fingers
+        assert fingers is not None
+        assert {source.body_name(body) for body in fingers.bodies} == {"left", "right"}
+        assert (fingers.closed, fingers.open) == pytest.approx((0.002, 0.062), abs=1e-3)
+        assert np.abs(fingers.closing) == pytest.approx([0, 1, 0], abs=0.02)
+
+    def test_fingers_that_dry_friction_holds_are_found_with_less(self, tmp_path: Path):
+        held = init_models.arm_with_hand().replace("damping='5'", "damping='5' frictionloss='300'")
+        source = source_of(tmp_path, held)
+        hand = anatomy(source).limbs[0].hand
+        assert hand is not None
+        motion = find_fingers(source, Actuation(source), hand)
+        assert motion.fingers is not None
+        assert [source.joint_name(joint) for joint in motion.friction] == ["left_finger"]
+
+    def test_home_touches_nothing_and_is_where_things_are(self, tmp_path: Path):
+        file = tmp_path / "arm.xml"
+        file.write_text(init_models.arm_with_hand().replace("contype='0' conaffinity='0'", "", 1))
+        guess = detect(file, tmp_path / "m.xml", "arm")
+        source = guess.source
+        qpos = source.model.qpos0.copy()
+        qpos[:6] = guess.home["arm"]
+        assert first_contact(source, source.subtree(1), qpos) is None
+        data = source.new_data(qpos)
+        hand = int(source.model.body("hand").id)
+        assert data.xmat[hand].reshape(3, 3)[2, 2] < -0.9  # its z, where the fingers point, is down
+        assert data.xpos[hand][0] > 0.2
+        assert data.xpos[hand][2] > 0.1
+
+
+class TestText:
+    @pytest.mark.parametrize(
+        "value",
+        [
+            {"kind": "arm", "joints": ["a: b", "#1", "it's", "on", "1.5", "left/j1", "x y", ""]},
+            {"pos": [0.1, -2.0, 3], "ok": True, "nested": {"site": "tcp"}},
+        ],
+    )
+    def test_what_is_written_is_what_yaml_reads(self, value: dict):
+        assert yaml.safe_load(flow(value)) == value
+
+    def test_numbered_names_are_a_range(self):
+        assert name_list(["j1", "j2", "j3"]) == "j1..j3"
+        assert isinstance(name_list(["j1", "j2", "j3"]), Raw)
+        assert name_list(["j1", "j2", "j4"]) == ["j1", "j2", "j4"]
+
+    def test_comments_are_as_wide_as_lines(self):
+        lines = comment("word " * 60, "  ")
+        assert len(lines) > 2
+        assert all(line.startswith("  # ") and len(line) <= 100 for line in lines)
+
+    def test_a_guess_that_is_sure_offers_nothing_else(self):
+        assert Guess("a", "why", Confidence.HIGH, ("b",)).comment() == "why [sure]"
+        assert Guess("a", "why", Confidence.LOW, ("b",)).comment() == (
+            "why [unsure, please check]; instead of it: b"
+        )
+
+    def test_a_model_that_is_written_anew_loads_and_says_why(self, tmp_path: Path):
+        file = tmp_path / "arm.xml"
+        file.write_text(init_models.two_arms_apart())
+        guess = detect(file, tmp_path / "m.xml", "arm")
+        (tmp_path / "m.xml").write_text(model_text(guess.source, guess.prepared, guess.original))
+        again = load_model(tmp_path / "m.xml")
+        assert again.model.nq == guess.source.model.nq
+        np.testing.assert_allclose(again.model.body_pos, guess.source.model.body_pos, atol=1e-6)
+        # The first arm is at the origin, and the second where it was beside it.
+        left, right = (again.model.body(f"{side}_base").pos for side in ("left", "right"))
+        np.testing.assert_allclose([left, right], [[0, 0, 0], [0, -0.8, 0]], atol=1e-6)
+        assert "m.xml" in robot_text(guess, tmp_path / "arm.yaml")
