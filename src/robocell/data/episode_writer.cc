@@ -53,7 +53,7 @@ struct EpisodeWriter::Impl {
   std::string started = internal::UtcNow();
   EpisodeSchema schema;
   Json metadata;
-  Json features;  // what the columns are
+  Json features;  // the meaning of the columns
   Json versions;
   std::unique_ptr<internal::StepsFile> steps;
   // By the camera's number.
@@ -62,15 +62,15 @@ struct EpisodeWriter::Impl {
   std::vector<CameraFiles>& videos = *owned_videos;
   std::vector<std::string> extra_files;
   Json models = Json::object();
-  std::vector<FileSet> model_files;  // of these
+  std::vector<FileSet> model_files;  // by the metadata's names
   State state = State::kOpen;
   pid_t owner = getpid();
   std::string failure;
 
   ~Impl() { getpid() == owner ? Remove() : Abandon(); }
 
-  // In a fork of the process that began the episode: files and folders are the other's, which goes on
-  // writing. Closing them here would write and remove.
+  // Called in a fork of the process that began the episode: files and folders belong to the other
+  // process, which still writes. Closing them here would write and remove.
   void Abandon() noexcept {
     (void)steps.release();
     (void)work.release();
@@ -115,7 +115,7 @@ struct EpisodeWriter::Impl {
     throw IoError(failure);
   }
 
-  // On the disk by now.
+  // Returns the bytes on the disk so far.
   uint64_t BytesWritten() const {
     uint64_t bytes = 0;
     std::error_code error;
@@ -352,12 +352,12 @@ fs::path EpisodeWriter::Commit(const EpisodeSummary& summary) {
     impl_->RequireFramesMatchRows();
     impl_->CloseFiles();
     internal::DescribeEpisode(impl_->Content(), summary, results);
-    // Now: an episode that is given up leaves no model behind.
+    // Stored only now, so that an abandoned episode leaves no model behind.
     for (const FileSet& model : impl_->model_files) internal::StoreModel(impl_->dataset, model);
     try {
       internal::PutInPlace(*impl_->work, impl_->final);
     } catch (...) {
-      // From the rename on the episode is there, whatever comes.
+      // From the rename on the episode exists, whatever happens.
       if (impl_->work->committed()) impl_->state = State::kCommitted;
       throw;
     }

@@ -2,7 +2,7 @@
 // absent.
 //
 // Everything is written under a hidden temporary name in the dataset's folder. Commit() closes and
-// reads back the files, compares rows and frames with what was given, writes episode.json, flushes
+// reads back the files, compares rows and frames with the given ones, writes episode.json, flushes
 // all to the disk and renames the folder. Until then, and after Abort(), a failure, a crash or the
 // destructor, no episode is visible. After an IoError the episode cannot be saved: every later call
 // throws the same error.
@@ -16,7 +16,7 @@
 //   }
 //   episode.Commit({.success = true});
 //
-// The same calls give the same bytes in steps.h5 and the videos, and in episode.json but for its
+// The same calls give the same bytes in steps.h5 and the videos, and in episode.json except for its
 // `run` block. Put and EndRow allocate nothing of ours. One thread at a time per writer; writers in
 // several threads are independent.
 #pragma once
@@ -36,12 +36,12 @@
 namespace robocell {
 
 struct EpisodeOptions {
-  // JSON objects, stored sorted by key. metadata: seeds, spec, task: whatever describes the
-  // episode, free of times and machine names. versions: of parts that this layer does not know
-  // ("mujoco"); robocell's, HDF5's and the encoder's are added.
+  // JSON objects, stored sorted by key. metadata: everything that describes the episode, for
+  // example seeds, spec and task, without times and machine names. versions: of parts that this
+  // layer does not know ("mujoco"); those of robocell, HDF5 and the encoder are added.
   std::string metadata_json = "{}";
   std::string versions_json = "{}";
-  // The features of the columns; empty for recordings of something else.
+  // The features of the columns; empty for other recordings.
   FeatureSchema features = {};
   // Options of the videos, as in VideoOptions.
   std::string video_preset = "superfast";
@@ -56,24 +56,25 @@ struct EpisodeSummary {
   std::string end_reason;             // one of the stepper's: "success", "timeout", "diverged" ...
   std::vector<std::string> warnings;  // of the engine and of ours, one a line
   std::string results_json = "{}";    // an object: numbers for the report
-  // An object for the `run` block: worker, attempt times. The only place for what differs between
-  // runs; `host`, `process`, `started`, `finished` and `json_sha256` are added.
+  // An object for the `run` block: worker, attempt times. The only place for values that differ
+  // between runs; `host`, `process`, `started`, `finished` and `json_sha256` are added.
   std::string run_json = "{}";
 };
 
 class EpisodeWriter {
  public:
-  // Creates the temporary folder and starts the encoders. `dataset` must exist. ArgumentError for a
-  // bad id or JSON, IoError if an episode of that id exists or the folder cannot be written.
+  // Creates the temporary folder and starts the encoders. `dataset` must exist. Throws
+  // ArgumentError for a bad id or JSON, IoError if an episode of that id exists or the folder
+  // cannot be written.
   EpisodeWriter(const std::filesystem::path& dataset, const std::string& id,
                 const EpisodeSchema& schema, const EpisodeOptions& options = {});
   ~EpisodeWriter();  // aborts
   EpisodeWriter(EpisodeWriter&&) noexcept;
   EpisodeWriter& operator=(EpisodeWriter&&) noexcept;
 
-  // One column's values of the current row, row-major. ArgumentError, naming the column, for
-  // another type or length or a second value. Types must match exactly; NaN is allowed and means
-  // "there is none".
+  // Puts one column's values of the current row, row-major. Throws ArgumentError, with the column,
+  // for another type or length or a second value. Types must match exactly; NaN is allowed and
+  // means "there is none".
   void Put(ColumnId column, std::span<const double> values);
   void Put(ColumnId column, std::span<const float> values);
   void Put(ColumnId column, std::span<const int64_t> values);
@@ -89,26 +90,27 @@ class EpisodeWriter {
   void PutBytes(ColumnId column, ColumnType type, std::span<const std::byte> bytes);
   void EndRow(TableId table = kStepsTable);
 
-  // The frame of the next row that has none: row-major RGB. May come before or after EndRow().
+  // Writes the frame of the next row without one: row-major RGB. May be called before or after
+  // EndRow().
   void WriteFrame(CameraId camera, std::span<const uint8_t> rgb);
-  // The same of a camera with depth: row-major millimetres. Needed once per row too.
+  // The same for a camera with depth: row-major millimetres. Also needed once per row.
   void WriteDepth(CameraId camera, std::span<const uint16_t> millimetres);
-  // The same of a camera with segmentation: numbers of the schema's labels, or kNoSegment.
+  // The same for a camera with segmentation: numbers of the schema's labels, or kNoSegment. Throws
   // ArgumentError for a number without a label.
   void WriteSegmentation(CameraId camera, std::span<const uint16_t> labels);
 
-  // Another file of the episode, such as "notes.txt".
+  // Adds another file to the episode, such as "notes.txt".
   void AddFile(const std::string& name, std::string_view bytes);
 
-  // A model that the episode was made in, by the name that its metadata uses. Kept once in the
-  // dataset (model_store.h), from the first commit of an episode that has it.
+  // Adds a model of the episode's scene, by the name in its metadata. The dataset stores it once
+  // (model_store.h), from the first commit of an episode that has it.
   void AddModel(const std::string& name, const FileSet& model);
 
-  // Makes the episode visible and returns its folder. ArgumentError if a row is unfinished, there
-  // is no row, or a camera has not one frame per row; the episode can then still be corrected. The
-  // writer is closed afterwards.
+  // Makes the episode visible and returns its folder. Throws ArgumentError if a row is unfinished,
+  // there is no row, or a camera does not have one frame per row; the episode can then still be
+  // corrected. The writer is closed afterwards.
   std::filesystem::path Commit(const EpisodeSummary& summary);
-  // Removes what was written. Does nothing after Commit().
+  // Removes the written files. Does nothing after Commit().
   void Abort() noexcept;
 
   int64_t rows(TableId table = kStepsTable) const;
@@ -123,7 +125,7 @@ class EpisodeWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-// Whether `id` can be an episode's: a valid file name that does not begin with a dot.
+// Returns true if `id` can be an episode's: a valid file name that does not begin with a dot.
 bool IsEpisodeId(std::string_view id);
 
 }  // namespace robocell

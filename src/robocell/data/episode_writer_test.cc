@@ -36,14 +36,14 @@ using Json = nlohmann::ordered_json;
 
 void ExpectEmpty(const TempDir& folder) { EXPECT_TRUE(fs::is_empty(folder.path())); }
 
-// Decoders that wait for the next frame that somebody reads are children of this process too.
+// Decoders that wait for the next read frame are children of this process too.
 void ExpectNoChildLeft() {
   ReleaseIdleFiles();
   EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1);
   EXPECT_EQ(errno, ECHILD);
 }
 
-// Runs `body` in a process of its own, which ends with exit() like any program; gives its exit
+// Runs `body` in a process of its own, which ends with exit() like any program; returns its exit
 // code.
 int InOwnProcess(const std::function<int()>& body) {
   const pid_t pid = fork();
@@ -58,7 +58,7 @@ int CountDescriptors() {
       std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator()));
 }
 
-// Without its `run` block, which holds times and the host.
+// Removes the `run` block, which contains times and the host.
 Json WithoutRun(const fs::path& episode) {
   Json json = Json::parse(ReadFile(episode / "episode.json"));
   json.erase("run");
@@ -121,10 +121,10 @@ TEST(EpisodeWriter, FrameIBelongsToRowI) {
 TEST(EpisodeWriter, SameRowsGiveSameBytesInAnyProcessAndThread) {
   TempDir folder;
   const SampleEpisode sample(1);
-  // The same id in different datasets, as two runs would write it.
+  // Uses the same id in different datasets, like two runs.
   for (const char* run : {"a", "b", "c", "other"}) fs::create_directory(folder / run);
   std::thread thread([&] {
-    mallopt(M_PERTURB, 0x5a);  // fills freed memory: what is written must not depend on it
+    mallopt(M_PERTURB, 0x5a);  // fills freed memory, which must not affect the output
     sample.Write(folder / "b", "pick-000", 150);
   });
   sample.Write(folder / "a", "pick-000", 150);
@@ -316,7 +316,7 @@ TEST(EpisodeWriter, ADyingEncoderEndsTheEpisodeForGood) {
   ExpectNoChildLeft();
 }
 
-// A disk that is full after `bytes` per file. ffmpeg dies of SIGXFSZ, HDF5 sees EFBIG.
+// Simulates a disk that is full after `bytes` per file. ffmpeg dies of SIGXFSZ, HDF5 gets EFBIG.
 int WriteWithSpace(const SampleEpisode& sample, const fs::path& dataset, rlim_t bytes) {
   signal(SIGXFSZ, SIG_IGN);
   const rlimit limit{bytes, bytes};
@@ -406,7 +406,7 @@ TEST(EpisodeWriter, ManyEpisodesLeaveNoDescriptorsOpen) {
   TempDir folder;
   const SampleEpisode sample(0, false);
   sample.Write(folder.path(), "first");
-  ReleaseIdleFiles();  // what readers keep for their next call is another question
+  ReleaseIdleFiles();  // readers' cached files do not count here
   const auto before = CountDescriptors();
   for (int i = 0; i < 20; ++i) {
     sample.Write(folder.path(), "e" + std::to_string(i));

@@ -1,5 +1,5 @@
-// Whether the arms, with the controllers that runs use, stay at home and follow a small step of each
-// joint. What a file and its model say can be right and the servos still be too weak, too slow or
+// Tests whether the arms, with the controllers that runs use, stay at home and follow a small step
+// of each joint. A file and its model can be correct and the servos still be too weak, too slow or
 // blocked. Takes a few seconds for each joint that does not follow, and less for the others.
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
@@ -28,12 +28,12 @@ constexpr double kHeldRad = 0.01, kHeldMetres = 0.001;
 constexpr double kRampSeconds = 0.5, kFollowSeconds = 2.5;  // of a step
 constexpr double kTurn = 0.1, kShift = 0.05;                // a step of a hinge, of a slide
 constexpr double kShareOfRange = 0.25;                      // that a step has at most
-constexpr double kShareMissing = 0.2;                       // of a step, that need not be reached
-constexpr double kSaturated = 0.98;                         // of what a servo may push with
+constexpr double kShareMissing = 0.2;                       // of a step, tolerated
+constexpr double kSaturated = 0.98;                         // of the largest force of a servo
 constexpr double kSlow = 0.4;                               // a servo's time constant, seconds
-constexpr double kExplains = 0.5;                           // of what is missing, for a cause
+constexpr double kExplains = 0.5;                           // of the missing motion, for a cause
 
-// Why a joint is not where it should be, and what to do about it.
+// The reason why a joint is not where it should be, and what to do about it.
 struct Cause {
   std::string why, remedy;
   std::string field;         // of the robot's file
@@ -94,7 +94,7 @@ class ArmTrial {
     return name.starts_with(robot_.prefix()) ? name.substr(robot_.prefix().size()) : name;
   }
 
-  // False when the simulation diverges.
+  // Returns false if the simulation diverges.
   bool Step() {
     robot_.Update();
     const StepResult result = scene_.Step();
@@ -138,7 +138,8 @@ class ArmTrial {
     return holds;
   }
 
-  // A controller of torques or velocities is told no positions, and one of poses may choose others.
+  // Returns false for a controller of torques or velocities, which takes no positions, and for one
+  // of poses, which may choose others.
   bool TakesPositions() const {
     const TargetKind kind = robot_.controller(arm_.name()).target_kind();
     return kind == TargetKind::kJointPositions || kind == TargetKind::kJointSteps;
@@ -154,7 +155,7 @@ class ArmTrial {
     Tell(misses, fmt::format(" when it is sent there from home and given {:g} s", kFollowSeconds));
   }
 
-  // Nothing when the joint follows in one direction: the other may be blocked.
+  // Unset if the joint follows in one direction: the other may be blocked.
   std::optional<Miss> TryJoint(size_t i) {
     const Interval limits = arm_.joint_pos_limits()[i];
     const double up = limits.upper - home_[i], down = home_[i] - limits.lower;
@@ -190,7 +191,7 @@ class ArmTrial {
                 size - moved, Why(i, q[i], Touching()[i])};
   }
 
-  // One text for all joints with the same remedy.
+  // Adds one text for all joints with the same remedy.
   void Tell(std::vector<Miss> misses, const std::string& when) {
     while (!misses.empty()) {
       const Miss worst = misses.front();
@@ -208,7 +209,8 @@ class ArmTrial {
     }
   }
 
-  // Per joint: what touches what the joint moves, "'hand' and 'floor'"; "" for nothing.
+  // Returns, for each joint, the contacts of the bodies that it moves, "'hand' and 'floor'"; "" for
+  // none.
   std::vector<std::string> Touching() const {
     std::vector<std::string> out(joints_.size());
     for (const Contact& contact : scene_.contacts()) {
@@ -225,7 +227,7 @@ class ArmTrial {
     return out;
   }
 
-  // The position servo of a joint; -1 when something else drives it.
+  // Returns the position servo of a joint; -1 if something else drives it.
   int ServoOf(size_t i) const {
     for (const std::string& name : arm_.actuator_names()) {
       const int a = FindId(model(), mjOBJ_ACTUATOR, name);
@@ -236,7 +238,7 @@ class ArmTrial {
     return -1;
   }
 
-  // What a servo may push a joint with; unset without a limit.
+  // Returns the largest force of a servo on a joint; unset without a limit.
   std::optional<double> MostForce(size_t i, int servo) const {
     std::optional<double> most;
     const auto limit = [&](const mjtNum* range) {
@@ -250,7 +252,7 @@ class ArmTrial {
     return most;
   }
 
-  // Why it is not at `wanted`.
+  // Returns the reason why it is not at `wanted`.
   Cause Why(size_t i, double wanted, const std::string& touching) const {
     if (!touching.empty()) {
       return {fmt::format(": {} touch", touching),
@@ -275,7 +277,7 @@ class ArmTrial {
     return WithoutPrefix(ElementName(model(), mjOBJ_ACTUATOR, servo));
   }
 
-  // When the servo's ctrlrange ends so far before `wanted` that this is why.
+  // Returns the cause if the servo's ctrlrange ends far enough before `wanted` to explain it.
   std::optional<Cause> CutOff(size_t i, int servo, double wanted, double off) const {
     const int input = model()->actuator_ctrladr[servo];
     if (!model()->actuator_ctrllimited[input]) return std::nullopt;
@@ -325,7 +327,7 @@ class ArmTrial {
     return cause;
   }
 
-  // Gravity or damping where they explain it; else only what is measured is told.
+  // Returns gravity or damping if they explain it; else only the measurement.
   Cause TooSoft(size_t i, int servo, double gravity, double off) const {
     const int dof = model()->jnt_dofadr[joints_[i]];
     const mjtNum* bias = model()->actuator_biasprm + mjNBIAS * servo;
@@ -361,7 +363,7 @@ class ArmTrial {
     return cause;
   }
 
-  // To two digits.
+  // Rounds to two digits.
   static double Rounded(double value) {
     if (value <= 0) return 0;
     const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
@@ -389,7 +391,7 @@ void TryArms(Robot& robot, const TrialOptions& options, Findings& findings) {
     try {
       robot.controller(name);
     } catch (const NotFoundError&) {
-      continue;  // which makes the robot invalid (robot/validate_config.h)
+      continue;  // reported as invalid (robot/validate_config.h)
     }
     ArmTrial(robot, *arm, options.beside_warnings, findings).Run();
   }

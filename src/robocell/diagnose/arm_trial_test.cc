@@ -1,4 +1,4 @@
-// Arms that do not hold home or do not follow, told with the reason.
+// Tests arms that do not hold home or do not follow, reported with the reason.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ TEST_F(ArmTrials, AServoThatSagsUnderGravityIsToldHowMuchItNeeds) {
                             "raise the servos' stiffness (`stiffness`, N m/rad)"))));
 }
 
-// What is set already is not advised.
+// The advice leaves out settings that are already present.
 TEST_F(ArmTrials, WhatIsSetIsLookedAt) {
   EXPECT_THAT(Doubts("kp='50' kv='5'", "stiffness: 60\n"),
               ElementsAre(AllOf(StartsWith(file_ + ":5:12: stiffness: joint 'hip' drifts by"),
@@ -74,7 +74,7 @@ TEST_F(ArmTrials, AServoThatMayNotBeSentThereIsToldWithItsRange) {
                     "`home`")));
 }
 
-// The scene warns of it by itself, with the numbers to write.
+// The scene itself warns of it, with the numbers to write.
 TEST_F(ArmTrials, AServoThatTheSceneWarnsOfIsToldOnce) {
   Doubts("kp='500' kv='50' ctrlrange='-0.1 0.1'", "gravcomp: true\nhome: {arm: [0.3]}\n");
   const Robot robot = RobotAlone(RobotConfig::Load(file_));
@@ -90,7 +90,7 @@ TEST_F(ArmTrials, AServoThatTheSceneWarnsOfIsToldOnce) {
               ElementsAre(HasSubstr("joint 'hip' drifts by 0.05")));
 }
 
-// Neither gravity nor damping: what is measured, and nothing that would not help.
+// Neither gravity nor damping: the finding has the measurement, and no useless advice.
 TEST_F(ArmTrials, AServoThatSomethingElseHoldsIsToldWithWhatIsMeasured) {
   EXPECT_THAT(
       Doubts("kp='500' kv='50'", "gravcomp: true\n", "",

@@ -1,6 +1,6 @@
-// Cameras that a robot's configuration adds or moves belong to it: one that is far away was placed
-// in other units, or in the frame of something else. Where the model's own file has its cameras is
-// its author's intention.
+// Cameras that a robot's configuration adds or moves belong to it: a distant one was placed in
+// other units, or in another frame. The places of cameras in the model's own file are its author's
+// intention.
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
@@ -17,13 +17,13 @@
 namespace robocell::internal {
 namespace {
 
-// How far away a camera may be: it looks at what the robot does, or, carried by the arm, at what is
-// in front of it. In metres, and in sizes of the robot.
+// The largest distance of a camera: it looks at the work of the robot, or, carried by the arm, at
+// what is in front of the arm. In metres, and in sizes of the robot.
 constexpr double kCameraFar = 3, kCarriedFar = 1;
 
 using Eigen::Vector3d;
 
-// A camera that the configuration gives a place, and where it does.
+// A camera that the configuration places, and where.
 struct GivenCamera {
   int id = -1;
   std::string name, place;
@@ -86,7 +86,7 @@ class CameraCheck {
     return (high - low).matrix().norm();
   }
 
-  // To the nearest geom.
+  // Returns the distance to the nearest geom.
   double Distance(const Vector3d& point) const {
     double nearest = std::numeric_limits<double>::infinity();
     for (const int g : geoms_)

@@ -1,4 +1,4 @@
-// Cameras that are far away from the robot that they belong to.
+// Tests cameras that are far away from their robot.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kLeastSide = 32;  // pixels
 
-// What the run's robot does, in a scene of its own. On a floor: a free base that falls carries
+// Tries the run's robot in a scene of its own. It stands on a floor: a free base that falls carries
 // nothing.
 std::vector<Finding> TryRobotAlone(const RunConfig& run) {
   SceneSpec spec{.name = run.run,
@@ -29,14 +29,14 @@ std::vector<Finding> TryRobotAlone(const RunConfig& run) {
                     {.beside_warnings = true, .for_run = true});
 }
 
-// An error of trying it is a problem of the robot.
+// An error of the trial becomes a problem of the robot.
 void AddRobotWarnings(const RunConfig& run, std::vector<std::string>& warnings) {
   try {
     for (const Finding& finding : TryRobotAlone(run)) {
       if (finding.severity == Severity::kWarning) warnings.push_back(LineWithoutSubject(finding));
     }
   } catch (const IoError&) {
-    throw;  // of the disk, not of the run
+    throw;  // an error of the disk, not of the run
   } catch (const Error& error) {
     Problems problems(run.locations);
     problems.AddAt("robot", error.what());

@@ -1,5 +1,6 @@
-// All that can be said of a run before its first episode: what refuses it (rollout/validate_run.h),
-// then what works and is probably not meant. `robocell generate` shows it.
+// Checks everything about a run before its first episode: problems that reject it
+// (rollout/validate_run.h), then valid settings that are probably unintended. `robocell generate`
+// shows it.
 //
 //   for (const std::string& warning : CheckRun(RunConfig::Load("pick.yaml"))) ...
 #pragma once
@@ -11,8 +12,8 @@
 
 namespace robocell {
 
-// The errors of ValidateRun. Returns warnings: those of compiling the scene, of the task and its
-// expert; for runs of the scripted expert, what its robot does not do as it is told
+// Throws the errors of ValidateRun. Returns warnings: those of compiling the scene, of the task and
+// its expert; for runs of the scripted expert, commands that its robot does not follow
 // (check_robot.h); images that are too small to show anything. Writes nothing.
 std::vector<std::string> CheckRun(const RunConfig& run, const RunDemands& demands = {});
 

@@ -31,7 +31,7 @@ TEST(CheckRun, WhatWorksAndMayNotBeMeantIsReturned) {
               "pos='0 0 -.01'/><site name='table_top'/></body></worldbody></mujoco>");
   run.scenes = FilesScenes{.files = {(folder / "table.xml").string()}};
   run.cameras.resolution = {4, 4};
-  run.options.cone = FrictionCone::kPyramidal;  // the table and the robot want another one
+  run.options.cone = FrictionCone::kPyramidal;  // the table and the robot specify another one
   EXPECT_THAT(CheckRun(run),
               ElementsAre(HasSubstr("base: asks for cone elliptic, the scene uses pyramidal"),
                           HasSubstr("robot 'rc7': asks for cone elliptic"),
@@ -58,7 +58,7 @@ TEST(CheckRun, AnArmThatItsWeightPullsDownIsTold) {
                                             HasSubstr("gravity asks for"))));
 }
 
-// A group that nothing drives has no actions, and is no reason to refuse a run.
+// A group without actuators has no actions, and is no reason to reject a run.
 TEST(CheckRun, AGroupWithoutAControllerIsToldAndRecordedWithoutActions) {
   TempDir folder;
   RunConfig run = Demo();

@@ -8,7 +8,7 @@ constexpr ModelCheck* kModelChecks[] = {ROBOCELL_MODEL_CHECKS(ROBOCELL_ADDRESS)}
 constexpr RobotTrial* kRobotTrials[] = {ROBOCELL_ROBOT_TRIALS(ROBOCELL_ADDRESS)};
 #undef ROBOCELL_ADDRESS
 
-// What every compile of a scene warns of.
+// The warnings of every compile of a scene.
 void InspectCompiled(const CompiledRobot& robot, CompileLog& log) {
   Findings findings(robot.place(), [&](const std::string& subject, std::string_view field) {
     return log.SourceOf(subject, field);
@@ -22,7 +22,7 @@ void InspectCompiled(const CompiledRobot& robot, CompileLog& log) {
   }
 }
 
-// Scenes are compiled below this layer, which they know nothing of.
+// Scenes are compiled in a lower layer, which does not know this one.
 [[maybe_unused]] const bool kInstalled = InstallRobotInspection(&InspectCompiled);
 
 }  // namespace

@@ -7,9 +7,9 @@
 #include "robocell/robot/robot.h"
 #include "robocell/scene/robot_inspection.h"
 
-// Looks at a robot's compiled model. These run at every compile: they allocate little and step
-// nothing. Each stands in the file that is called like it (CheckFingers in fingers.cc). The scale
-// comes first: in a robot of millimetres, what the others find follows from it.
+// Checks a robot's compiled model. These run at every compile: they allocate little and step
+// nothing. Each is in the file of the same name (CheckFingers in fingers.cc). The scale comes
+// first: in a robot in millimetres it causes the findings of the others.
 #define ROBOCELL_MODEL_CHECKS(CHECK) \
   CHECK(CheckScale)                  \
   CHECK(CheckFingers)                \
@@ -37,9 +37,9 @@ ROBOCELL_MODEL_CHECKS(ROBOCELL_DECLARE)
 #undef ROBOCELL_DECLARE
 
 struct TrialOptions {
-  // Leaves out what the warnings of the robot's scene say already.
+  // Leaves out findings that the warnings of the robot's scene already contain.
   bool beside_warnings = false;
-  // For a run, whose task says which arms it uses.
+  // For a run, whose task chooses the arms.
   bool for_run = false;
 };
 using RobotTrial = void(Robot&, const TrialOptions&, Findings&);
@@ -47,7 +47,7 @@ using RobotTrial = void(Robot&, const TrialOptions&, Findings&);
 ROBOCELL_ROBOT_TRIALS(ROBOCELL_DECLARE)
 #undef ROBOCELL_DECLARE
 
-// All of them, in the order of the lists, which is that of their findings.
+// Returns all checks, in the order of the lists, which is the order of their findings.
 std::span<ModelCheck* const> ModelChecks();
 std::span<RobotTrial* const> RobotTrials();
 

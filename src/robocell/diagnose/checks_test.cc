@@ -21,7 +21,7 @@ TEST(Checks, AreAllListed) {
   EXPECT_EQ(RobotTrials()[0], &TryFirstArm);
 }
 
-// Scenes know nothing of this layer, and every compile warns all the same.
+// Scenes do not know this layer, but every compile warns.
 using CompileWarnings = ArmWithHand;
 TEST_F(CompileWarnings, AreThoseOfAllModelChecksInTheirOrder) {
   EXPECT_THAT(

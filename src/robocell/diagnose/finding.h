@@ -1,5 +1,5 @@
-// Finding: what a check says about somebody's robot. One struct for all checks, so that whoever
-// shows them (the command line, a log, a report) needs to know only this one.
+// Finding: the result of a check of a robot. All checks use one struct, so that code that shows
+// them (the command line, a log, a report) only needs this one.
 #pragma once
 
 #include <string>
@@ -8,24 +8,24 @@
 namespace robocell {
 
 enum class Severity {
-  kNote,     // good to know; needs no change
-  kWarning,  // it works, and is probably not what was meant
+  kNote,     // a remark that needs no change
+  kWarning,  // valid, but probably unintended
 };
 
 struct Finding {
   std::string subject;  // "robot 'left'", "robot 'left' / camera 'wrist'"
   Severity severity = Severity::kWarning;
-  std::string place;  // "arm.yaml:9:14" or "arm.xml:12"; "" when it stands in no file
-  std::string text;   // what is found, why, and the next step
-  std::string edit;   // the entry of the robot file's `edits` that mends it; "" when none does
+  std::string place;  // "arm.yaml:9:14" or "arm.xml:12"; "" if it is in no file
+  std::string text;   // the finding, its reason, and the next step
+  std::string edit;   // the entry of the robot file's `edits` that fixes it; "" if there is none
 };
 
-// "arm.yaml:9:14: robot 'left': joint 'hip' may turn from ...".
+// Returns "arm.yaml:9:14: robot 'left': joint 'hip' may turn from ...".
 std::string Line(const Finding& finding);
-// The same without the subject, where only one robot is spoken of.
+// Returns the same without the subject, for texts about a single robot.
 std::string LineWithoutSubject(const Finding& finding);
 
-// The lines of all warnings, without the notes.
+// Returns the lines of all warnings, without the notes.
 std::vector<std::string> WarningLines(const std::vector<Finding>& findings);
 
 }  // namespace robocell

@@ -1,4 +1,4 @@
-// Private to diagnose: collects what checks find about one robot, each finding at its place.
+// Private to diagnose: collects the findings of checks about one robot, each with its place.
 #pragma once
 
 #include <functional>
@@ -13,18 +13,18 @@ namespace robocell::internal {
 
 class Findings {
  public:
-  // `source_of` says where a field of a subject's configuration stands.
+  // `source_of` returns the place of a field in a subject's configuration.
   using SourceOf = std::function<std::string(const std::string& subject, std::string_view field)>;
   Findings(std::string subject, SourceOf source_of)
       : subject_(std::move(subject)), source_of_(std::move(source_of)) {}
 
-  // At a field of the robot's configuration ("home_noise.arm"). The text names the field where a
-  // reader needs it. `edit` is the part of the text that goes into `edits`.
+  // Adds a warning at a field of the robot's configuration ("home_noise.arm"). The text names the
+  // field if necessary. `edit` is the part of the text for `edits`.
   void Warn(std::string_view field, std::string text, std::string edit = "") {
     WarnOf(subject_, field, std::move(text), std::move(edit));
   }
-  // The same, and the line begins with the field: "home: 'arm' and 'post' touch ...". A text that
-  // begins with a place of its own keeps that instead.
+  // The same, but the line begins with the field: "home: 'arm' and 'post' touch ...". A text that
+  // begins with its own place keeps that instead.
   void WarnAbout(const std::string& field, const std::string& text, std::string edit = "");
   // The same as Warn for a part of the robot, "robot 'left' / camera 'wrist'".
   void WarnOf(const std::string& subject, std::string_view field, std::string text,
@@ -32,7 +32,7 @@ class Findings {
     list_.push_back({subject, Severity::kWarning, source_of_(subject, field), std::move(text),
                      std::move(edit)});
   }
-  // At a line of a model: "arm.xml:12".
+  // Adds a warning at a line of a model: "arm.xml:12".
   void WarnAt(std::string source, std::string text, std::string edit = "") {
     list_.push_back(
         {subject_, Severity::kWarning, std::move(source), std::move(text), std::move(edit)});

@@ -1,4 +1,4 @@
-// Whether the distance of a gripper's fingers, which is its opening, says what the gripper does.
+// Checks that the distance of a gripper's fingers, which is its opening, matches its motion.
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
@@ -28,7 +28,7 @@ void WarnOfHinges(const Robot& robot, Findings& findings) {
   }
 }
 
-// Where the file says the controls, it says which of them are openings.
+// If the file sets the controls, it determines which of them are openings.
 void WarnOfEarlyMeeting(const Robot& robot, Findings& findings) {
   for (const auto& [name, config] : robot.config().move_groups.entries()) {
     if (!config->ctrl || !robot.has_group(name)) continue;
@@ -38,7 +38,7 @@ void WarnOfEarlyMeeting(const Robot& robot, Findings& findings) {
     try {
       meets = gripper->Measure().meets;
     } catch (const Error&) {
-      continue;  // told by whoever needs the distances
+      continue;  // reported by the code that needs the distances
     }
     if (meets == 0) continue;
     const auto [open, closed] = *config->ctrl;

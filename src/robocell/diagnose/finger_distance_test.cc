@@ -1,4 +1,4 @@
-// Grippers whose finger distance does not say what they do.
+// Tests grippers whose finger distance does not match their motion.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// A finger that hangs on joints must be moved by something, with force enough to hold something,
-// and have something to touch with.
+// A finger on joints needs an actuator that is strong enough to hold an object, and a geom that can
+// touch it.
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
@@ -44,7 +44,7 @@ bool TendonHas(const mjModel* m, int tendon, const FingerJoints& joints) {
   return false;
 }
 
-// Whether one of the two things that an equality ties together is of the finger.
+// Returns true if one of the two elements that an equality ties together belongs to the finger.
 bool Ties(const mjModel* m, int equality, int id, const FingerJoints& joints) {
   if (id < 0) return false;
   switch (m->eq_type[equality]) {
@@ -58,7 +58,7 @@ bool Ties(const mjModel* m, int equality, int id, const FingerJoints& joints) {
       return IsInSubtree(m, body, joints.branch);
     }
     default:
-      return true;  // flexible bodies: not known
+      return true;  // flexible bodies: unknown
   }
 }
 
@@ -84,7 +84,8 @@ bool Collides(const mjModel* m, int geom) {
   return false;
 }
 
-// Whether a loop is closed in the finger: then its tip may hang on another branch of the hand.
+// Returns true if the finger contains a closed loop: then its tip may hang on another branch of the
+// hand.
 bool IsLinkage(const mjModel* m, const FingerJoints& joints) {
   for (int e = 0; e < m->neq; ++e) {
     if (m->eq_type[e] != mjEQ_CONNECT && m->eq_type[e] != mjEQ_WELD) continue;
@@ -93,7 +94,7 @@ bool IsLinkage(const mjModel* m, const FingerJoints& joints) {
   return false;
 }
 
-// Whether the finger has a geom that can touch something.
+// Returns true if the finger has a geom that can touch something.
 bool CanTouch(const mjModel* m, int hand, int finger, const FingerJoints& joints) {
   const bool linkage = !joints.ids.empty() && IsLinkage(m, joints);
   const int root = linkage ? hand : joints.branch < 0 ? finger : joints.branch;
@@ -103,8 +104,8 @@ bool CanTouch(const mjModel* m, int hand, int finger, const FingerJoints& joints
   return false;
 }
 
-// What an actuator may push with: its forcerange, or, where it is less, what the ends of its
-// ctrlrange are apart. Unset where nothing bounds it.
+// Returns the largest force of an actuator: its forcerange, or the difference between the ends of
+// its ctrlrange if that is smaller. Unset without a bound.
 std::optional<double> MostForce(const mjModel* m, int a) {
   std::optional<double> most;
   if (m->actuator_forcelimited[a]) {
@@ -122,8 +123,8 @@ std::optional<double> MostForce(const mjModel* m, int a) {
   return most;
 }
 
-// What it takes to hold what hangs on a degree of freedom against gravity from the side, N or N m.
-// Unset for those of balls and free bodies.
+// Returns the force that holds the bodies on a degree of freedom against gravity from the side, N
+// or N m. Unset for those of balls and free bodies.
 std::optional<double> Weight(const mjModel* m, const mjData* d, int dof) {
   constexpr double kGravity = 9.81;  // the scene may have none
   const int joint = m->dof_jntid[dof], body = m->dof_bodyid[dof];
@@ -135,7 +136,7 @@ std::optional<double> Weight(const mjModel* m, const mjData* d, int dof) {
   return weight * axis.cross(com - anchor).norm();
 }
 
-// Actuators of a gripper that push less, all together, than its fingers weigh.
+// Reports actuators of a gripper whose total force is less than the weight of its fingers.
 void CheckForces(const CompiledRobot& of, const std::string& field,
                  const std::vector<std::string>& actuators, Findings& findings) {
   const mjModel* m = of.model;
@@ -174,7 +175,7 @@ void CheckForces(const CompiledRobot& of, const std::string& field,
                   *Weight(m, d, weakest), actuators.front()));
 }
 
-// Each finger that nothing moves, or that has nothing to touch with.
+// Reports each finger that nothing moves, or that has nothing to touch with.
 void CheckMotion(const CompiledRobot& of, const std::string& field,
                  const std::array<int, 2>& fingers, Findings& findings) {
   const mjModel* m = of.model;

@@ -1,4 +1,4 @@
-// Fingers that can hold nothing.
+// Tests fingers that cannot hold anything.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-// Which arm and gripper are meant where one of each is used: the first arm of the robot's file, and
-// the gripper that this arm carries.
+// The arm and gripper that are meant where one of each is used: the first arm of the robot's file,
+// and the gripper that this arm carries.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace robocell::internal {
 namespace {
 
-// Groups of a kind, in the order of the file.
+// Returns the groups of a kind, in the order of the file.
 std::vector<std::string> GroupsOfKind(const Robot& robot, MoveGroupKind kind) {
   std::vector<std::string> names;
   for (const auto& [name, group] : robot.config().move_groups.entries()) {
@@ -21,7 +21,7 @@ std::vector<std::string> GroupsOfKind(const Robot& robot, MoveGroupKind kind) {
   return names;
 }
 
-// Of a robot whose gripper is on another arm than the first.
+// Warns of a robot whose gripper is on another arm than the first.
 void WarnOfGripperElsewhere(const Robot& robot, const std::vector<std::string>& arms,
                             Findings& findings) {
   for (const std::string& arm : arms) {

@@ -1,4 +1,4 @@
-// Robots of several arms: which one is meant where one is used.
+// Tests which of several arms is meant where one is used.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// What of a robot overlaps with anything before it has moved.
+// Finds overlaps of a robot with anything before it has moved.
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
@@ -16,7 +16,7 @@
 namespace robocell::internal {
 namespace {
 
-// Whether a gripper moves both bodies: a closed one touches itself.
+// Returns true if a gripper moves both bodies: a closed one touches itself.
 bool InOneGripper(const Robot& robot, int a, int b) {
   const mjModel* m = robot.scene().model();
   for (const std::string& name : robot.group_names()) {
@@ -31,7 +31,7 @@ bool InOneGripper(const Robot& robot, int a, int b) {
   return false;
 }
 
-// Whether a robot stands on one of the two with the other: a body that no arm or gripper moves.
+// Returns true if a robot stands on one body with the other: a body that no arm or gripper moves.
 bool StandsOn(const Robot& robot, int a, int b) {
   const mjModel* m = robot.scene().model();
   if (m->body_weldid[a] != 0 && m->body_weldid[b] != 0) return false;

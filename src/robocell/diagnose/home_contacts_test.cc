@@ -1,4 +1,4 @@
-// What touches at home.
+// Tests contacts at home.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ TEST_F(HomeContacts, WhatIsWithinAMarginDoesNotTouch) {
   EXPECT_THAT(Doubts("kp='500' kv='50'", "gravcomp: true\n", block), IsEmpty());
 }
 
-// Neither two objects of its scene nor the fingers of a closed gripper.
+// Excludes contacts of two objects of its scene and of the fingers of a closed gripper.
 TEST_F(HomeContacts, ContactsAreThoseOfTheRobot) {
   Doubts("kp='500' kv='50'");
   const std::string gripper = folder_.Write("grip", kTwoFingerGripper);

@@ -1,9 +1,9 @@
-// Masses and inertias that no rigid body has, and servos that are too stiff for what they move
-// (servo_stability.h): the simulation blows up with them, and what is noticed first is something
-// else (fingers that never come to rest).
+// Finds masses and inertias that no rigid body has, and servos that are too stiff for their load
+// (servo_stability.h): the simulation diverges with them, but the first visible symptom is another
+// one (fingers that never come to rest).
 //
-// A body of mass m and no more than kLongest metres long, of the densest metal, is thinnest as a
-// rod: about its axis it has the inertia m^2 / (2 pi density length). A body whose mass lies within
+// A body of mass m and at most kLongest metres long, of the densest metal, is thinnest as a rod:
+// about its axis it has the inertia m^2 / (2 pi density length). A body whose mass lies within
 // kWidest metres has at most the inertia m * kWidest^2.
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
@@ -52,7 +52,7 @@ class InertiaCheck {
   void CheckBody(int body) {
     const double mass = m_->body_mass[body];
     const mjtNum* inertia = m_->body_inertia + 3 * static_cast<ptrdiff_t>(body);
-    if (mass <= 0 || m_->body_dofnum[body] == 0) return;  // counts with what it is fixed to
+    if (mass <= 0 || m_->body_dofnum[body] == 0) return;  // counts with the body it is fixed to
     const auto [least, most] = std::minmax_element(inertia, inertia + 3);
     const double thinnest = mass * mass / (2 * kPi * kDensest * kLongest);
     if (*least < kLeastShare * thinnest && *least >= 0 && !HasArmature(body)) {
@@ -68,7 +68,7 @@ class InertiaCheck {
     }
   }
 
-  // Of a part that is too large its size is what is wrong (scale.cc).
+  // The problem of a part that is too large is its size (scale.cc).
   bool IsWide(int body) const {
     const int first = m_->body_geomadr[body];
     for (int g = first; g >= 0 && g < first + m_->body_geomnum[body]; ++g) {
@@ -77,7 +77,7 @@ class InertiaCheck {
     return false;
   }
 
-  // Rotors may be all that the joints of a light part move.
+  // Rotors may be the only load of the joints of a light part.
   bool HasArmature(int body) const {
     const int first = m_->body_dofadr[body];
     for (int dof = first; dof < first + m_->body_dofnum[body]; ++dof) {
@@ -104,7 +104,7 @@ class InertiaCheck {
                     inertia, name, what, bound, armature));
   }
 
-  // All that have the robot file's `stiffness` are one finding, at that field.
+  // All servos with the robot file's `stiffness` give one finding, at that field.
   void LookAtGains(const std::vector<UnstableServo>& unstable) {
     const std::optional<double>& stiffness = robot_.config.stiffness;
     const UnstableServo* weakest = nullptr;

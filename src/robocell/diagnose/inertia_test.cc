@@ -1,4 +1,4 @@
-// Inertias that no body has, and gains that the timestep cannot follow.
+// Tests inertias that no body has, and gains that the timestep cannot follow.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -87,7 +87,7 @@ TEST_F(Inertia, AStiffnessOfTheRobotsFileIsToldThereOnce) {
   EXPECT_EQ(told, 1);
 }
 
-// Of a gripper, whose servo may be scaled and act on a tendon.
+// The servo of a gripper may be scaled and act on a tendon.
 TEST_F(Inertia, TheLimitOfATendonsGainIsTheEngines) {
   const auto build = [&](double kp) {
     const std::string model =
@@ -130,7 +130,7 @@ TEST_F(Inertia, TheLimitOfATendonsGainIsTheEngines) {
   }
 }
 
-// The greatest gain is where the engine's own steps begin to overshoot more each time.
+// The largest gain is the one from which on the engine's own steps overshoot more each time.
 TEST_F(Inertia, TheLimitOfAGainIsTheEngines) {
   for (const double damping : {0.0, 0.5, 5.0}) {
     const auto servo = [&](double kp) {

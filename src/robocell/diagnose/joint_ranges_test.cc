@@ -9,7 +9,7 @@
 namespace robocell::internal {
 namespace {
 
-// Looks at the compiled robot in the place of diagnose's own checks.
+// Inspects the compiled robot instead of diagnose's own checks.
 class JointRangesTest : public ArmWithHand {
  protected:
   ~JointRangesTest() override { InstallRobotInspection(before_); }

@@ -1,4 +1,4 @@
-// A robot stands on its pedestal: the lowest of what does not move of it lies on the top's face.
+// A robot should stand on its pedestal: the lowest of its fixed parts lies on the top face.
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
@@ -29,8 +29,8 @@ struct FixedPart {
   }
 };
 
-// Half of what a shape takes along each axis of the frame that it is turned into. A turned box
-// around the shape would be too large: round links would seem to reach into their pedestals.
+// Returns half of a shape's extent along each axis of the frame that it is rotated into. A rotated
+// box around the shape would be too large: round links would seem to reach into their pedestals.
 Vector3d HalfExtents(int type, const mjtNum* size, const mjtNum* half_sizes, const RowMajor& turn) {
   const Vector3d axis = turn.col(2).cwiseAbs();
   switch (type) {
@@ -77,7 +77,7 @@ FixedPart MeasureFixedPart(const mjModel* m, const mjData* d, int base, int root
   return out;
 }
 
-// "" when it stands on it.
+// Returns "" if it stands on the pedestal.
 std::string HowFarOff(const FixedPart& part, const Vec3& size) {
   const double height = part.low.z() - size[2];
   double beside = 0;
@@ -101,7 +101,7 @@ void CheckPedestals(const CompiledRobot& robot, Findings& findings) {
   const int root = FindId(m, mjOBJ_BODY, record.root_body);
   if (!record.base.size || pedestal < 0 || base < 0 || root < 0) return;
   const FixedPart part = MeasureFixedPart(m, robot.reference, base, root, pedestal);
-  if (!std::isfinite(part.low.x())) return;  // nothing but joints
+  if (!std::isfinite(part.low.x())) return;  // only joints
   const std::string off = HowFarOff(part, *record.base.size);
   if (off.empty()) return;
   findings.Warn("base",

@@ -1,4 +1,4 @@
-// Robots that do not stand on their pedestal.
+// Tests robots that do not stand on their pedestal.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

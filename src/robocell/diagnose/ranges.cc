@@ -1,5 +1,5 @@
-// Ranges of joints and noise against each other: what the engine takes without a word and is seldom
-// meant. servos.cc has the servos.
+// Compares ranges of joints and noise with each other: values that the engine accepts silently and
+// that are seldom intended. servos.cc has the servos.
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
@@ -18,11 +18,11 @@
 namespace robocell::internal {
 namespace {
 
-constexpr double kMostTurn = 4 * kPi;            // what a hinge's limit may be, rad
-constexpr double kLeastTurn = Radians(4 * kPi);  // what 4 pi become that are taken for degrees
+constexpr double kMostTurn = 4 * kPi;                  // the largest limit of a hinge, rad
+constexpr double kLeastTurn = Radians(4 * kPi);        // 4 pi taken for degrees
 constexpr double kDegreesLow = 50, kDegreesHigh = 65;  // around 180 / pi
 constexpr double kAsFar = 0.5;                         // of a joint's range
-constexpr double kWholeTurns = 720;                    // what degrees of a joint are at most
+constexpr double kWholeTurns = 720;                    // the largest number of degrees of a joint
 constexpr double kHardlyCoupled = 0.05;                // of the narrower of two coupled ranges
 
 // The checks of one robot. Names are those of its part.
@@ -50,7 +50,7 @@ class RangeCheck {
   }
 
  private:
-  // The number of the edit that gives the joint its range.
+  // Returns the number of the edit that gives the joint its range.
   std::optional<size_t> EditOf(const std::string& joint) const {
     const auto& edits = robot_.config.edits;
     for (size_t i = edits.size(); i-- > 0;) {
@@ -60,14 +60,14 @@ class RangeCheck {
     return std::nullopt;
   }
 
-  // At the edit that gives the joint its range, else where the model has the joint.
+  // Warns at the edit that gives the joint its range, else at the joint in the model.
   void WarnOfJoint(const std::string& joint, const std::string& message) {
     if (const auto edit = EditOf(joint))
       return findings_.Warn(fmt::format("edits[{}].range", *edit), message);
     findings_.WarnAt(PlaceInModel(part_, mjOBJ_JOINT, joint), message);
   }
 
-  // Without `limited` the engine then takes the joint as one without limits.
+  // Without `limited` the engine then treats the joint as unlimited.
   void CheckReversed(const std::string& name) {
     const int joint = ranges_.Joint(name);
     if (joint < 0 || m_->jnt_limited[joint]) return;
@@ -78,7 +78,7 @@ class RangeCheck {
                                   name, range.text(), range.upper, range.lower));
   }
 
-  // Some joints do turn that far: a winch, whose servo does too, or a wheel without end.
+  // Some joints do turn that far: a winch, whose servo does too, or an endless wheel.
   void CheckTooFar(const MoveGroupConfig& group, const std::string& name) {
     const int joint = ranges_.Joint(name);
     if (joint < 0 || !ranges_.IsHinge(joint) || !m_->jnt_limited[joint]) return;
@@ -99,18 +99,18 @@ class RangeCheck {
                                   name, range.text(), range.width() / (2 * kPi), meant));
   }
 
-  // Whether the joint's servo has been given the same range, or nearly.
+  // Returns true if the joint's servo has nearly the same range.
   bool ServoTurnsAsFar(const MoveGroupConfig& group, int joint) const {
     const int servo = ranges_.ServoOf(group, joint);
     const auto span = ranges_.ServoSpan(servo);
     if (!span || span->width() < kAsFar * ranges_.RangeOf(joint).width()) return false;
     const std::string name = ranges_.Name(mjOBJ_ACTUATOR, servo);
     mjsElement* element = FindSpecElement(part_.spec.get(), mjOBJ_ACTUATOR, name);
-    return !element || mjs_asActuator(element)->inheritrange == 0;  // that says nothing
+    return !element || mjs_asActuator(element)->inheritrange == 0;  // that has no effect here
   }
 
-  // Radians that were read as degrees: all hinges of an arm move next to nothing. One alone may be
-  // meant so, unless its servo says otherwise; so may those of fingers.
+  // Finds radians that were read as degrees: all hinges of an arm move hardly at all. A single one
+  // may be intended, unless its servo contradicts it; so may those of fingers.
   void CheckTooNarrow(const MoveGroupConfig& group) {
     const bool arm = group.kind == MoveGroupKind::kArm;
     int hinges = 0, widest = -1, telling = -1;
@@ -138,8 +138,8 @@ class RangeCheck {
                     ranges_.RangeOf(joint).text(), servo));
   }
 
-  // One hinge that moves next to nothing in an arm whose others do move, in a model whose angles
-  // are degrees: its numbers are small enough to be radians.
+  // Finds one hinge that moves hardly at all in an arm whose other hinges move, in a model in
+  // degrees: its numbers are small enough to be radians.
   void CheckOneTooNarrow(const MoveGroupConfig& arm) {
     if (!part_.spec->compiler.degree) return;
     std::vector<int> narrow;
@@ -167,7 +167,7 @@ class RangeCheck {
     }
   }
 
-  // An equality that lets a joint go only where the other one may not.
+  // Finds an equality that only lets a joint go where the other one may not.
   void CheckCouplings() {
     for (int e = 0; e < m_->neq; ++e) {
       const int first = m_->eq_obj1id[e], second = m_->eq_obj2id[e];
@@ -177,7 +177,7 @@ class RangeCheck {
     }
   }
 
-  // With an empty prefix the joint may be another part's.
+  // With an empty prefix the joint may belong to another part.
   bool IsOwn(int joint) const {
     const std::string full = ElementName(m_, mjOBJ_JOINT, joint);
     return full.starts_with(robot_.prefix) &&
@@ -206,8 +206,8 @@ class RangeCheck {
                 : std::string("Are its polycoef and the ranges right?")));
   }
 
-  // Where the first joint goes while the second moves through its range; `sign` is that of the
-  // polynomial beyond its constant.
+  // Returns the positions of the first joint while the second moves through its range; `sign` is
+  // that of the polynomial beyond its constant.
   Reach Coupled(int first, int second, const mjtNum* polynomial, double sign) const {
     constexpr int kParts = 50;
     const Reach range = ranges_.RangeOf(second);
@@ -227,20 +227,20 @@ class RangeCheck {
     return std::min(a.upper, b.upper) - std::max(a.lower, b.lower);
   }
 
-  // Whether the joint's range looks like its servo's, divided by 180 / pi.
+  // Returns true if the joint's range looks like its servo's, divided by 180 / pi.
   bool IsInDegrees(const MoveGroupConfig& group, int joint) const {
     const auto span = ranges_.ServoSpan(ranges_.ServoOf(group, joint));
     const double times = span ? span->width() / ranges_.RangeOf(joint).width() : 0;
     return times > kDegreesLow && times < kDegreesHigh;
   }
 
-  // Control and force ranges with the larger number first limit nothing either.
+  // Control and force ranges with the larger number first do not limit anything either.
   void CheckActuators() {
     for (int a = 0; a < m_->nactuator; ++a) {
       const std::string full = ElementName(m_, mjOBJ_ACTUATOR, a);
       if (!full.starts_with(robot_.prefix)) continue;
       if (!FindSpecElement(part_.spec.get(), mjOBJ_ACTUATOR, full.substr(robot_.prefix.size())))
-        continue;  // of something else, with an empty prefix
+        continue;  // belongs to another part, with an empty prefix
       const int input = m_->actuator_ctrladr[a];
       if (m_->actuator_ctrlnum[a] > 0 && !m_->actuator_ctrllimited[input])
         WarnReversed(a, "ctrlrange", m_->actuator_ctrlrange + 2 * input);
@@ -259,7 +259,7 @@ class RangeCheck {
                     attribute, name, Reach{range[0], range[1]}.text(), range[1], range[0]));
   }
 
-  // A gripper at home is at one end of its range, where noise is cut off by intention.
+  // A gripper at home is at one end of its range, where noise is clipped on purpose.
   void CheckNoise(const std::string& group_name, const std::vector<double>& noise) {
     const MoveGroupConfig* group = robot_.config.move_groups.find(group_name);
     if (!group || noise.empty()) return;

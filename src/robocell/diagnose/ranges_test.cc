@@ -1,4 +1,5 @@
-// Ranges that contradict each other, radians that were read as degrees and degrees as radians.
+// Tests ranges that contradict each other, radians that were read as degrees, and degrees as
+// radians.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

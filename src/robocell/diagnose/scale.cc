@@ -1,4 +1,4 @@
-// A robot that moves parts as large as houses: MJCF is in metres, and CAD programs write
+// Finds robots that move parts as large as houses: MJCF is in metres, and CAD programs write
 // millimetres.
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>

@@ -1,4 +1,4 @@
-// Models in other units than metres.
+// Tests models in other units than metres.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -35,7 +35,7 @@ TEST_F(Scales, ARobotInMillimetresIsToldWithTheScale) {
       << "what it stands on";
 }
 
-// What else is found in such a robot follows from its scale.
+// Other findings in such a robot follow from its scale.
 TEST_F(Scales, TheScaleIsToldFirst) {
   std::string model = With(R"(<geom name="link" type="box" size="15 15 130" mass="1"/>)", "<site");
   const std::string range = "range=\"";

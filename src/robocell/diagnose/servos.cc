@@ -28,10 +28,10 @@ namespace {
 constexpr double kHardlyAny = 0.05;  // of a joint's range: no safety margin
 constexpr double kManyTimes = 20;    // a joint's range; degrees are 57 times
 constexpr double kManyTurns = 4 * kPi;
-// See CheckDampingAtTheLimit. The Panda of the Menagerie has 4.1, where what is left of it is motion
-// by 0.2 mrad; its Gen3 has 7.8 to 148, and swings with 200 rad/s.
+// See CheckDampingAtTheLimit. The Panda of the Menagerie has 4.1, where a motion of 0.2 mrad
+// remains; its Gen3 has 7.8 to 148, and swings with 200 rad/s.
 constexpr double kJumpsOver = 5;
-constexpr double kHardlyTurns = Radians(4 * kPi);  // what 4 pi become that are taken for degrees
+constexpr double kHardlyTurns = Radians(4 * kPi);  // 4 pi taken for degrees
 
 class ServoCheck {
  public:
@@ -104,14 +104,14 @@ class ServoCheck {
   std::vector<std::string> short_;
 };
 
-// The hinge with a range that a position servo drives; -1 without.
+// Returns the hinge with a range that a position servo drives; -1 if there is none.
 int HingeOf(const mjModel* m, int actuator) {
   if (actuator < 0 || !ActsOnJoint(m, actuator) || !IsPositionServo(m, actuator)) return -1;
   const int joint = m->actuator_trnid[2 * actuator];
   return m->jnt_type[joint] == mjJNT_HINGE && m->jnt_limited[joint] ? joint : -1;
 }
 
-// Of arms and grippers: a finger's controls are the ends of this very range unless it is said.
+// Checks arms and grippers: by default a finger's controls are the ends of this range.
 void CheckForDegrees(const CompiledRobot& robot, const MoveGroupConfig& group, Findings& findings) {
   const mjModel* m = robot.model;
   const Part& part = robot.part;
@@ -138,17 +138,17 @@ void CheckForDegrees(const CompiledRobot& robot, const MoveGroupConfig& group, F
   }
 }
 
-// The smallest number of two digits that is not less: 0.05, 0.13.
+// Returns the smallest two-digit number that is not less: 0.05, 0.13.
 double RoundedUp(double value) {
   const double digit = std::pow(10, std::floor(std::log10(value)) - 1);
   return std::ceil(value / digit - 1e-9) * digit;
 }
 
 // The engine takes a servo's damping implicitly, but not while the force is at its limit F. There a
-// step dt changes the speed by dt F / M, and the servo damps only within speeds F / kv of where it
-// would rest. With kv dt / M > 2 a step can jump over all of these, from one limit to the other, and
-// back with the next: it does in a share of 1 - 2 / (kv dt / M) of the speeds. M is the inertia at
-// the model's reference.
+// step dt changes the speed by dt F / M, and the servo damps only within speeds F / kv of its rest
+// position. With kv dt / M > 2 a step can jump over all of these, from one limit to the other, and
+// back with the next: it does so in a share of 1 - 2 / (kv dt / M) of the speeds. M is the inertia
+// at the model's reference.
 void CheckDampingAtTheLimit(const CompiledRobot& robot, const std::string& group_name,
                             const MoveGroupConfig& group, Findings& findings) {
   const mjModel* m = robot.model;

@@ -1,4 +1,4 @@
-// Servos whose ctrlrange does not fit their joints.
+// Tests servos whose ctrlrange does not fit their joints.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -70,7 +70,7 @@ TEST_F(ServoRanges, AForceInOneDirectionOnlyIsAWarningWhoseEditMendsIt) {
   }
 }
 
-// The largest speed of the knee on its way to a target half a radian ahead.
+// Returns the largest speed of the knee on its way to a target half a radian ahead.
 double SpeedOfKnee(Scene scene) {
   scene.Reset();
   scene.SetActuatorCtrl("a/s2", 0.5);

@@ -1,6 +1,6 @@
-// Whether an arm's TCP is where its gripper holds things. A site of another unit or on another body
-// goes unnoticed otherwise: what is picked up is picked up all the same, and the poses and twists
-// that a dataset records are those of a point where nothing is.
+// Checks that an arm's TCP is where its gripper holds objects. Otherwise a site in another unit or
+// on another body goes unnoticed: picking works all the same, but the poses and twists in a dataset
+// belong to a point in empty space.
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
@@ -49,7 +49,7 @@ double DistanceTo(const mjModel* m, const mjData* d, const Finger& finger, const
   return nearest;
 }
 
-// Of what the distance of the fingers is measured between.
+// Returns the middle of the geoms between which the finger distance is measured.
 Vector3d MiddleOf(const mjModel* m, const mjData* d, const Finger& finger) {
   if (finger.site >= 0) return Eigen::Map<const Vector3d>(d->site_xpos + 3 * finger.site);
   if (finger.geoms.empty()) return Eigen::Map<const Vector3d>(d->xpos + 3 * finger.body);
@@ -63,8 +63,8 @@ std::string PlaceText(Vector3d p) {
   return fmt::format("[{:.3g}, {:.3g}, {:.3g}]", p.x(), p.y(), p.z());
 }
 
-// An arm whose TCP is farther than that, and than the fingers are apart, from both fingers of its
-// gripper. Nothing of arms without such a gripper.
+// Warns of an arm whose TCP is farther than that, and than the fingers' distance, from both fingers
+// of its gripper. Ignores arms without such a gripper.
 void WarnOfFarTcp(const Robot& robot, const MoveGroup& arm, Findings& findings) {
   const std::string name = robot.gripper_of(arm.name());
   if (name.empty()) return;

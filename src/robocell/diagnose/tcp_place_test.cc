@@ -1,4 +1,4 @@
-// TCPs that are not where the gripper holds things.
+// Tests TCPs that are not where the gripper holds objects.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,8 +16,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-// An arm of one joint whose hand has two fingers that slide, 0.1 m long, and the TCP where it is
-// told.
+// An arm of one joint whose hand has two sliding fingers, 0.1 m long, and the TCP at a given place.
 class TcpPlace : public ::testing::Test {
  protected:
   std::vector<std::string> Doubts(const std::string& tcp) {

@@ -1,4 +1,4 @@
-// Each spatial tendon with an armature that is led across a joint of an arm: chains leave it out.
+// Reports each spatial tendon with an armature that crosses a joint of an arm: chains leave it out.
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
@@ -12,7 +12,7 @@
 namespace robocell::internal {
 namespace {
 
-// Whether a tendon is led past bodies on both sides of a joint, by sites and geoms.
+// Returns true if sites and geoms guide a tendon past bodies on both sides of a joint.
 bool IsLedAcross(const mjModel* m, int tendon, int joint) {
   bool beyond = false, before = false;
   for (int w = m->tendon_adr[tendon]; w < m->tendon_adr[tendon] + m->tendon_num[tendon]; ++w) {
@@ -23,7 +23,7 @@ bool IsLedAcross(const mjModel* m, int tendon, int joint) {
   return beyond && before;
 }
 
-// Those of its arms; of a robot without groups all that it has.
+// Returns the joints of its arms; for a robot without groups all of its joints.
 std::vector<int> JointsOfChains(const mjModel* m, const RobotRecord& robot) {
   std::vector<int> joints;
   for (const auto& [name, group] : robot.config.move_groups.entries()) {

@@ -1,4 +1,4 @@
-// Tendons that chains leave out.
+// Tests tendons that chains leave out.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>

@@ -1,4 +1,5 @@
-// What of a robot nothing commands: groups without a controller, actuators without a group.
+// Finds the parts of a robot that no command reaches: groups without a controller, actuators
+// without a group.
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
@@ -18,8 +19,8 @@
 namespace robocell::internal {
 namespace {
 
-// Whether its actuators act on bodies, sites or tendons: no controller is made for these, whatever
-// the robot's file says. The first of them is described.
+// Describes the first actuator of the group that acts on a body, site or tendon: no controller is
+// made for these, whatever the robot's file says. Unset if there is none.
 std::optional<std::string> ActsElsewhere(const Robot& robot, const MoveGroup& group) {
   const mjModel* m = robot.scene().model();
   std::optional<std::string> first;
@@ -45,7 +46,7 @@ std::string AboutUndriven(const Robot& robot, const MoveGroup& group, const std:
       why, set);
 }
 
-// Arms and grippers that nothing drives are errors (robot/validate_config.h).
+// Arms and grippers without a drive are errors (robot/validate_config.h).
 void WarnOfUndriven(const Robot& robot, Findings& findings) {
   for (const std::string& name : robot.group_names()) {
     const MoveGroup& group = robot.group(name);

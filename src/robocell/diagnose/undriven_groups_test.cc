@@ -1,4 +1,4 @@
-// Actuators that nothing will command.
+// Tests actuators that no command reaches.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-// How an Env's episodes begin: a start is drawn until its objects lie still, and one is tried when
-// the environment is made.
+// The start of an Env's episodes: starts are drawn until the objects lie still, and one is tried
+// when the environment is made.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,13 +19,13 @@
 namespace robocell {
 namespace {
 
-constexpr int kMostStarts = 100;    // that are drawn for one reset
+constexpr int kMostStarts = 100;    // draws for one reset
 constexpr uint64_t kTriedSeed = 0;  // of the start that is tried when an environment is made
-// A tried start whose object turns over or moves by more than this does not rest where it is put.
+// A tried start whose object turns over or moves by more than this does not rest in place.
 constexpr double kMostTilt = 10;   // degrees
-constexpr double kMostDrop = 0.2;  // metres straight down, for an object may be dropped
+constexpr double kMostDrop = 0.2;  // metres straight down, because an object may be dropped
 
-// How what the task itself refused begins.
+// The beginning of the text about a task's own refusal.
 const std::string kRefused = "its arrange() refused: ";
 
 bool Contains(const std::vector<std::string>& names, const std::string& name) {
@@ -50,8 +50,8 @@ Pose RootPose(const Scene& scene, const std::string& object) {
   return scene.body_pose(scene.compiled()->object(object).root_body);
 }
 
-// What became of an object between two poses, "falls by 2.00 m"; "" when it stayed. An object may
-// turn about the vertical.
+// Describes the change of an object between two poses, "falls by 2.00 m"; "" if it stayed. An
+// object may turn about the vertical.
 std::string ChangeOf(const Pose& before, const Pose& after) {
   const Eigen::Vector3d way = after.translation() - before.translation();
   const Eigen::Vector3d was_up = before.rotation().row(2), is_up = after.rotation().row(2);
@@ -73,14 +73,14 @@ std::string WhyPlaced(const std::vector<std::string>& objects) {
 
 }  // namespace
 
-// "" when a start was found, else what was wrong most often. Each is drawn from what the seed's
-// stream has next.
+// Returns "" if a start was found, else the most frequent problem. Each start is drawn from the
+// next values of the seed's stream.
 std::string Env::MakeStart(uint64_t seed, const std::optional<KeyframeChoice>& keyframe,
                            const std::vector<std::vector<double>>& kept_joints) {
   Rng of_task = Rng::Stream(seed, "env task"), of_places = Rng::Stream(seed, "env places");
   std::map<std::string, int> reasons;
   for (int i = 0; i < kMostStarts; ++i) {
-    // Asked before the reset, which puts bodies there and is one evaluation of the scene.
+    // Called before the reset, which puts bodies there and is one evaluation of the scene.
     BodyPoses starts = task_ ? task_->Starts(of_task) : BodyPoses();
     if (prepared_) {
       const std::string why_not = prepared_->Draw(starts, of_places).why_not;
@@ -116,7 +116,7 @@ std::string Env::MakeStart(uint64_t seed, const std::optional<KeyframeChoice>& k
 }
 
 std::string Env::NoStart(const std::string& why) const {
-  // A size that is wrong by a factor of thousand is the reason of all others.
+  // A size that is wrong by a factor of thousand causes all other problems.
   if (const auto huge = ObjectsInMillimetres(scene_); !huge.empty())
     return fmt::format("{}: no episode can begin, because {}", place(), huge.front());
   const std::string found =
@@ -152,7 +152,7 @@ void Env::FindPreparedObjects(bool is_first) {
   PutPrepared(of_places);
 }
 
-// What the inspector accepts and warnings speak of is a start in which they lie free.
+// Puts them into a free start, which the inspector accepts and warnings describe.
 void Env::PutPrepared(Rng& rng) {
   for (int i = 0; i < kMostStarts; ++i) {
     BodyPoses places;
@@ -165,18 +165,18 @@ void Env::PutPrepared(Rng& rng) {
   }
 }
 
-// Looks at the scene as it is now, with objects in their places.
+// Inspects the present scene, with objects in their places.
 void Env::MakeInspector() {
   if (!resting_.empty()) start_inspector_.emplace(scene_, resting_);
 }
 
-// The scene is left as a reset leaves it.
+// Leaves the scene in the state after a reset.
 void Env::TryStart(bool is_first) {
   const SceneUse::Claim claim(scene_.use(), "Env::Env");
   scene_.Reset();
   FindPreparedObjects(is_first);
   MakeInspector();
-  const bool is_placed = !prepared_ || prepared_->has_support();  // else the task has to do it
+  const bool is_placed = !prepared_ || prepared_->has_support();  // else the task has to place them
   if (is_first && is_placed) WarnOfStart();
   if (!start_inspector_) {
     if (!task_ && !prepared_) return;
@@ -188,7 +188,7 @@ void Env::TryStart(bool is_first) {
   start_inspector_->Accept();
   const std::string doubt = MakeStart(kTriedSeed, {}, {});
   if (!doubt.empty()) {
-    // Things also rest on what a ray misses, on grids and rings: simulating them tells.
+    // Objects also rest on grids and rings, which a ray misses: only simulating them shows it.
     start_inspector_->AcceptGaps();
     const std::string why = MakeStart(kTriedSeed, {}, {});
     if (!why.empty()) throw SpecError(NoStart(why));
@@ -225,7 +225,7 @@ void Env::RequireRest(const std::string& doubt) {
 void Env::WarnOfStart() {
   if (const std::vector<std::string> huge = ObjectsInMillimetres(scene_); !huge.empty()) {
     for (const std::string& object : huge) LogWarn(fmt::format("{}: {}", place(), object));
-    return;  // whatever else is wrong comes of it
+    return;  // it causes all other problems
   }
   std::vector<std::string> inside = RobotsInTheFloor(scene_);
   StartInspector inspector = start_inspector_ ? *start_inspector_ : StartInspector(scene_, {});

@@ -1,4 +1,4 @@
-// The start of an environment: falling and fixed objects, a floor, and usable starts.
+// Tests the start of an environment: falling and fixed objects, a floor, and usable starts.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -27,7 +27,7 @@ using ::testing::IsEmpty;
 
 Pose PlaceAt(double x, double y, double z) { return Pose(Eigen::Vector3d(x, y, z)); }
 
-// Warnings while it lives.
+// Collects warnings during its lifetime.
 class Warnings {
  public:
   Warnings() = default;
@@ -174,7 +174,7 @@ TEST(EnvStart, AnObjectALittleAboveItsSupportStartsOnIt) {
   }
 }
 
-// A bench of 0.2 m on the floor, and the cube on it, beside its edge or over it.
+// A bench of 0.2 m on the floor, with the cube on it, beside its edge or over it.
 EnvConfig CubeOnABench(double y) {
   EnvConfig config = CubeOnly();
   config.root_frame_objects["bench"] = {.offset = PlaceAt(0.45, 0.1, 0.05),
@@ -230,7 +230,7 @@ TEST(EnvStart, AnObjectInMillimetresIsSaidOnce) {
     const Env env(config);
     EXPECT_THAT(warnings.texts, ElementsAre(HasSubstr(text))) << fixed;
   }
-  config.root_frame_objects["box"].size = Vec3{20, 20, 0.01};  // as a floor is
+  config.root_frame_objects["box"].size = Vec3{20, 20, 0.01};  // like a floor
   config.root_frame_objects["box"].offset = PlaceAt(0, 0, -0.02);
   Warnings warnings;
   const Env env(config);
@@ -280,7 +280,7 @@ TEST(EnvStart, AnObjectThatTipsOverIsRefused) {
   }
 }
 
-// A second arm in the middle of where the cube may lie.
+// A second arm in the middle of the cube's range.
 EnvConfig CubeAroundAnArm() {
   EnvConfig config = CubeOnly();
   config.robots = {{"left", config.robots.at("robot")}, {"right", config.robots.at("robot")}};

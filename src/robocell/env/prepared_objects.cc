@@ -26,7 +26,7 @@ namespace {
 constexpr int kDraws = 60;                  // of places, until all are in reach
 constexpr double kSamePlace = 1e-9;         // metres
 constexpr double kLevel = 0.9998;           // cosine of one degree
-const Eigen::Vector3d kAside(50, 50, -50);  // where objects wait while supports are looked for
+const Eigen::Vector3d kAside(50, 50, -50);  // where objects wait during the search for supports
 
 std::set<std::string> NamesOfConfig(const EnvConfig& config) {
   std::set<std::string> names;
@@ -81,7 +81,7 @@ SaidPlaces OfFreeObjects(SaidPlaces said, const Scene& scene, Problems& problems
   return said;
 }
 
-// Floors: level planes, as far as the robot reaches around its base.
+// Adds floors: level planes, up to the robot's reach around its base.
 void AddFloors(const Scene& scene, const Eigen::Vector3d& around, double reach,
                std::vector<Support>& supports) {
   const mjModel* m = scene.model();
@@ -90,7 +90,7 @@ void AddFloors(const Scene& scene, const Eigen::Vector3d& around, double reach,
     if (m->geom_type[g] != mjGEOM_PLANE || !IsCollisionGeom(m, g)) continue;
     const Pose plane = Pose::FromTranslationAndMatrix(d->geom_xpos + 3 * g, d->geom_xmat + 9 * g);
     if (plane.rotation()(2, 2) < kLevel) continue;
-    const auto half = [&](int axis) {  // planes of size 0 have no end
+    const auto half = [&](int axis) {  // planes of size 0 are infinite
       const double size = m->geom_size[3 * g + axis];
       return size > 0 ? size : std::abs((plane.inverse() * around)[axis]) + reach;
     };
@@ -98,7 +98,7 @@ void AddFloors(const Scene& scene, const Eigen::Vector3d& around, double reach,
   }
 }
 
-// What of a support lies in a square around a point; nothing when they are apart.
+// Returns the part of a support in a square around a point; unset if they are apart.
 std::optional<Support> PatchAround(const Support& support, const Eigen::Vector3d& point,
                                    double half) {
   const Eigen::Vector3d at = support.frame_to_world.inverse() * point;
@@ -207,8 +207,8 @@ bool PreparedObjects::IsLoose(size_t i) const {
   return std::ranges::find(loose_, i) != loose_.end();
 }
 
-// The first support on which there is room; as far from the base as the task asks for if that is
-// possible, else anywhere in reach.
+// Returns places on the first support with enough space; at the distance from the base that the
+// task specifies if that is possible, else anywhere in reach.
 std::vector<PreparedObjects::Place> PreparedObjects::PlacesOf(const Robot& robot,
                                                               const std::vector<Support>& supports,
                                                               const BaseRange& wanted) const {

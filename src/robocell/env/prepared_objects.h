@@ -44,17 +44,17 @@ class PreparedObjects {
     std::string why_not;  // "" unless an object has no place
   };
   // Draws a robot and places for all objects that `starts` does not place, and adds them. Does
-  // nothing when they fit nowhere; Unplaced names them.
+  // nothing if they fit nowhere; Unplaced names them.
   Drawn Draw(BodyPoses& starts, Rng& rng) const;
-  // The names of those that lie where they were compiled, which nobody chose.
+  // Returns the names of those that lie at their compiled pose, which was not chosen.
   std::vector<std::string> Unplaced() const;
   // Those that are where Draw put them.
   std::vector<std::string> PlacedHere(const BodyPoses& added) const;
-  // What to do about objects without a place: the end of a message.
+  // Returns advice about objects without a place: the end of a message.
   std::string Advice() const;
 
  private:
-  // Where a robot can reach objects on a support.
+  // A place of objects on a support in reach of a robot.
   struct Place {
     Robot robot;
     Support patch;       // around it, of the support
@@ -76,11 +76,11 @@ class PreparedObjects {
   std::vector<SceneObject> objects_;
   std::vector<std::string> bodies_;  // of objects_
   std::vector<ObjectSize> sizes_;
-  std::vector<Pose> compiled_;  // where they lie in a scene that was reset
+  std::vector<Pose> compiled_;  // their poses after a reset
   std::vector<size_t> loose_;   // those that are put on a support
   std::optional<RelatedPlaces> related_;
   std::shared_ptr<const Landmarks> landmarks_;  // of all that is not among objects_; with related_
-  std::vector<Place> places_;                   // one for each robot that has any
+  std::vector<Place> places_;                   // one for each robot with any
 };
 
 }  // namespace robocell::internal

@@ -1,4 +1,4 @@
-// Objects that a task's Prepare adds to an environment without saying where they are.
+// Tests objects that a task's Prepare adds to an environment without a pose.
 #include "robocell/env/prepared_objects.h"
 
 #include <gmock/gmock.h>
@@ -94,7 +94,8 @@ Eigen::Vector3d At(const Env& env, const std::string& object) {
   return env.scene().body_pose(object).translation();
 }
 
-// Apart, on a support of that height, in reach of the robot in the origin, and at rest.
+// Expects the objects apart, on a support of that height, in reach of the robot in the origin, and
+// at rest.
 void ExpectGoodStart(Env& env, double height) {
   const Eigen::Vector3d first = At(env, "first"), second = At(env, "second");
   EXPECT_GT((first - second).head<2>().norm(), 0.04);

@@ -30,7 +30,7 @@ void CloseFd(int& fd) {
   fd = -1;
 }
 
-// Moves a descriptor out of 0..2, which the child's own redirections use. Takes `fd` over.
+// Moves a descriptor out of 0..2, which the child's own redirections use. Takes ownership of `fd`.
 int AwayFromStdio(int fd) {
   if (fd < 0 || fd > 2) return fd;
   const int moved = fcntl(fd, F_DUPFD_CLOEXEC, 3);
@@ -57,8 +57,8 @@ struct SpawnSetup {
   }
 };
 
-// A clean start: no blocked signals, default handlers, own process group, only descriptors 0, 1
-// and 2.
+// Gives the child a clean start: no blocked signals, default handlers, own process group, only
+// descriptors 0, 1 and 2.
 void SetDefaults(SpawnSetup& setup) {
   sigset_t none;
   sigset_t all;
@@ -178,7 +178,8 @@ bool ChildProcess::Write(std::span<const uint8_t> bytes) {
 }
 
 void ChildProcess::CloseStdin() {
-  // Not close alone: what others forked meanwhile may have a copy, and the child would wait for it.
+  // Closing alone is not enough: a process forked meanwhile may have a copy, and the child would
+  // wait for it.
   if (stdin_ >= 0) shutdown(stdin_, SHUT_WR);
   CloseFd(stdin_);
 }
@@ -204,7 +205,7 @@ bool ChildProcess::TryReap() {
   if (ended == 0 || (ended < 0 && errno == EINTR)) return false;
   reaped_ = true;
   if (ended < 0) {
-    exit_code_ = -1;  // ECHILD: someone else in this process took the status; or we are a fork
+    exit_code_ = -1;  // ECHILD: other code in this process took the status; or this is a fork
   } else {
     signal_ = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
     exit_code_ = signal_ != 0 ? 128 + signal_ : WEXITSTATUS(status);

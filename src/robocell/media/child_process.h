@@ -1,17 +1,17 @@
-// A child process with a pipe to its stdin or from its stdout, as VideoWriter and VideoReader need
-// it. Not a general process library: no shell, no environment changes, Linux only.
+// A child process with a pipe to its stdin or from its stdout, for VideoWriter and VideoReader. Not
+// a general process library: no shell, no environment changes, Linux only.
 //
 // Guarantees: the child gets no other file descriptor of ours; its stderr is collected; it has its
-// own process group, so that Ctrl-C in the terminal does not take it away from under us; writing to
-// a child that died never raises SIGPIPE; the destructor kills and reaps, so that no zombie is
-// left. A child that makes no progress for `stall_timeout_s` is killed and reported.
+// own process group, so that Ctrl-C in the terminal does not end it before us; writing to a dead
+// child never raises SIGPIPE; the destructor kills and reaps, so that no zombie is left. A child
+// that makes no progress for `stall_timeout_s` is killed and reported.
 //
 //   ChildProcess child({"/usr/bin/sort", "-n"}, {.pipe_stdin = true});
 //   child.Write(bytes);
 //   child.CloseStdin();
 //   if (child.Wait() != 0) throw IoError(child.DescribeEnd());
 //
-// One thread at a time.
+// Use it from one thread at a time.
 #pragma once
 
 #include <sys/types.h>
@@ -32,7 +32,8 @@ struct ChildProcessOptions {
 
 class ChildProcess {
  public:
-  // arguments[0] is the program's path; PATH is not searched. IoError if it cannot be started.
+  // arguments[0] is the program's path; PATH is not searched. Throws IoError if it cannot be
+  // started.
   ChildProcess(const std::vector<std::string>& arguments, const ChildProcessOptions& options);
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
@@ -40,18 +41,19 @@ class ChildProcess {
 
   pid_t pid() const { return pid_; }
 
-  // Writes all bytes to the child's stdin, blocking while it is busy. False if the child closed its
-  // end or died.
+  // Writes all bytes to the child's stdin, and blocks while the child is busy. Returns false if the
+  // child closed its end or died.
   bool Write(std::span<const uint8_t> bytes);
   void CloseStdin();
-  // Fills `bytes` from the child's stdout; fewer bytes than asked for mean its end was reached.
+  // Fills `bytes` from the child's stdout; fewer bytes than requested mean that its end was
+  // reached.
   size_t Read(std::span<uint8_t> bytes);
 
-  // Waits for the end and gives the exit code, or 128 + signal. Later calls return the same.
+  // Waits for the end and returns the exit code, or 128 + signal. Later calls return the same.
   int Wait();
   void Kill();
 
-  // "exited with code 1", "was killed by signal 9 (Killed)", "is running".
+  // Returns "exited with code 1", "was killed by signal 9 (Killed)" or "is running".
   std::string DescribeEnd() const;
   // Returns what the child wrote to stderr (the last 2000 characters, trimmed), "" if nothing.
   std::string Errors() const;
@@ -68,7 +70,7 @@ class ChildProcess {
   pid_t owner_ = getpid();  // a fork of it leaves the child alone
   bool reaped_ = false;
   int exit_code_ = 0;
-  int signal_ = 0;   // that ended it, or 0
+  int signal_ = 0;   // the signal that ended it, or 0
   int stdin_ = -1;   // our end of a socket: MSG_NOSIGNAL keeps SIGPIPE away
   int stdout_ = -1;  // our end of a pipe
   int errors_ = -1;  // a memory file

@@ -63,8 +63,7 @@ TEST(ChildProcess, ItsInputEndsThoughAForkOfOursLivesOn) {
 }
 
 TEST(ChildProcess, ItGetsNoneOfOurDescriptors) {
-  const int leaked =
-      open("/dev/null", O_RDONLY);  // without O_CLOEXEC, as other libraries open files
+  const int leaked = open("/dev/null", O_RDONLY);  // without O_CLOEXEC, like other libraries
   ChildProcess child(Shell("ls /proc/$$/fd"), {.pipe_stdin = true, .pipe_stdout = true});
   EXPECT_EQ(Output(child), "0\n1\n2\n");
   close(leaked);
@@ -126,7 +125,8 @@ TEST(ChildProcess, CtrlCInOurTerminalDoesNotReachIt) {
   EXPECT_NE(getpgid(child.pid()), getpgrp());
 }
 
-// The signals 1 ... 31 of a line of /proc/PID/status; the C library keeps 32 and 33 for itself.
+// Returns the signals 1 ... 31 of a line of /proc/PID/status; the C library keeps 32 and 33 for
+// itself.
 uint64_t StandardSignals(const std::string& status, const std::string& line) {
   const size_t at = status.find(line + ":\t");
   return at == std::string::npos ? ~0u

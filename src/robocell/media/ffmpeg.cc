@@ -50,7 +50,7 @@ std::string AskVersion(const std::string& program) {
 
 constexpr char kSeparator = '\t';
 
-// The answer for this file that a parent process was given; "" when there is none.
+// Returns the answer for this file that the parent process handed over; "" if there is none.
 std::string HandedOver(const std::string& file) {
   const std::string answer = Variable("ROBOCELL_FFMPEG_ANSWER");
   const std::string beginning = file + kSeparator;

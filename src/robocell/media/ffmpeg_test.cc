@@ -38,7 +38,7 @@ TEST(Ffmpeg, IsNotAskedAgainAboutAFileThatAParentHasAsked) {
   const std::string count = "echo once >> " + asked.string() + "; echo 'ffmpeg version ";
   {
     const FakeFfmpeg fake(count + "1 Copyright nobody'");
-    EXPECT_EQ(InOwnProcess([&] {  // this process has not asked
+    EXPECT_EQ(InOwnProcess([&] {  // this process has no result yet
                 FfmpegVersion();
                 std::ofstream(answer) << FfmpegAnswer();
                 return FfmpegVersion() == "ffmpeg version 1" ? 0 : 1;

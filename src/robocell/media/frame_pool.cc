@@ -19,7 +19,7 @@ struct KeptFrame {
   std::vector<Pixel> pixels;
 };
 
-// A reader and the frames that it gave last, the oldest first.
+// A reader and its last frames, the oldest first.
 template <typename Pixel>
 struct StreamDecoder {
   std::string identity;
@@ -32,7 +32,7 @@ struct StreamDecoder {
       std::ranges::copy(frame.pixels, pixels.begin());
       return;
     }
-    // Frames on the way are decoded anyway; whoever has a window with gaps wants them next.
+    // Frames on the way are decoded anyway, and a window with gaps needs them next.
     const int64_t at = reader.position();
     const bool near = !recent.empty() && at < index && index - at <= VideoReader::kNearAhead;
     for (int64_t k = near ? at : index; k <= index; ++k) {
@@ -45,7 +45,7 @@ struct StreamDecoder {
     const size_t most = recent_bytes / std::max<size_t>(pixels.size_bytes(), 1);
     if (most == 0) return;
     KeptFrame<Pixel> frame;
-    if (recent.size() >= most) {  // the oldest one's memory
+    if (recent.size() >= most) {  // reuses the oldest frame's memory
       frame = std::move(recent.front());
       recent.pop_front();
     }

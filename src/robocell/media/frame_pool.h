@@ -1,4 +1,4 @@
-// Single frames of videos, for whoever does not read a video from its beginning to its end.
+// Single frames of videos, for access in any order.
 //
 //   FramePool& frames = FramePool::Shared();
 //   frames.Read("wrist.mp4", 17, rgb);
@@ -6,11 +6,11 @@
 //   frames.Read("wrist.mp4", 16, rgb);  // decoded not long ago: copied
 //
 // Starting a decoder costs as much as decoding tens of small frames, so decoders stay alive between
-// calls: one process for each of the videos that were read last. Each also keeps the frames that it
-// decoded last. Another file of the same name is another video. Errors are those of VideoReader.
+// calls: one process for each of the most recently read videos. Each also keeps the frames that it
+// decoded last. Another file of the same name is another video. Throws the errors of VideoReader.
 //
-// Any thread; two threads that read the same video at once have a decoder each. A forked child
-// starts its own decoders.
+// Any thread may use it; two threads that read the same video at once have a decoder each. A forked
+// child starts its own decoders.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,7 @@
 namespace robocell::internal {
 
 struct FramePoolOptions {
-  size_t decoders = 8;                    // that may wait for the next call, of each kind of video
+  size_t decoders = 8;                    // idle ones to keep, for each kind of video
   size_t recent_bytes = size_t{8} << 20;  // of decoded frames, for each of them
 };
 
@@ -33,14 +33,14 @@ class FramePool {
   FramePool(const FramePool&) = delete;
   FramePool& operator=(const FramePool&) = delete;
 
-  // The one that all episodes of this process use.
+  // Returns the pool that all episodes of this process use.
   static FramePool& Shared();
 
-  // Frame `index` as VideoReader::Read gives it.
+  // Reads frame `index` like VideoReader::Read.
   void Read(const std::filesystem::path& video, int64_t index, std::span<uint8_t> rgb);
   void Read(const std::filesystem::path& video, int64_t index, std::span<uint16_t> pixels);
 
-  // Ends the decoders that wait, and forgets their frames.
+  // Ends the idle decoders, and forgets their frames.
   void Clear();
   size_t idle() const;
 

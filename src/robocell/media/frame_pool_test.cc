@@ -42,7 +42,7 @@ Rgb FrameOf(FramePool& pool, const fs::path& path, int64_t index) {
   return rgb;
 }
 
-// Stands in front of ffmpeg while it exists, and counts how often it is started.
+// Replaces ffmpeg during its lifetime, and counts how often it is started.
 class CountedFfmpeg {
  public:
   explicit CountedFfmpeg(const fs::path& folder) : log_(folder / "starts") {
@@ -73,7 +73,7 @@ TEST(FramePool, FramesInOrderStartOneDecoder) {
   FramePool pool;
   for (int i = 0; i < 40; ++i) ASSERT_EQ(FrameOf(pool, folder / "a.mp4", i), all[i]) << i;
   EXPECT_EQ(ffmpeg.starts(), 1);
-  // A window that slides forward reads what was read before.
+  // A window that slides forward reads earlier frames again.
   for (int i = 2; i < 39; ++i) {
     for (int k = i - 2; k <= i; ++k) ASSERT_EQ(FrameOf(pool, folder / "a.mp4", k), all[k]) << k;
   }

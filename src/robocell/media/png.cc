@@ -21,7 +21,7 @@ namespace {
 
 constexpr uint64_t kMostFileBytes = uint64_t{1} << 30;
 
-// Where libpng puts its error text and reads from or writes to.
+// Receives libpng's error text, and is the source or target of its data.
 struct Channel {
   char message[200] = "";
   const uint8_t* input = nullptr;
@@ -176,7 +176,7 @@ class Decoder {
   png_infop info_ = nullptr;
 };
 
-// Programs go by a file's name: a PNG called .jpg opens in few of them.
+// Programs recognise a file by its ending: few of them open a PNG called .jpg.
 void RequirePngName(const std::filesystem::path& path) {
   std::string suffix = path.extension().string();
   for (char& c : suffix) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));

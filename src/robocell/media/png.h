@@ -4,7 +4,7 @@
 //   WritePng("view.png", RgbImage{640, 480, pixels});
 //   GrayImage16 depth = ReadPngGray16("depth.png");
 //
-// IoError names the file and the reason. Safe from any thread.
+// Throws IoError with the file and the reason. Any thread may call these functions.
 #pragma once
 
 #include <cstdint>
@@ -28,15 +28,16 @@ struct GrayImage16 {
   std::vector<uint16_t> pixels;
 };
 
-// ArgumentError if the number of pixels does not fit the size.
+// Throws ArgumentError if the number of pixels does not fit the size.
 std::vector<uint8_t> EncodePng(int width, int height, std::span<const uint8_t> rgb);
 std::vector<uint8_t> EncodePng(int width, int height, std::span<const uint16_t> gray);
 void WritePng(const std::filesystem::path& path, const RgbImage& image);
 void WritePng(const std::filesystem::path& path, const GrayImage16& image);
 
-// Any PNG as RGB: palettes and gray are expanded, transparency is dropped, 16 bits are cut to 8.
+// Reads any PNG as RGB: palettes and gray are expanded, transparency is dropped, 16 bits are cut to
+// 8.
 RgbImage ReadPngRgb(const std::filesystem::path& path);
-// IoError unless the file is 16-bit gray: other depths would silently change units.
+// Throws IoError unless the file is 16-bit gray: other depths would silently change units.
 GrayImage16 ReadPngGray16(const std::filesystem::path& path);
 
 }  // namespace robocell

@@ -22,7 +22,7 @@ using Bytes = std::span<const uint8_t>;
 
 constexpr uint64_t kMostTableBytes = 256u << 20;
 
-// Thrown inside this file, given the file's name outside.
+// Thrown inside this file; the file's name is added outside.
 struct Malformed {
   std::string reason;
 };
@@ -60,7 +60,7 @@ Box TakeBox(Bytes& bytes) {
   return box;
 }
 
-// The first box of that type among the children; empty if there is none.
+// Returns the first box of that type among the children; empty if there is none.
 Bytes Child(Bytes parent, std::string_view type) {
   while (parent.size() >= 8) {
     const Box box = TakeBox(parent);
@@ -74,7 +74,7 @@ Bytes Descend(Bytes box, std::initializer_list<std::string_view> path) {
   return box;
 }
 
-// The first track whose handler says that it is video.
+// Returns the first track whose handler declares video.
 Bytes VideoTrack(Bytes moov) {
   while (moov.size() >= 8) {
     const Box box = TakeBox(moov);
@@ -117,8 +117,8 @@ uint64_t ChunkOffset(Bytes offsets, bool wide, uint32_t chunk) {
   return wide ? BigEndian(offsets, 8 + 8 * size_t{chunk}, 8) : U32(offsets, 8 + 4 * size_t{chunk});
 }
 
-// The file must be at least as long as all its frames together, and reach beyond the start of its
-// last chunk.
+// Requires the file to be at least as long as all its frames together, and to reach beyond the
+// start of its last chunk.
 void RequireSamplesFit(Bytes table, uint64_t file_size) {
   const Bytes sizes = Child(table, "stsz");
   const uint64_t fixed = U32(sizes, 4);

@@ -4,7 +4,7 @@
 //
 //   VideoInfo info = ReadVideoInfo("wrist.mp4");  // 120 frames, fps_num / fps_den == 500 / 33
 //
-// IoError contains the file and the reason: not an mp4, truncated, no video in it.
+// Throws IoError with the file and the reason: not an mp4, truncated, no video in it.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ enum class VideoKind {
   kGray16,
 };
 
-// Bytes of one frame, as writers take and readers give it.
+// Returns the bytes of one frame for writers and readers.
 size_t FrameBytes(VideoKind kind, int width, int height);
 
 struct VideoInfo {

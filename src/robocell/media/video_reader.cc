@@ -13,7 +13,7 @@
 namespace robocell {
 namespace {
 
-// Pixels come little-endian through the pipe.
+// Pixels are little-endian in the pipe.
 std::span<uint8_t> LittleEndian(std::span<uint16_t> pixels) {
   static_assert(std::endian::native == std::endian::little);
   return {reinterpret_cast<uint8_t*>(pixels.data()), pixels.size_bytes()};
@@ -59,7 +59,7 @@ struct VideoReader::Impl {
     position = index;
   }
 
-  // The decoder's last words count only at the end: an early stop of ours is no error.
+  // The decoder's last messages only count at the end: our own early stop is no error.
   void RequireCleanEnd() {
     if (!decoder) return;
     const int code = decoder->Wait();

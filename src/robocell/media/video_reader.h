@@ -6,8 +6,8 @@
 //   while (video.Next(rgb)) Use(rgb);          // row-major RGB, width * height * 3 bytes
 //   video.Read(17, rgb);  // frame 17; starts a new decoder unless it is a few frames ahead
 //
-// A file that ends early or does not decode cleanly is an IoError, not a shorter video. One thread
-// at a time.
+// Throws IoError for a file that ends early or does not decode cleanly; it never returns a shorter
+// video. One thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -21,10 +21,10 @@ namespace robocell {
 
 class VideoReader {
  public:
-  // Read() decodes on to a frame that is at most so many ahead: a new decoder costs more.
+  // Read() decodes on to a frame that is at most this far ahead, because a new decoder costs more.
   static constexpr int64_t kNearAhead = 16;
 
-  // IoError if the file is not a readable mp4 of constant rate, or ffmpeg is missing.
+  // Throws IoError if the file is not a readable mp4 of constant rate, or ffmpeg is missing.
   explicit VideoReader(std::filesystem::path path);
   ~VideoReader();
   VideoReader(VideoReader&&) noexcept;
@@ -32,14 +32,16 @@ class VideoReader {
 
   const VideoInfo& info() const;
   size_t frame_bytes() const;
-  // The index of the frame that Next() gives.
+  // Returns the index of the frame that Next() will read.
   int64_t position() const;
 
-  // The next frame; false after the last. ArgumentError if the buffer has not frame_bytes(), or the
-  // video is of the other kind: bytes are for colour, uint16 for 16 bits.
+  // Reads the next frame; returns false after the last. Throws ArgumentError if the buffer does not
+  // have frame_bytes(), or the video is of the other kind: bytes are for colour, uint16 for 16
+  // bits.
   bool Next(std::span<uint8_t> rgb);
   bool Next(std::span<uint16_t> pixels);
-  // Frame `index`; ArgumentError if there is no such frame. position() becomes index + 1.
+  // Reads frame `index`; position() becomes index + 1. Throws ArgumentError if there is no such
+  // frame.
   void Read(int64_t index, std::span<uint8_t> rgb);
   void Read(int64_t index, std::span<uint16_t> pixels);
 

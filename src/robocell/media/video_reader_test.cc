@@ -31,7 +31,7 @@ int64_t CountFrames(const fs::path& path) {
 }
 
 TEST(VideoReader, DepthComesBackToTheLastBitInOrderAndByIndex) {
-  // Odd sizes, and the smallest.
+  // Covers odd sizes, and the smallest.
   for (const auto& [width, height] : {std::pair(96, 64), {33, 17}, {4, 5}}) {
     TempDir folder;
     const fs::path path = folder / "a.depth.mov";

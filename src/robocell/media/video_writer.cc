@@ -20,7 +20,7 @@
 namespace robocell {
 namespace {
 
-// With 2 pixels in a direction FFV1 of ffmpeg 5.1 comes back wrong, without a word.
+// With 2 pixels in a direction FFV1 of ffmpeg 5.1 silently returns wrong images.
 constexpr int kLeastGrayPixels = 4;
 
 std::string KindName(VideoKind kind) { return kind == VideoKind::kGray16 ? "16-bit" : "colour"; }
@@ -43,7 +43,7 @@ std::vector<std::string> ColourArguments(const VideoOptions& options) {
                                         "1",    "-preset", options.preset};
   Append(arguments, {"-crf", std::to_string(options.crf)});
   Append(arguments, {"-g", std::to_string(options.keyframe_interval), "-bf", "0"});
-  // What yuv420.h makes. Readers that ignore these flags assume the same.
+  // The output of yuv420.h. Readers that ignore these flags assume the same.
   Append(arguments, {"-color_range", "tv", "-colorspace", "smpte170m"});
   Append(arguments, {"-color_primaries", "bt709", "-color_trc", "iec61966-2-1"});
   return arguments;
@@ -112,7 +112,7 @@ void RequireVideoOptions(const std::string& name, const VideoOptions& options) {
 
 namespace {
 
-// Players and our own readers go by the ending.
+// Players and our own readers recognise the format by the ending.
 void RequireEnding(const std::string& name, const std::filesystem::path& path, VideoKind kind) {
   const char* ending = kind == VideoKind::kColour ? ".mp4" : ".mov";
   if (path.extension() == ending) return;
@@ -128,7 +128,7 @@ struct VideoWriter::Impl {
   std::filesystem::path partial;
   std::string name;
   VideoOptions options;
-  std::optional<internal::Yuv420Converter> convert;  // of colour: half the bytes go to the encoder
+  std::optional<internal::Yuv420Converter> convert;  // for colour: halves the bytes for the encoder
   std::unique_ptr<internal::ChildProcess> encoder;
   int64_t frames = 0;
   std::string failure;
@@ -145,7 +145,7 @@ struct VideoWriter::Impl {
     throw IoError(failure);
   }
 
-  // Keeps what went wrong, so that every later call says the same.
+  // Stores the error, so that every later call throws the same.
   template <typename Action>
   void Guarded(Action action) {
     try {

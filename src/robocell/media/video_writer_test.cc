@@ -31,7 +31,7 @@ using ::testing::StartsWith;
 
 constexpr VideoOptions kSmall{.width = 96, .height = 64, .fps_num = 500, .fps_den = 33};
 
-// Nothing at all in the folder, hidden files included.
+// Expects an empty folder, also without hidden files.
 void ExpectEmpty(const TempDir& folder) { EXPECT_TRUE(fs::is_empty(folder.path())); }
 
 TEST(VideoWriter, FramesComeBackInNumberRateAndLooks) {
@@ -158,7 +158,7 @@ TEST(VideoWriter, WithoutFinishThereIsNoFileAndNoZombie) {
   ExpectNoChildLeft();
 }
 
-// The remains of a killed process are found and removed by their name.
+// Leftovers of a killed process are found and removed by their name.
 TEST(VideoWriter, WhileItIsWrittenItHasATemporaryName) {
   TempDir folder;
   const VideoWriter video(folder / "a.mp4", kSmall);
@@ -229,7 +229,7 @@ TEST(VideoWriter, AnEncoderThatWritesNothingButSaysSuccessIsCaught) {
   EXPECT_FALSE(fs::exists(folder / "a.mp4"));
 }
 
-// A disk that is full after `bytes`; SIGXFSZ ends ffmpeg, which inherits the limit.
+// Simulates a disk that is full after `bytes`; SIGXFSZ ends ffmpeg, which inherits the limit.
 int WriteWithSpace(const fs::path& path, rlim_t bytes) {
   const rlimit limit{bytes, bytes};
   setrlimit(RLIMIT_FSIZE, &limit);

@@ -24,7 +24,7 @@ constexpr int kLumaR = 8414, kLumaG = 16520, kLumaB = 3208;
 constexpr int kCbR = -4857, kCbG = -9535, kCbB = 14392;
 constexpr int kCrR = 14392, kCrG = -12052, kCrB = -2340;
 constexpr int kLumaOffset = (16 << kScaleBits) + (1 << (kScaleBits - 1));
-// A chroma sample is made of the sum of four pixels.
+// A chroma sample comes from the sum of four pixels.
 constexpr int kChromaBits = kScaleBits + 2;
 constexpr int kChromaOffset = (128 << kChromaBits) + (1 << (kChromaBits - 1));
 
@@ -42,7 +42,7 @@ struct Channels {
   VInts r, g, b;
 };
 
-// The weighted sum of the channels, as a byte.
+// Returns the weighted sum of the channels, as a byte.
 template <int kBits>
 HWY_INLINE hn::Vec<Bytes> Weigh(const Channels& in, int r, int g, int b, int offset) {
   const VInts red = hn::Mul(in.r, hn::Set(kInts, r)), green = hn::Mul(in.g, hn::Set(kInts, g));
@@ -75,7 +75,8 @@ HWY_INLINE void DoBlock(const uint8_t* upper, const uint8_t* lower, uint8_t* lum
   put(above.b, below.b, sums + 2 * stride);
 }
 
-// The last block of a row overlaps the one before it. A row shorter than a block goes through a copy.
+// The last block of a row overlaps the one before it. A row shorter than a block goes through a
+// copy.
 void ConvertRows(const uint8_t* upper, const uint8_t* lower, size_t width, uint8_t* luma_upper,
                  uint8_t* luma_lower, size_t stride, int16_t* sums) {
   const size_t block = hn::Lanes(kInts);
@@ -94,7 +95,7 @@ void ConvertRows(const uint8_t* upper, const uint8_t* lower, size_t width, uint8
   }
 }
 
-// `sums` has room for a block behind the last.
+// `sums` has space for a block after the last.
 void ConvertChroma(const int16_t* sums, size_t stride, size_t width, uint8_t* cb, uint8_t* cr) {
   const size_t block = hn::Lanes(kInts);
   const auto four = [](const int16_t* at) {
@@ -142,7 +143,7 @@ Yuv420Converter::Yuv420Converter(int width, int height) : width_(width), height_
   }
   const size_t pixels = static_cast<size_t>(width) * static_cast<size_t>(height);
   yuv_.resize(pixels + pixels / 2);
-  // Each channel: the row, and what a block reads behind it.
+  // Each channel: the row, and the numbers that a block reads after it.
   sums_.resize(3 * (static_cast<size_t>(width) + 32));
 }
 

@@ -1,4 +1,4 @@
-// RGB to YUV 4:2:0, against the formulas of BT.601 in double precision.
+// Tests RGB to YUV 4:2:0 against the formulas of BT.601 in double precision.
 #include "robocell/media/yuv420.h"
 
 #include <gtest/gtest.h>
@@ -39,7 +39,7 @@ using Vector3 = std::array<double, 3>;
 
 double Luma(const Vector3& rgb) { return 0.299 * rgb[0] + 0.587 * rgb[1] + 0.114 * rgb[2]; }
 
-// The colour of the chroma sample (column, row): the mean of 2 x 2 pixels.
+// Returns the colour of the chroma sample (column, row): the mean of 2 x 2 pixels.
 Vector3 ChromaColour(const RgbTestImage& image, int column, int row) {
   Vector3 mean{};
   for (int channel = 0; channel < 3; ++channel) {

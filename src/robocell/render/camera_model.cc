@@ -42,7 +42,7 @@ void RequireOrbit(double distance, double azimuth, double elevation, double fovy
   RequireFovy(fovy);
 }
 
-// Square pixels; the vertical extent is `fovy`: degrees, or metres when orthographic.
+// Pixels are square; the vertical extent is `fovy`: degrees, or metres for an orthographic camera.
 void SetFieldOfView(CameraModel& camera, double fovy) {
   if (!camera.orthographic) {
     RequireFovy(fovy);
@@ -93,7 +93,7 @@ OrbitCamera Around(const mjModel* model, const mjData* data, const TrackingCamer
           .fovy = tracking.fovy};
 }
 
-// Camera axes from the directions of right and up.
+// Returns camera axes from the directions of right and up.
 Pose FromAxes(const Eigen::Vector3d& position, const Eigen::Vector3d& right,
               const Eigen::Vector3d& up) {
   Eigen::Matrix3d rotation;
@@ -182,7 +182,8 @@ CameraModel ComputeCamera(const mjModel* model, const mjData* data, const Camera
   CameraModel camera;
   camera.width = width;
   camera.height = height;
-  // The same single precision as the renderer's, so that depth is converted with what was drawn.
+  // Uses the renderer's single precision, so that depth is converted with the values of the
+  // drawing.
   camera.near_m = static_cast<float>(model->vis.map.znear * model->stat.extent);
   camera.far_m = static_cast<float>(model->vis.map.zfar * model->stat.extent);
   if (const auto* fixed = std::get_if<ModelCamera>(&view)) {

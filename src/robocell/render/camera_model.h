@@ -1,6 +1,6 @@
-// Describes where a camera looks and how it projects: intrinsics, extrinsics and projection,
-// computed from the simulation's model and state. No images here; the renderer draws with exactly
-// this.
+// Describes the pose and projection of a camera: intrinsics, extrinsics and projection, computed
+// from the simulation's model and state. It has no images; the renderer draws with exactly these
+// values.
 //
 // Pixels: the centre of the upper left pixel is (0, 0), u goes right and v down, so that
 // image[v][u] is pixel (u, v) and the principal point of a symmetric camera is ((W-1)/2, (H-1)/2).
@@ -15,8 +15,8 @@
 //   const Eigen::Matrix4d world_to_camera = camera.extrinsics();
 //
 // `data` must be up to date with its qpos (mj_kinematics, mj_comPos and mj_camlight, or
-// mj_forward): after mj_step the engine's poses are still those of the state before.
-// Renderer::Render takes care of that itself and returns the camera that it drew with.
+// mj_forward): after mj_step the engine's poses are still those of the previous state.
+// Renderer::Render ensures that itself and returns the camera of its drawing.
 //
 // No allocation, any thread. A lens is the engine's ideal one: no distortion.
 #pragma once
@@ -41,8 +41,8 @@ struct FreeCamera {
   double fovy = 45;
 };
 
-// A camera that looks at a point: the view of MuJoCo's interactive viewer. Degrees and metres.
-// Azimuth 90 looks along +y, negative elevation looks down.
+// A camera that looks at a point, like MuJoCo's interactive viewer. Degrees and metres. Azimuth 90
+// looks along +y, negative elevation looks down.
 struct OrbitCamera {
   Eigen::Vector3d lookat = Eigen::Vector3d::Zero();
   double distance = 2;
@@ -53,8 +53,8 @@ struct OrbitCamera {
   Pose camera_in_world() const;
 };
 
-// An orbit around a body wherever it goes: around the centre of mass of the body (by id) and of all
-// that hangs from it, as the interactive viewer tracks. Degrees and metres as above.
+// An orbit around a moving body: around the centre of mass of the body (by id) and its subtree,
+// like the tracking of the interactive viewer. Degrees and metres as above.
 struct TrackingCamera {
   int body = 0;
   double distance = 2;
@@ -65,14 +65,14 @@ struct TrackingCamera {
 
 using CameraView = std::variant<ModelCamera, FreeCamera, OrbitCamera, TrackingCamera>;
 
-// What MuJoCo's viewer shows first: the whole model.
+// Returns the first view of MuJoCo's viewer: the whole model.
 OrbitCamera InitialView(const mjModel* model);
 
-// Throws ArgumentError, which names the value, for numbers of a view that nothing can be drawn with:
-// not finite, a distance below 0, or a field of view that is not above 0 and below 180 degrees.
+// Throws ArgumentError, with the value, for a view that cannot be drawn: numbers that are not
+// finite, a distance below 0, or a field of view that is not above 0 and below 180 degrees.
 void RequireView(const CameraView& view);
 
-// NotFoundError that lists the model's cameras.
+// Throws NotFoundError that lists the model's cameras.
 CameraView NamedCamera(const mjModel* model, std::string_view name, std::string_view place);
 
 struct CameraModel {
@@ -80,33 +80,33 @@ struct CameraModel {
   Pose camera_in_world;          // MuJoCo's camera axes
   double fx = 0, fy = 0;         // pixels; with an orthographic camera pixels per metre
   double cx = 0, cy = 0;         // principal point, pixels
-  double near_m = 0, far_m = 0;  // clip planes: what is nearer or farther is not drawn
+  double near_m = 0, far_m = 0;  // clip planes: nearer and farther geometry is not drawn
   bool orthographic = false;
 
-  // [fx 0 cx; 0 fy cy; 0 0 1].
+  // Returns [fx 0 cx; 0 fy cy; 0 0 1].
   Eigen::Matrix3d intrinsics() const;
-  // World -> camera in OpenCV's axes; p_camera = extrinsics * (p_world, 1).
+  // Returns world -> camera in OpenCV's axes; p_camera = extrinsics * (p_world, 1).
   Eigen::Matrix4d extrinsics() const;
 
-  // Pixel of a point in the world; also of points outside of the image. NaN for points not in front
-  // of the camera.
+  // Returns the pixel of a point in the world; also of points outside of the image. NaN for points
+  // not in front of the camera.
   Eigen::Vector2d Project(const Eigen::Vector3d& point_in_world) const;
-  // Distance to the camera's plane, metres: what a depth image holds.
+  // Returns the distance to the camera's plane, metres: the value in a depth image.
   double Depth(const Eigen::Vector3d& point_in_world) const;
-  // The point in the world that is seen in a pixel at a depth.
+  // Returns the point in the world that is seen in a pixel at a depth.
   Eigen::Vector3d Unproject(const Eigen::Vector2d& pixel, double depth) const;
-  // Whether the point is inside the image, between the clip planes.
+  // Returns true if the point is inside the image, between the clip planes.
   bool Contains(const Eigen::Vector3d& point_in_world) const;
 };
 
-// Throws ArgumentError for a camera or body id that does not exist, an image without pixels, and what
-// RequireView refuses.
+// Throws ArgumentError for a camera or body id that does not exist, an image without pixels, and
+// the views that RequireView rejects.
 CameraModel ComputeCamera(const mjModel* model, const mjData* data, const CameraView& view,
                           int width, int height);
 
-// The pose of a camera at `eye` that looks at `target` with `up` upwards in the image; MuJoCo's
-// camera axes. ArgumentError when eye and target coincide. Looking straight along `up` takes the
-// world's y axis instead.
+// Returns the pose of a camera at `eye` that looks at `target` with `up` upwards in the image;
+// MuJoCo's camera axes. Throws ArgumentError if eye and target coincide. When it looks straight
+// along `up`, the world's y axis replaces `up`.
 Pose LookAt(const Eigen::Vector3d& eye, const Eigen::Vector3d& target,
             const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ());
 

@@ -93,7 +93,7 @@ TEST_F(Cameras, AnOrthographicCameraKeepsSizesAtAnyDepth) {
   EXPECT_TRUE(camera.Unproject({439.5, 239.5}, 3).isApprox(Eigen::Vector3d(0.5, 0, 0)));
 }
 
-// The engine's own frustum is the oracle.
+// The oracle is the engine's own frustum.
 TEST_F(Cameras, TheFrustumIsTheEnginesForEveryKindOfCamera) {
   mjvScene scene;
   mjv_defaultScene(&scene);

@@ -19,11 +19,11 @@ mjvOption ToOption(const Visibility& visibility) {
     std::fill_n(option.skingroup, mjNGROUP, mjtByte{0});
     std::fill_n(option.flexgroup, mjNGROUP, mjtByte{0});
   }
-  option.flags[mjVIS_RANGEFINDER] = 0;  // drawn rays are no matter
+  option.flags[mjVIS_RANGEFINDER] = 0;  // drawn rays do not count
   return option;
 }
 
-// The body that a drawn element belongs to, -1 for none.
+// Returns the body that a drawn element belongs to, -1 for none.
 int BodyOf(const mjModel* model, const mjvGeom& geom) {
   if (geom.objtype == mjOBJ_GEOM) return model->geom_bodyid[geom.objid];
   if (geom.objtype == mjOBJ_SITE) return model->site_bodyid[geom.objid];
@@ -71,7 +71,7 @@ void DrawnScene::Add(std::span<const Marker> markers) {
   for (const Marker& marker : markers) scene_->Add(marker);
 }
 
-// Reads nothing of the model before it is sure that it was not freed.
+// Reads nothing of the model before it is certain that the model was not freed.
 void DrawnScene::RequireFits(const mjData* data) const {
   if (!model_) throw ArgumentError("renderer: no model; call SetModel before Render");
   if (watch_.gone()) {
@@ -99,7 +99,7 @@ void DrawnScene::UpdateList(const mjModel& view, const CameraModel& camera) {
   scene_->SetCamera(camera);
   mjvCamera user;
   mjv_defaultCamera(&user);
-  user.type = mjCAMERA_USER;  // the camera set above stays
+  user.type = mjCAMERA_USER;  // keeps the camera set above
   Guarded("preparing an image", scratch_.get(), [&] {
     mjv_updateScene(&view, scratch_.get(), &visible_, nullptr, &user, mjCAT_STATIC | mjCAT_DYNAMIC,
                     scene);

@@ -1,13 +1,12 @@
-// What a renderer draws of a state: poses of its own, the engine's list of what is visible, and the
-// body of each element. The same for every back end, so that all show the same. Internal to
-// render/.
+// The content of a drawing: poses of its own, the engine's list of visible elements, and the body
+// of each element. All back ends share it, so that they show the same. Internal to render/.
 //
 //   DrawnScene drawn({.visibility = options.visibility, .keep_unseen = quality.shadows});
 //   drawn.SetModel(model);                                 // again after every compile
 //   const CameraModel camera = drawn.Update(data, request);
 //   mjvScene* scene = drawn.scene();
 //
-// Errors: ArgumentError for data of another model, for a model that was freed and before SetModel;
+// Throws ArgumentError for data of another model, for a freed model and before SetModel, and
 // EngineError. Threads: one at a time, any. No allocation of ours after SetModel.
 #pragma once
 
@@ -26,31 +25,31 @@
 
 namespace robocell::internal {
 
-// Whether anything can be seen at all.
+// Returns true if anything can be visible.
 bool ShowsAnything(const Visibility& visibility);
 
 class DrawnScene {
  public:
   struct Options {
     Visibility visibility = {};
-    bool keep_unseen = false;  // elements out of view are needed for shadows and reflections
+    bool keep_unseen = false;  // shadows and reflections need elements out of view
   };
   explicit DrawnScene(const Options& options);
 
   void SetModel(const mjModel* model);
-  // Forgets the model. What was drawn last is not there any more.
+  // Forgets the model and the last drawing.
   void Clear();
 
-  // Brings the list to the state in `data`, seen through the request's camera. Markers are not in
-  // it.
+  // Updates the list to the state in `data`, seen through the request's camera. It does not include
+  // markers.
   CameraModel Update(const mjData* data, const RenderRequest& request);
 
   const mjModel* model() const { return model_; }
   mjvScene* scene() { return scene_->get(); }
   // Adds markers to the list; Update removes them again.
   void Add(std::span<const Marker> markers);
-  // The body of each segmentation id of the list, also of elements out of view; -1 for elements of
-  // no body.
+  // Returns the body of each segmentation id of the list, including elements out of view; -1 for
+  // elements without a body.
   std::span<const int32_t> BodyOfId();
 
  private:

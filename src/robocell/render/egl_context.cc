@@ -100,11 +100,12 @@ std::string ErrorText(const char* call) {
 struct Candidate {
   std::string name;
   Display display;
-  // A device that does not say that it is software. Its driver may still have nothing but software.
+  // True for a device that does not declare itself as software. Its driver may still only have
+  // software.
   bool may_be_hardware = false;
 };
 
-// Returns true if a space-separated list of extensions has this one.
+// Returns true if a space-separated list of extensions contains this one.
 bool HasExtension(const std::string& extensions, const std::string& name) {
   return (" " + extensions + " ").find(" " + name + " ") != std::string::npos;
 }
@@ -157,7 +158,7 @@ struct Opened {
   Handle context = nullptr;
 };
 
-// A context on the display that can be made current without a surface. Throws IoError.
+// Opens a context on the display that can be made current without a surface. Throws IoError.
 Opened Open(Display display) {
   Egl& e = egl();
   if (!display) throw IoError("not supported");
@@ -183,7 +184,7 @@ class EglContext final : public GlContext {
 
   GlBackend backend() const override { return GlBackend::kEgl; }
 
-  // Throws IoError when the context cannot be used.
+  // Throws IoError if the context cannot be used.
   void Probe() {
     Current scope(*this);
     using GetString = const char*(Enum);

@@ -34,8 +34,8 @@ std::optional<int> WholeNumber(std::string_view text) {
   return number;
 }
 
-// Empty where there is nothing or anything but numbers (CUDA takes UUIDs too): then it says
-// nothing.
+// Returns an empty list if there is none, or for anything but numbers (CUDA takes UUIDs too), which
+// say nothing here.
 std::vector<int> CudaNumbers(std::string_view list) {
   std::vector<int> numbers;
   while (!list.empty()) {
@@ -49,7 +49,7 @@ std::vector<int> CudaNumbers(std::string_view list) {
   return numbers;
 }
 
-// Empty if no device reports its number, or two report the same.
+// Returns an empty map if no device reports its number, or two report the same.
 CudaMap MapOfCuda(std::span<const EglDevice> devices) {
   CudaMap map;
   for (size_t i = 0; i < devices.size(); ++i) {
@@ -58,7 +58,7 @@ CudaMap MapOfCuda(std::span<const EglDevice> devices) {
   return map;
 }
 
-// The devices that CUDA_VISIBLE_DEVICES lists, in its order. In a container they may be counted
+// Returns the devices that CUDA_VISIBLE_DEVICES lists, in its order. A container may count them
 // from 0 although the list has the numbers of the machine outside.
 Indices VisibleDevices(const CudaMap& map, const std::vector<int>& visible) {
   if (map.empty() || visible.empty()) return {};

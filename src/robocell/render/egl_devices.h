@@ -1,5 +1,5 @@
-// In which order EGL devices are tried: graphics cards first, software last, and the meaning of the
-// variables that choose one. Decides from descriptions only, it calls no EGL. Internal to render/.
+// The order in which EGL devices are tried: graphics cards first, software last, and the variables
+// that choose one. It decides from descriptions only and does not call EGL. Internal to render/.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@ namespace robocell {
 
 struct EglDevice {
   std::string vendor = {};  // "NVIDIA", "Mesa Project"; may be empty
-  bool software = false;    // it says of itself that it draws on the processor
+  bool software = false;    // it declares that it draws on the processor
   std::optional<int> cuda = {};
 };
 
@@ -26,23 +26,23 @@ struct EglDeviceChoice {
   bool operator==(const EglDeviceChoice&) const = default;
 };
 
-// Indices of the devices in the order in which they are tried. When a variable chooses a device,
-// this is the only one.
+// Returns indices of the devices in the order in which they are tried. If a variable chooses a
+// device, it is the only one.
 //
-// ROBOCELL_EGL_DEVICE counts the devices as EGL lists them. MUJOCO_EGL_DEVICE_ID means what it
-// means to MuJoCo 4.0: where the driver tells the CUDA number of each device, a position in
+// ROBOCELL_EGL_DEVICE counts the devices as EGL lists them. MUJOCO_EGL_DEVICE_ID has its meaning in
+// MuJoCo 4.0: if the driver reports the CUDA number of each device, a position in
 // CUDA_VISIBLE_DEVICES or a CUDA number, otherwise an index in EGL's list. Without a choice,
 // devices in CUDA_VISIBLE_DEVICES come first, then other graphics cards, then software.
 //
-// ArgumentError for a choice that is not a device number; it names variable and devices.
+// Throws ArgumentError, with variable and devices, for a choice that is not a device number.
 std::vector<size_t> OrderEglDevices(std::span<const EglDevice> devices,
                                     const EglDeviceChoice& choice);
 
-// "device 0 (NVIDIA)".
+// Returns "device 0 (NVIDIA)".
 std::string DescribeEglDevice(std::span<const EglDevice> devices, size_t index);
 
-// Whether the renderer that OpenGL reports draws on the processor: "llvmpipe (LLVM 15.0.6, 256
-// bits)".
+// Returns true if the renderer that OpenGL reports draws on the processor: "llvmpipe (LLVM 15.0.6,
+// 256 bits)".
 bool IsSoftwareRenderer(std::string_view renderer);
 
 }  // namespace robocell

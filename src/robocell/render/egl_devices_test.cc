@@ -44,7 +44,7 @@ TEST(EglDeviceOrder, CudaNumbersOrderTheDevicesThatTellThem) {
       << "numbers told twice say nothing";
 }
 
-// The cases that MuJoCo 4.0 tests its own choice with.
+// The cases of MuJoCo 4.0's own test of its choice.
 TEST(EglDeviceChoices, AMujocoDeviceMeansWhatItMeansToMujoco) {
   const Devices three = {Nvidia(2), Nvidia(1), Nvidia(0), kMesa};
   EXPECT_THAT(OrderEglDevices(three, {.mujoco_device = "2"}), ElementsAre(0)) << "a CUDA number";

@@ -1,5 +1,5 @@
-// The back ends of gl_context.h, EGL and OSMesa, whose libraries are opened at run time. Internal to
-// render/.
+// The back ends of gl_context.h, EGL and OSMesa, whose libraries are opened at run time. Internal
+// to render/.
 #pragma once
 
 #include <memory>
@@ -12,18 +12,18 @@ namespace robocell::internal {
 // A shared library opened at run time.
 class GlLibrary {
  public:
-  // Opens the first of the names that exists. Never closed: GL drivers do not survive being
-  // unloaded. Throws IoError with the loader's reasons.
+  // Opens the first existing one of the names. Never closed: GL drivers do not survive unloading.
+  // Throws IoError with the loader's reasons.
   explicit GlLibrary(std::initializer_list<const char*> names);
 
-  // Throws IoError when the function is missing.
+  // Throws IoError if the function is missing.
   void* Symbol(const char* name) const;
   template <class Function>
   void Load(Function*& function, const char* name) const {
     function = reinterpret_cast<Function*>(Symbol(name));
   }
 
-  // Makes the library's functions visible to MuJoCo, which looks for eglGetProcAddress and the like
+  // Makes the library's functions visible to MuJoCo, which looks for eglGetProcAddress and others
   // among the global symbols of the process.
   void MakeGlobal() const;
 

@@ -17,13 +17,13 @@
 namespace robocell {
 namespace {
 
-// The library that MuJoCo's GL functions come from in this process; kAuto until there is one.
+// The library of MuJoCo's GL functions in this process; kAuto until there is one.
 std::atomic<GlBackend> process_backend = GlBackend::kAuto;
 
 // The process that had the first context; 0 until there is one.
 std::atomic<pid_t> drawing_process = 0;
 
-// Contexts that nobody uses. Never destroyed: at the end of the process OpenGL may be gone first.
+// Unused contexts. Never destroyed: at the end of the process OpenGL may be unloaded first.
 struct Spare {
   static constexpr size_t kMost = 2;
   std::mutex mutex;
@@ -93,7 +93,7 @@ GlBackend GlBackendFromEnvironment() {
   const char* ours = std::getenv("ROBOCELL_GL");
   if (ours && *ours) return GlBackendFromName(ours, "environment variable ROBOCELL_GL");
   const char* theirs =
-      std::getenv("MUJOCO_GL");  // also says glfw, glx, off ..., which mean nothing here
+      std::getenv("MUJOCO_GL");  // other values (glfw, glx, off ...) have no meaning here
   if (theirs && Lower(theirs) == "egl") return GlBackend::kEgl;
   if (theirs && Lower(theirs) == "osmesa") return GlBackend::kOsmesa;
   return GlBackend::kAuto;
@@ -144,8 +144,7 @@ std::unique_ptr<GlContext> GlContext::Create(GlBackend wanted) {
       process_backend = backend;
       drawing_process = getpid();
       return context;
-    } catch (
-        const ArgumentError&) {  // the caller asked for what does not exist: no silent replacement
+    } catch (const ArgumentError&) {  // the caller requested a missing one: no silent replacement
       throw;
     } catch (const Error& error) {
       tried += std::string("\n  ") + GlBackendName(backend) + ": " + error.what();

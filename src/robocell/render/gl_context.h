@@ -1,10 +1,10 @@
 // Off-screen OpenGL contexts for MuJoCo's renderer: EGL (a GPU, or Mesa's software renderer), then
 // OSMesa. No window, no display server. The libraries are loaded at first use, so that robocell
-// runs where they do not exist.
+// runs without them.
 //
-// Which one: `GlBackend` if it names one; kAuto asks the environment variable ROBOCELL_GL (egl,
-// osmesa, auto), then MUJOCO_GL when it says egl or osmesa, and else tries EGL, then OSMesa. EGL
-// takes a graphics card where it finds one, whatever EGL lists first. With several cards,
+// The back end is that of `GlBackend`; kAuto uses the environment variable ROBOCELL_GL (egl,
+// osmesa, auto), then MUJOCO_GL if it is egl or osmesa, and else tries EGL, then OSMesa. EGL takes
+// a graphics card if there is one, whatever EGL lists first. With several cards,
 // MUJOCO_EGL_DEVICE_ID or ROBOCELL_EGL_DEVICE chooses one (egl_devices.h).
 //
 //   std::unique_ptr<GlContext> context = GlContext::Create();
@@ -14,17 +14,17 @@
 //   }
 //
 // MuJoCo looks its GL functions up once per process, in the library of the first context. Therefore
-// one process can use EGL or OSMesa, not both; asking for the other one later is an Error that says
-// so.
+// one process can use EGL or OSMesa, not both; a later request for the other one throws an Error
+// that explains it.
 //
-// Errors: Error naming everything that was tried, why it failed and what to install. Threads: a
-// context is current on one thread at a time; within that rule it may move between threads.
-// Whatever context was current before a scope is current again after it. Processes: OpenGL's
-// threads are not there in a fork of a process that has drawn, where it would wait for them for
-// ever; a context that is made or used there is an Error.
+// Throws Error with everything that was tried, why it failed and what to install. Threads: a
+// context is current on one thread at a time; within that rule it may move between threads. The
+// context that was current before a scope is current again after it. Processes: a fork of a process
+// that has drawn lacks OpenGL's threads, and would wait for them for ever; making or using a
+// context there is an Error.
 //
-// What a context has compiled to draw with goes with it, 0.15 s of work in software. `GiveBack`
-// keeps one for the next `Create`.
+// A destroyed context loses its compiled programs, 0.15 s of work in software. `GiveBack` keeps one
+// for the next `Create`.
 #pragma once
 
 #include <memory>
@@ -37,9 +37,9 @@ namespace robocell {
 
 enum class GlBackend { kAuto, kEgl, kOsmesa };
 
-// "auto", "egl", "osmesa".
+// Returns "auto", "egl" or "osmesa".
 const char* GlBackendName(GlBackend backend);
-// NotFoundError with suggestions for any other name; case does not matter.
+// Throws NotFoundError with suggestions for any other name; case does not matter.
 GlBackend GlBackendFromName(std::string_view name, std::string_view place);
 // Returns the meaning of kAuto in this process's environment; kAuto if the environment chooses
 // nothing.
@@ -47,10 +47,10 @@ GlBackend GlBackendFromEnvironment();
 
 class GlContext {
  public:
-  // One that was given back, else a new one.
+  // Returns a context that was given back, else a new one.
   static std::unique_ptr<GlContext> Create(GlBackend backend = GlBackend::kAuto);
-  // Keeps it for the next one who asks for what it was made for. All that was made in it must have
-  // been freed, and no thread may use it.
+  // Keeps it for the next caller that requests the same kind. All objects made in it must have been
+  // freed, and no thread may use it.
   static void GiveBack(std::unique_ptr<GlContext> context) noexcept;
 
   virtual ~GlContext() = default;
@@ -58,8 +58,8 @@ class GlContext {
   GlContext& operator=(const GlContext&) = delete;
 
   virtual GlBackend backend() const = 0;
-  // Description of the renderer, for records: "egl: llvmpipe (LLVM 15.0.6, 256 bits), 4.5 Mesa
-  // 22.3.6".
+  // Returns a description of the renderer, for records: "egl: llvmpipe (LLVM 15.0.6, 256 bits), 4.5
+  // Mesa 22.3.6".
   const std::string& description() const { return description_; }
 
   // Makes a context current on this thread for a scope.
@@ -75,10 +75,10 @@ class GlContext {
 
    private:
     GlContext& context_;
-    void* saved_[4] = {};  // what was current before, for the back end
+    void* saved_[4] = {};  // the previous context, for the back end
   };
 
-  // Whether this process is a fork of a process that has had a context.
+  // Returns true if this process is a fork of a process that has had a context.
   static bool InFork();
 
  protected:
@@ -91,13 +91,13 @@ class GlContext {
 
  private:
   static void RequireOwnProcess();
-  // Null when there is none.
+  // Returns null if there is none.
   static std::unique_ptr<GlContext> TakeSpare(GlBackend backend, const EglDeviceChoice& device);
 
-  EglDeviceChoice made_for_;  // what chose its device
+  EglDeviceChoice made_for_;  // the choice of its device
 };
 
-// The description of what draws here. Errors: those of Create, when nothing does.
+// Describes the renderer on this machine. Throws the errors of Create if there is none.
 std::string DescribeGl(GlBackend backend = GlBackend::kAuto);
 
 }  // namespace robocell

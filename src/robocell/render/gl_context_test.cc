@@ -105,7 +105,7 @@ TEST_F(GlContexts, OneThatWasGivenBackIsNoneForAnotherDevice) {
                              "ROBOCELL_EGL_DEVICE=99 chooses none of the");
 }
 
-// Run again in child processes by the tests below, which read what it prints.
+// The tests below run it again in child processes, and read its output.
 TEST(DescribeGl, SaysWhatDrawsOrThrows) {
   try {
     const std::string text = DescribeGl();

@@ -16,13 +16,13 @@ namespace robocell::internal {
 struct GlRenderer::Impl {
   RendererOptions options;
   std::unique_ptr<GlContext> context;
-  bool as_new = true;  // the context is when nothing of ours is in it: no call failed in there
+  bool as_new = true;  // true for a context without objects of ours: no call failed in it
   std::string description;
   DrawnScene drawn;
   std::unique_ptr<MjrContext> colour;  // uploads; without multisampling one serves both passes
   std::unique_ptr<MjrContext> exact;   // for depth and segmentation, when `colour` is multisampled
   std::vector<uint8_t> ids_rgb;
-  std::vector<float> depth;  // when only millimetres are wanted
+  std::vector<float> depth;  // if only millimetres are requested
 
   explicit Impl(const RendererOptions& chosen)
       : options(chosen),
@@ -36,14 +36,14 @@ struct GlRenderer::Impl {
     if (as_new) GlContext::GiveBack(std::move(context));
   }
 
-  // Frees what lives in the GL context, which has to be current for that.
+  // Frees the objects in the GL context, which has to be current.
   void Drop() noexcept {
     if (!colour && !exact) return;
     try {
       GlContext::Current current(*context);
       colour.reset();
       exact.reset();
-    } catch (const Error&) {  // the context is in use elsewhere: its objects go when it does
+    } catch (const Error&) {  // a context in use elsewhere frees them at its end
       static_cast<void>(colour.release());
       static_cast<void>(exact.release());
       as_new = false;

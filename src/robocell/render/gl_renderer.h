@@ -14,7 +14,7 @@ namespace robocell::internal {
 
 class GlRenderer final : public Renderer {
  public:
-  // Error when there is no OpenGL on this machine, naming what was tried.
+  // Throws Error, with everything that was tried, if there is no OpenGL on this machine.
   explicit GlRenderer(const RendererOptions& options = {});
   ~GlRenderer() override;
 

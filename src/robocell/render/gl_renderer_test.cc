@@ -1,7 +1,7 @@
-// The proof that cameras, images, depth and segmentation agree: coloured spheres all over the
-// image, at several sizes and with several kinds of cameras, are found where CameraModel projects
-// them. Runs on EGL (or what auto gives), and again in a child process on OSMesa, since one process
-// can use only one OpenGL library.
+// Tests that cameras, images, depth and segmentation agree: coloured spheres all over the image, at
+// several sizes and with several kinds of cameras, are found where CameraModel projects them. Runs
+// on EGL (or the library of auto), and again in a child process on OSMesa, since one process can
+// use only one OpenGL library.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ struct Colour {
   int r, g, b;
 };
 
-// Far apart, and none of them black.
+// Colours that are far apart, and not black.
 Colour MarkerColour(int i) {
   return {55 + 40 * (i % 6), 55 + 40 * (i / 6), 255 - 40 * ((i * 7) % 6)};
 }
@@ -99,7 +99,7 @@ class Projection : public testing::Test {
     return ComputeCamera(model_.get(), data_.get(), view, width, height);
   }
 
-  // One marker somewhere in each cell of a grid over the image, 1 to 2 m away, small enough not to
+  // Places one marker in each cell of a grid over the image, 1 to 2 m away, small enough not to
   // hide another one.
   void Scatter(const CameraModel& camera, Rng& rng) {
     const double w = camera.width / double(kColumns), h = camera.height / double(kRows);
@@ -114,7 +114,7 @@ class Projection : public testing::Test {
     }
   }
 
-  // The centre of a sphere's image lies off the image of its centre.
+  // The centre of a sphere's image differs from the image of its centre.
   Eigen::Vector2d SphereImage(const CameraModel& camera, int i) {
     const int body = Body(fmt::format("marker{}", i));
     const Eigen::Vector3d centre =

@@ -31,7 +31,7 @@ std::string FromEnvironment(const char* name) {
   return value ? value : "";
 }
 
-// "NAME=value" of the first that is set and, with `only`, has that value; else "".
+// Returns "NAME=value" of the first variable that is set and, with `only`, has that value; else "".
 std::string Setting(std::initializer_list<const char*> names, std::string_view only = "") {
   for (const char* name : names) {
     const std::string value = FromEnvironment(name);
@@ -46,7 +46,7 @@ bool HasDigitAfter(const std::string& name, const std::string& stem) {
          std::isdigit(static_cast<unsigned char>(name[stem.size()])) != 0;
 }
 
-// Names in a folder, sorted; none where it is missing or may not be read.
+// Returns the names in a folder, sorted; none if it is missing or may not be read.
 std::vector<std::string> FileNames(const fs::path& folder) {
   std::vector<std::string> names;
   std::error_code ignored;

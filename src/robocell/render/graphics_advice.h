@@ -1,4 +1,4 @@
-// Advice for a machine that has a graphics card but renders on the processor. Reads files and
+// Advice for a machine that has a graphics card but renders on the processor. It reads files and
 // variables, and draws nothing.
 //
 //   const std::string text = GraphicsAdvice(DescribeGl(), ReadGraphicsFacts());
@@ -11,7 +11,7 @@
 
 namespace robocell {
 
-// The graphics of a machine, as its files and the environment show them.
+// The graphics of a machine, from its files and the environment.
 struct GraphicsFacts {
   std::vector<std::string> nvidia = {};      // /dev/nvidia0 ...
   std::vector<std::string> dri = {};         // /dev/dri/renderD128 ...
@@ -19,7 +19,7 @@ struct GraphicsFacts {
   bool nvidia_library = false;               // libEGL_nvidia.so.0 is installed
   bool nvidia_vendor_file = false;           // a file like 10_nvidia.json registers it with EGL
   bool container = false;
-  // Variables; empty where they are not set.
+  // Variables; empty if not set.
   std::string vendor_files = {};         // __EGL_VENDOR_LIBRARY_FILENAMES
   std::string driver_capabilities = {};  // NVIDIA_DRIVER_CAPABILITIES
   std::string device_variable = {};      // "MUJOCO_EGL_DEVICE_ID=1", which chooses a device
@@ -31,8 +31,8 @@ struct GraphicsFacts {
 // Reads the facts of this machine, with all files below `root`.
 GraphicsFacts ReadGraphicsFacts(const std::string& root = "/");
 
-// "" when `description` (of DescribeGl) is of a graphics card, or when there is none. Otherwise a
-// sentence that says what draws, which card is idle, and what to do.
+// Returns "" if `description` (of DescribeGl) is that of a graphics card, or if there is none.
+// Otherwise returns a sentence with the present renderer, the idle card, and the next step.
 std::string GraphicsAdvice(std::string_view description, const GraphicsFacts& facts);
 
 }  // namespace robocell

@@ -1,5 +1,5 @@
 // Shapes drawn into colour images only, for pictures that explain: frames, points, directions. They
-// are no part of the simulation and never appear in depth or segmentation.
+// do not belong to the simulation and never appear in depth or segmentation.
 //
 //   std::vector<Marker> markers;
 //   AddFrame(markers, tcp_in_world, 0.1);
@@ -24,10 +24,10 @@ struct Marker {
   std::array<double, 3> size = {0.01, 0, 0};  // sphere: radius; box: half sizes; cylinder: radius,
                                               // half length; arrow: radius, length
   std::array<float, 4> rgba = {1, 0, 0, 1};
-  std::array<char, 64> text = {};  // drawn at the pose, cut to fit; every shape can have one
+  std::array<char, 64> text = {};  // drawn at the pose, truncated to fit; every shape can have one
 };
 
-// Three arrows: x red, y green, z blue; `length` in metres.
+// Adds three arrows: x red, y green, z blue; `length` in metres.
 void AddFrame(std::vector<Marker>& markers, const Pose& frame_in_world, double length,
               std::string_view text = {});
 void AddPoint(std::vector<Marker>& markers, const Eigen::Vector3d& point_in_world, double radius,

@@ -1,4 +1,4 @@
-// Owner of MuJoCo's abstract scene (mjvScene): a list of what is to be drawn. Internal to render/.
+// Owner of MuJoCo's abstract scene (mjvScene): a list of elements to draw. Internal to render/.
 // Needs no OpenGL.
 #pragma once
 
@@ -11,19 +11,19 @@ namespace robocell::internal {
 
 class MjvScene {
  public:
-  // Room for everything a model can show. Throws EngineError.
+  // Reserves space for everything a model can show. Throws EngineError.
   explicit MjvScene(const mjModel* model);
   ~MjvScene() { mjv_freeScene(&scene_); }
   MjvScene(const MjvScene&) = delete;
   MjvScene& operator=(const MjvScene&) = delete;
 
   mjvScene* get() { return &scene_; }
-  // Sees the scene through this camera from the next update on.
+  // Makes the scene use this camera from the next update on.
   void SetCamera(const CameraModel& camera);
   void Add(const Marker& marker);
-  // Planes catch shadows but cast none, which nothing behind them would show: on themselves they
-  // would, as speckles, because so large a surface is drawn with less precision than the shadow map
-  // allows for. After every update.
+  // Planes receive shadows but cast none, because nothing behind them would show any. On themselves
+  // they would show speckles, because so large a surface is drawn with less precision than the
+  // shadow map allows for. Call it after every update.
   void LetPlanesCastNoShadow();
 
  private:

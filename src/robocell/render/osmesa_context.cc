@@ -10,7 +10,7 @@ namespace {
 
 constexpr unsigned kRgba = 0x1908, kUnsignedByte = 0x1401;
 constexpr unsigned kGlRenderer = 0x1F01, kGlVersion = 0x1F02;
-// The context's own frame buffer, which is never drawn to: MuJoCo draws into frame buffer objects.
+// The context's own frame buffer, which is never used: MuJoCo draws into frame buffer objects.
 constexpr int kSide = 16;
 
 struct Osmesa {
@@ -86,7 +86,7 @@ class OsmesaContext final : public GlContext {
 
   void* context_;
   std::vector<unsigned char> buffer_;
-  int width_ = 0, height_ = 0;  // of what was current before
+  int width_ = 0, height_ = 0;  // of the previous context
 };
 
 std::unique_ptr<GlContext> CreateOsmesaContext() {

@@ -1,6 +1,5 @@
-// Pedestals that reach down to what they stand on: tasks put robots at heights of their own, and
-// the box under the robot has one height. In pictures the box is drawn down to what is below it.
-// Physics knows nothing of this.
+// Extends pedestals in pictures down to the surface below: tasks put robots at heights of their
+// own, and the box under the robot has a fixed height. Physics is not affected.
 //
 //   const PedestalFeet feet(model);
 //   mjv_updateScene(...);
@@ -22,7 +21,7 @@ class PedestalFeet {
   explicit PedestalFeet(const mjModel* model);
 
   // Extends upright pedestals down to the nearest visible geom; without one they stay as they are.
-  // `data` has up-to-date poses.
+  // `data` must have up-to-date poses.
   void ReachDown(const mjModel* model, const mjData* data, const mjvOption& option,
                  mjvScene* scene) const;
 

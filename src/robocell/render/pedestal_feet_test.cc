@@ -11,7 +11,7 @@
 namespace robocell::internal {
 namespace {
 
-// The drawn pedestal's bottom and top, in the world.
+// Returns the drawn pedestal's bottom and top, in the world.
 std::pair<double, double> Drawn(const Scene& scene, bool feet) {
   const mjModel* m = scene.model();
   MjvScene drawn(m);

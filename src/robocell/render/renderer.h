@@ -16,17 +16,17 @@
 //   const CameraModel camera =
 //       renderer->Render(data, {.camera = view, .width = 640, .height = 480}, {.rgb = rgb});
 //
-// What is drawn follows from qpos and the mocap poses in `data`; poses are recomputed in the
-// renderer's own scratch data, so that images are never a step behind (after mj_step the engine's
-// poses are) and `data` is only read. Colours, sizes and lights are read from the model at each
-// call; meshes and textures when SetModel is called. Same state, same model, same renderer: the
-// same bytes, whatever was rendered before and on whichever thread.
+// The drawing follows qpos and the mocap poses in `data`; poses are recomputed in the renderer's
+// own scratch data, so that images are never a step behind (the engine's poses are, after mj_step)
+// and `data` is only read. Colours, sizes and lights are read from the model at each call; meshes
+// and textures in SetModel. The same state, model and renderer give the same bytes, whatever was
+// rendered before and on whichever thread.
 //
-// Lifetime: the model must live until the next SetModel or the end of the renderer; a scene's ends
-// when objects are added or removed, which render/scene_renderer.h follows. Errors: ArgumentError
-// for buffers of the wrong size, data of another model and a model that was freed (that of a
-// ModelPtr or a scene), EngineError, Error when there is no OpenGL. Threads: one at a time, any. No
-// allocation of ours once the largest image has been rendered.
+// Lifetime: the model must live until the next SetModel or the end of the renderer; that of a scene
+// ends when objects are added or removed, which render/scene_renderer.h follows. Throws
+// ArgumentError for buffers of the wrong size, data of another model and a freed model (of a
+// ModelPtr or a scene), EngineError, and Error if there is no OpenGL. Threads: one at a time, any.
+// No allocation of ours once the largest image has been rendered.
 #pragma once
 
 #include <array>
@@ -49,7 +49,7 @@ struct RenderRequest {
   std::span<const Marker> markers = {};  // colour only
 };
 
-// The caller's buffers; an empty one means that this image is not wanted.
+// The caller's buffers; an empty one skips its image.
 struct RenderOutputs {
   std::span<uint8_t> rgb = {};
   std::span<float> depth = {};
@@ -68,8 +68,8 @@ struct Visibility {
 struct RendererOptions {
   std::string backend = "auto";  // or one of RendererBackends() (render/renderer_backends.h)
   std::string gl = "auto";       // for backend gl: auto, egl, osmesa (render/gl_context.h)
-  // Shadows, reflections and multisampling are off unless asked for: on a CPU they cost up to 19
-  // times the rest.
+  // Shadows, reflections and multisampling are off by default: on a CPU they cost up to 19 times
+  // the rest.
   RenderQuality quality = {};
   Visibility visibility = {};
   // That share the work of an image with back end soft; 0: as many as the machine has cores. More
@@ -81,30 +81,30 @@ class Renderer {
  public:
   virtual ~Renderer() = default;
 
-  // Uploads meshes and textures. Needed again after a model was compiled anew, even at the same
+  // Uploads meshes and textures. Required again after a model was compiled anew, even at the same
   // address.
   virtual void SetModel(const mjModel* model) = 0;
-  // Returns the camera that was drawn with: intrinsics and extrinsics of these very images.
+  // Returns the camera of the drawing: intrinsics and extrinsics of exactly these images.
   virtual CameraModel Render(const mjData* data, const RenderRequest& request,
                              const RenderOutputs& outputs) = 0;
 
-  // For records: the settings in use, and what draws, e.g. "gl: egl: llvmpipe (LLVM 15.0.6, 256
+  // For records: the present settings, and the renderer, e.g. "gl: egl: llvmpipe (LLVM 15.0.6, 256
   // bits), OpenGL 4.5 ...".
   virtual const RenderQuality& quality() const = 0;
   virtual const std::string& description() const = 0;
 };
 
-// Names for RendererOptions::backend.
+// Returns names for RendererOptions::backend.
 std::vector<std::string> RendererBackends();
 
-// NotFoundError for an unknown back end; Error when it does not work on this machine. "auto" takes
-// what ROBOCELL_RENDERER names, else gl, or soft where there is no OpenGL.
+// Throws NotFoundError for an unknown back end, and Error if it does not work on this machine.
+// "auto" takes the one in ROBOCELL_RENDERER, else gl, or soft without OpenGL.
 std::unique_ptr<Renderer> MakeRenderer(const RendererOptions& options = {});
 
-// ArgumentError for an image of no size, or of one that no back end draws.
+// Throws ArgumentError for an image without pixels, or too large for every back end.
 void RequireImageSize(int width, int height);
 
-// ArgumentError unless each buffer is empty or holds exactly one image; for back ends.
+// Throws ArgumentError unless each buffer is empty or holds exactly one image; for back ends.
 void RequireOutputs(const RenderRequest& request, const RenderOutputs& outputs);
 
 }  // namespace robocell

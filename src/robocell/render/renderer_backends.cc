@@ -43,7 +43,7 @@ std::string NameInEnvironment() {
   return name && std::string(name) != kAuto ? name : "";
 }
 
-// Returns true if someone has said which OpenGL it is to be.
+// Returns true if the OpenGL was chosen explicitly.
 bool GlIsChosen(const RendererOptions& options) {
   const EglDeviceChoice device = EglDeviceChoice::FromEnvironment();
   return GlBackendFromName(options.gl, "renderer") != GlBackend::kAuto ||
@@ -70,7 +70,7 @@ std::unique_ptr<Renderer> MakeRenderer(const RendererOptions& options) {
   if (const std::string name = NameInEnvironment(); !name.empty()) {
     return MakeByName(std::string("environment variable ") + kVariable, name, options);
   }
-  // A fork of a process that has drawn would draw something else than that process.
+  // A fork of a process that has drawn would draw differently from that process.
   const bool fixed = GlIsChosen(options) || GlContext::InFork();
   try {
     return MakeByName("renderer", "gl", options);

@@ -4,8 +4,8 @@
 //   std::unique_ptr<Renderer> renderer = MakeRenderer({.backend = "soft"});
 //   for (const RendererBackend& backend : RendererBackendList()) fmt::print("{}\n", backend.name);
 //
-// "auto", the default, is what the environment variable ROBOCELL_RENDERER names. Where it names
-// none it is "gl", and "soft" on machines without OpenGL. An OpenGL that was chosen explicitly
+// "auto", the default, is the back end in the environment variable ROBOCELL_RENDERER. Without it,
+// it is "gl", or "soft" on machines without OpenGL. An OpenGL that was chosen explicitly
 // (RendererOptions::gl, ROBOCELL_GL, MUJOCO_GL or a variable that chooses a device) is never
 // replaced. Threads: any.
 #pragma once
@@ -26,7 +26,7 @@ struct RendererBackend {
 
 std::span<const RendererBackend> RendererBackendList();
 
-// What "auto" is here. Errors: as of MakeRenderer.
+// Returns the meaning of "auto" here. Throws the errors of MakeRenderer.
 std::string RendererBackendHere();
 
 }  // namespace robocell::internal

@@ -1,4 +1,4 @@
-// The promises of every back end of renderer.h.
+// Tests the guarantees of every back end of renderer.h.
 #include "robocell/render/renderer.h"
 
 #include <dlfcn.h>
@@ -319,7 +319,7 @@ TEST(SoftEffects, AllocateNothingOnceWarm) {
   EXPECT_EQ(count.allocations(), 0);
 }
 
-// Bytes of this process in memory.
+// Returns the bytes of this process in memory.
 long Resident() {
   long pages = 0, resident = 0;
   std::ifstream("/proc/self/statm") >> pages >> resident;
@@ -331,7 +331,7 @@ int OpenFiles() {
   return static_cast<int>(std::distance(begin(files), end(files)));
 }
 
-// A leak grows the process in every round; the driver's own pools do so now and then.
+// A leak grows the process in every round; the driver's own pools only do so occasionally.
 TEST_P(Rendering, RenderersComeAndGoWithoutLeaks) {
   for (int i = 0; i < 2; ++i) Take(*Make({}), 16, 16);
   const int files = OpenFiles();
@@ -342,7 +342,7 @@ TEST_P(Rendering, RenderersComeAndGoWithoutLeaks) {
     least_growth = std::min(least_growth, Resident() - memory);
   }
   EXPECT_EQ(OpenFiles(), files);
-  // AddressSanitizer keeps what was freed for a while, and finds leaks itself at the end.
+  // AddressSanitizer keeps freed memory for a while, and finds leaks itself at the end.
   const bool sanitized = dlsym(RTLD_DEFAULT, "__asan_init") != nullptr;
   if (!sanitized) {
     EXPECT_LT(least_growth, 3 * 300'000);

@@ -46,13 +46,13 @@ void SceneRecorder::SetTrackingCamera(std::string_view body, double distance, do
 
 void SceneRecorder::RecordFrame() { Follow().RecordFrame(scene_.data()); }
 
-// Whatever the recorder is asked for, it is asked of the present model.
+// Every call to the recorder uses the present model.
 VideoRecorder& SceneRecorder::Follow() {
   const SceneNow& now = scene_.now();
   if (now.generation == generation_) return recorder_;
   try {
     recorder_.SetModel(now.model);
-  } catch (const NotFoundError&) {  // of the camera in use: the recorder has the model
+  } catch (const NotFoundError&) {  // the camera in use is missing: the recorder has the model
     generation_ = now.generation;
     throw;
   }
@@ -60,7 +60,7 @@ VideoRecorder& SceneRecorder::Follow() {
   return recorder_;
 }
 
-// For a change of the camera: the one in use may be gone.
+// For a change of the camera: the one in use may be missing.
 VideoRecorder& SceneRecorder::FollowToChange() {
   try {
     return Follow();

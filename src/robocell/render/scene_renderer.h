@@ -7,9 +7,9 @@
 //   renderer.Render({.camera = renderer.Camera("front"), .width = 640, .height = 480},
 //                   {.rgb = rgb});
 //
-// Images, what is drawn and the meaning of a request are those of render/renderer.h. It holds the
-// scene like any other handle to it. Errors: Renderer's; ClosedError once the scene was closed.
-// Threads: those of the scene, one at a time.
+// Images, their content and the meaning of a request are those of render/renderer.h. It holds the
+// scene like any other handle to it. Throws Renderer's errors; ClosedError once the scene was
+// closed. Threads: those of the scene, one at a time.
 #pragma once
 
 #include <cstdint>
@@ -25,15 +25,15 @@ namespace robocell {
 
 class SceneRenderer {
  public:
-  // NotFoundError for an unknown back end; Error when there is no OpenGL on this machine.
+  // Throws NotFoundError for an unknown back end, and Error if there is no OpenGL on this machine.
   explicit SceneRenderer(const Scene& scene, const RendererOptions& options = {});
 
-  // A camera of the scene as it is now; ask again when objects were added or removed, as ids change
-  // then. NotFoundError with the scene's cameras.
+  // Returns a camera of the present scene; call it again after objects were added or removed,
+  // because ids change then. Throws NotFoundError with the scene's cameras.
   CameraView Camera(std::string_view name) const;
 
-  // The scene as it is now. Returns the camera that was drawn with. Ids in the request, of cameras
-  // and bodies, and those in the segmentation are of the scene's present model.
+  // Draws the present scene. Returns the camera of the drawing. Ids in the request, of cameras and
+  // bodies, and those in the segmentation belong to the scene's present model.
   CameraModel Render(const RenderRequest& request, const RenderOutputs& outputs);
 
   const Scene& scene() const { return scene_; }
@@ -45,7 +45,7 @@ class SceneRenderer {
 
   Scene scene_;
   std::unique_ptr<Renderer> renderer_;
-  uint64_t generation_ = 0;  // that was uploaded; no scene has 0
+  uint64_t generation_ = 0;  // of the upload; no scene has 0
 };
 
 }  // namespace robocell

@@ -79,7 +79,7 @@ TEST_F(FollowingRenderer, DrawsWhatIsThereWhenObjectsComeAndGo) {
   EXPECT_EQ(Take(), TakeAnew());
 }
 
-// The model of after has the signature of the one that was drawn, and may have its address.
+// The next model has the signature of the drawn one, and may have its address.
 TEST_F(FollowingRenderer, WhatDoesNotFollowIsToldAndDrawsNothingThatWasFreed) {
   const auto renderer = MakeRenderer();
   renderer->SetModel(scene_.model());

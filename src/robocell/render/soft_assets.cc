@@ -6,7 +6,7 @@
 namespace robocell::internal {
 namespace {
 
-// Meshes of geoms that are drawn.
+// Returns the meshes of visible geoms.
 std::vector<bool> SeenMeshes(const mjModel* m, const Visibility& visibility) {
   std::vector<bool> seen(static_cast<size_t>(m->nmesh), false);
   for (int g = 0; g < m->ngeom; ++g) {

@@ -16,18 +16,18 @@ namespace robocell::internal {
 class SoftAssets {
  public:
   SoftAssets() = default;
-  // Takes the meshes that can be seen, and all textures.
+  // Takes the meshes that can be visible, and all textures.
   SoftAssets(const mjModel* model, const Visibility& visibility);
 
   const SoftShapes& shapes() const { return shapes_; }
-  // By mjvGeom::dataid. Null for what is not there.
+  // Returns the mesh by mjvGeom::dataid. Null for a missing one.
   const SoftMesh* Mesh(int data) const;
   const SoftMesh* Plane(int data) const;
   const SoftMesh* HeightField(int data) const;
-  // Texture of the geom; null for none.
+  // Returns the texture of the geom; null if it has none.
   const SoftTexture* TextureOf(const mjvGeom& geom) const;
   const SoftTexture* Sky() const;
-  // Returns true if the texture of the geom is sized in metres, and how often it repeats.
+  // Returns true if the texture of the geom is sized in metres, and its repetitions.
   bool TextureIsUniform(const mjvGeom& geom) const;
   void TextureRepeat(const mjvGeom& geom, float repeat[2]) const;
 

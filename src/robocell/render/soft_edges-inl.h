@@ -33,8 +33,8 @@ struct ImagePlace {
   int pixel() const { return y % kSoftBlock * kSoftBlock + x % kSoftBlock; }
 };
 
-// The place of a pixel beside `at` that shows the surface of a sample, the nearest to it first.
-// False if there is none.
+// Finds the pixel beside `at` that shows the surface of a sample, the nearest to it first. Returns
+// false if there is none.
 inline bool FindBeside(const SoftBuffer& buffer, const ImagePlace& at, float right, float down,
                        uint32_t id, float nearness, ImagePlace* found) {
   const int sx = right < 0 ? -1 : 1, sy = down < 0 ? -1 : 1;
@@ -61,7 +61,7 @@ inline bool FindBeside(const SoftBuffer& buffer, const ImagePlace& at, float rig
   return false;
 }
 
-// Sums of the samples of one block; those that must be coloured are added to the strays.
+// Sums the samples of one block; those that must be coloured are added to the strays.
 HWY_INLINE void SumBlock(const SoftBuffer& buffer, SoftSamples* samples, const SoftIds* colours,
                          int bx, int by, int32_t slot, std::vector<SoftStray>* strays) {
   const size_t block = static_cast<size_t>(by) * buffer.columns + bx;

@@ -1,4 +1,4 @@
-// What the kernels of the software renderer read and write for one image. Internal to render/.
+// The input and output of the software renderer's kernels for one image. Internal to render/.
 #pragma once
 
 #include <algorithm>
@@ -14,9 +14,9 @@ namespace robocell::internal {
 inline constexpr int kSoftBlock = 4, kSoftPixels = 16;
 
 // The camera. Pixels as in camera_model.h: the centre of the upper left one is (0, 0). View axes
-// are MuJoCo's camera axes. Nearness, which takes the place of depth in the buffers, is linear on
-// the image and grows towards the camera: 1 / depth of perspective cameras, the distance to the far
-// plane as a share of the range of orthographic ones.
+// are MuJoCo's camera axes. Nearness, which replaces depth in the buffers, is linear on the image
+// and grows towards the camera: 1 / depth of perspective cameras, the distance to the far plane as
+// a share of the range of orthographic ones.
 struct SoftView {
   int width = 0, height = 0;
   bool orthographic = false;
@@ -45,7 +45,7 @@ inline SoftView RowsOf(SoftView view, SoftRows rows) {
   return view;
 }
 
-// Which way a triangle must be turned to be drawn.
+// The orientation that a triangle must have to be drawn.
 enum class SoftSide { kFront, kBack, kBoth };
 
 enum class SoftMapping { kNone, kMesh, kPlanar, kCube };
@@ -54,7 +54,7 @@ struct SoftMaterial {
   float rgba[4] = {1, 1, 1, 1};
   float emission = 0, specular = 0, shininess = 0;
   bool shines = false;
-  float least_shine = 0;  // square of the cosine below which no highlight is seen
+  float least_shine = 0;  // square of the cosine below which a highlight is invisible
   const SoftTexture* texture = nullptr;
   SoftMapping mapping = SoftMapping::kNone;
   float scale[3] = {1, 1, 1};  // planar: of x and y; cube: of the position; mesh: of u and v
@@ -103,10 +103,10 @@ struct alignas(64) SoftIds {
   uint32_t at[kSoftPixels];
 };
 inline constexpr uint32_t kSoftNothing = 0xffffffffu;
-// Ids are handed out in runs of this many, so that an id tells its instance.
+// Ids are assigned in runs of this many, so that an id gives its instance.
 inline constexpr int kSoftRunBits = 16;
 
-// What is seen in each pixel.
+// The visible surface of each pixel.
 struct SoftBuffer {
   int width = 0, height = 0;  // pixels
   int columns = 0, rows = 0;  // blocks
@@ -128,7 +128,7 @@ struct SoftSamples {
   float right[kSoftMostSamples] = {}, down[kSoftMostSamples] = {};  // pixels from the centre
   int columns = 0;                                                  // blocks
   std::vector<int32_t> slots;                                       // of each block
-  // How many slots lie above and left of a block's upper left corner; one row and column more.
+  // The number of slots above and left of a block's upper left corner; one row and column more.
   std::vector<int32_t> before;
   std::vector<SoftNumbers> nearness;  // slot after slot, `count` each
   std::vector<SoftIds> ids;
@@ -140,8 +140,8 @@ struct SoftSamples {
   }
 };
 
-// How near to a light the first surface is. Tiles of 4 x 4 blocks say what lies between which
-// limits, and where something may have been drawn.
+// The nearness of the first surface to a light. Tiles of 4 x 4 blocks have the limits of their
+// nearness, and mark where something may have been drawn.
 inline constexpr int kSoftTile = 4,
                      kSoftTileBits = 4;  // blocks; pixels are 2 to this power
 struct SoftShadowMap {
@@ -149,7 +149,7 @@ struct SoftShadowMap {
   int tile_columns = 0, tile_rows = 0;
   float background = 0;
   std::vector<uint8_t> drawn;            // of each tile
-  std::vector<float> nearest, farthest;  // in each tile and beside it
+  std::vector<float> nearest, farthest;  // in each tile and its neighbours
 };
 
 // A light's view.
@@ -161,7 +161,7 @@ struct SoftShadow {
   const SoftShadowMap* map = nullptr;
 };
 
-// What is used while an instance is drawn.
+// Scratch memory while an instance is drawn.
 struct SoftScratch {
   std::vector<SoftStray> strays;
   std::vector<float> x, y, nearness;  // of the vertices on the image
@@ -197,7 +197,7 @@ struct SoftPicture {
   const SoftReflection* reflection = nullptr;
 };
 
-// What a flat face shows of the rest: a picture of its own, seen through the face as a mirror.
+// The reflection in a flat face: a picture of its own, seen through the face as a mirror.
 struct SoftReflection {
   SoftPicture picture;
   SoftBuffer buffer;

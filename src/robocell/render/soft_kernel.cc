@@ -5,7 +5,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "robocell/render/soft_kernel.cc"
-// As in kinematics/lane_kernel.cc, and SSE4: without vectors an image takes too long.
+// The targets of kinematics/lane_kernel.cc, and SSE4: without vectors an image takes too long.
 #define HWY_DISABLED_TARGETS \
   (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #include <hwy/foreach_target.h>
@@ -75,7 +75,7 @@ std::string SoftInstructions() { return hwy::TargetName(HWY_DYNAMIC_DISPATCH(Ins
 
 namespace {
 
-// What is farther than the far plane is not nearer than this.
+// Surfaces beyond the far plane are not nearer than this.
 SoftNumbers Farthest(const SoftView& view) {
   SoftNumbers farthest;
   std::fill_n(farthest.at, kSoftPixels, view.orthographic ? 0.0f : 1 / view.far);

@@ -1,8 +1,8 @@
 // The inner loops of the software renderer, compiled for several instruction sets; the processor's
-// best is chosen at run time. All give the same bytes: no operation is contracted, approximated or
-// summed in another order. Internal to render/.
+// best one is chosen at run time. All give the same bytes: no operation is contracted, approximated
+// or summed in another order. Internal to render/.
 //
-// Method: triangles are drawn at once into a buffer of 4 x 4 pixel blocks that holds nearness and
+// Method: triangles are drawn at once into a buffer of 4 x 4 pixel blocks that stores nearness and
 // the id of the nearest triangle (a visibility buffer). Corners are rounded to 1/256 pixel, edge
 // functions are exact, so neighbours leave no gap and share no pixel. Small triangles, nearly all
 // of a robot's, are set up a register at a time. Colours are computed once for each pixel,
@@ -18,7 +18,7 @@
 
 namespace robocell::internal {
 
-// The instruction set that is used, e.g. "AVX2".
+// Returns the instruction set in use, e.g. "AVX2".
 std::string SoftInstructions();
 
 // Functions with rows work on those alone: several threads may share an image.
@@ -37,19 +37,19 @@ void DrawInstance(const SoftView& view, const SoftInstance& instance, SoftScratc
 // Computes what lies nearest and farthest in each tile of a map; rows of tiles.
 void SummariseMap(SoftShadowMap* map, SoftRows rows);
 
-// Metres and bodies of what is in the buffer; either may be empty.
+// Reads metres and bodies from the buffer; either may be empty.
 void ReadExact(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
                std::span<float> metres, std::span<int32_t> bodies);
 
-// Colours of what is in the buffer: red, green, blue from the lowest byte on.
+// Computes the colours of the buffer: red, green, blue from the lowest byte on.
 void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
                   std::span<SoftIds> colours);
 // The same into rows of 3 bytes a pixel.
 void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
                   std::span<uint8_t> rgb);
 
-// Makes room for the samples of blocks that show an edge between surfaces, with nothing in them.
-// How many a pixel has, and where, stays as it is.
+// Reserves empty samples for blocks that show an edge between surfaces. The number and positions of
+// a pixel's samples stay unchanged.
 void FindEdges(const SoftView& view, const SoftBuffer& buffer, SoftSamples* samples);
 
 // Draws the instance into those of the view's rows.

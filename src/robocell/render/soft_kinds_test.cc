@@ -1,5 +1,5 @@
-// What `soft` draws of skins, flexes, textured meshes and with orthographic cameras, beside OpenGL;
-// and whose depths are right far away.
+// Tests skins, flexes, textured meshes and orthographic cameras of `soft` beside OpenGL, and whose
+// depths are correct far away.
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
@@ -21,8 +21,8 @@ namespace robocell {
 namespace {
 
 // A cloth with and one without a texture, a soft ball, a skin on two bones that bend, and a mesh
-// with texture coordinates of its own. Cameras of both kinds. The skin has no highlights: OpenGL
-// computes them at its corners, which are far apart.
+// with texture coordinates of its own, with cameras of both kinds. The skin has no highlights:
+// OpenGL computes them at its corners, which are far apart.
 constexpr char kKinds[] = R"(<mujoco>
   <asset>
     <texture name="grid" type="2d" builtin="checker" rgb1=".2 .3 .4" rgb2=".9 .8 .5" width="64" height="64"/>
@@ -113,7 +113,7 @@ INSTANTIATE_TEST_SUITE_P(Cameras, SoftDraws, testing::Values("near", "side", "fl
                          [](const auto& info) { return info.param; });
 
 // The oracle is the engine's ray to a plane. OpenGL's depth buffer has steps that grow with the
-// square of the distance; those of `soft` are a share of it.
+// square of the distance; those of `soft` are a share of the distance.
 TEST(FarAway, SoftIsWithinAMillimetreOfTheRays) {
   const Compiled floor(R"(<mujoco><worldbody>
     <camera name="far" pos="0 0 2" xyaxes="1 0 0 0 .1 1" fovy="45"/>

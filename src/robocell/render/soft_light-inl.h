@@ -21,9 +21,9 @@ namespace robocell::internal::HWY_NAMESPACE {
 // The mirror image of a light, or 0. `along` and `across` are the products of the directions to the
 // eye with the normal and with the direction to the light.
 HWY_INLINE V Highlight(const SoftMaterial& material, V facing, V along_eye, V light_eye) {
-  // Most pixels are far from the highlight; what is left out is less than half a step of colour.
+  // Most pixels are far from the highlight; the omitted part is less than half a step of colour.
   const V zero = hn::Zero(kFloats);
-  // Of the sum of both directions, with the normal and with itself.
+  // The products of the sum of both directions with the normal and with itself.
   const V along = hn::Add(facing, along_eye);
   const V length2 = hn::Max(hn::Add(Num(2), hn::Add(light_eye, light_eye)), Num(1e-4f));
   const V along2 = hn::Mul(along, along);
@@ -34,7 +34,7 @@ HWY_INLINE V Highlight(const SoftMaterial& material, V facing, V along_eye, V li
   return hn::IfThenElseZero(bright, power);
 }
 
-// The direction to the light, and how much of it arrives where nothing hides it.
+// Returns the direction to the light, and its strength if nothing hides it.
 HWY_INLINE V3 Towards(const SoftLight& light, const V3& at, V* strength) {
   *strength = Num(1);
   if (light.directional) return Set3(light.direction);
@@ -58,8 +58,7 @@ HWY_INLINE const SoftGain* GainsOf(const SoftPicture& picture, const SoftInstanc
   return picture.gains + (&instance - picture.instances) * picture.light_count;
 }
 
-// What is the same everywhere on a flat face: light from far away that nothing hides, without
-// highlights.
+// The constant light on a flat face: unhidden light from far away, without highlights.
 struct FaceLight {
   static constexpr int kMost = 128;  // the engine has fewer
   bool plain = false;                // all lights are far away
@@ -92,8 +91,8 @@ HWY_INLINE V3 EyeAt(const SoftPicture& picture, const Pixels& p) {
   return Unit({hn::Neg(from.x), hn::Neg(from.y), hn::Neg(from.z)});
 }
 
-// Light on a surface. Highlights are added last, so that the rest may come from `face`, which a flat
-// one has; others have null.
+// Computes the light on a surface. Highlights are added last, so that the rest may come from
+// `face`, which a flat one has; others have null.
 HWY_INLINE Colour Light(const SoftPicture& picture, const SoftInstance& instance, const Pixels& p,
                         const V3& normal, const FaceLight* face) {
   if (face && !face->plain) face = nullptr;

@@ -46,14 +46,14 @@ uint64_t Mixed(uint64_t x) {  // the finaliser of SplitMix64
   return x ^ x >> 31;
 }
 
-// Equal for vertices at one place.
+// Returns equal keys for vertices at one place.
 uint64_t KeyOf(const Eigen::Vector3f& p) {
   uint64_t key = 0;
   for (const float v : p) key = Mixed(key + std::bit_cast<uint32_t>(v + 0.0f) + 1);  // no -0
   return key;
 }
 
-// Sum of an edge in one direction; the sum of both directions is 0.
+// Returns the sum of an edge in one direction; the sum of both directions is 0.
 uint64_t EdgeSum(uint64_t from, uint64_t to) {
   const uint64_t key = Mixed(std::min(from, to) + Mixed(std::max(from, to)));
   return from < to ? key : uint64_t{0} - key;
@@ -176,7 +176,7 @@ void SoftMeshBuilder::Build(SoftMesh* out, bool with_texture) {
   mesh.surface.resize(triangles);
   mesh.texture.resize(with_texture ? SoftMesh::kTexture * triangles : 0);
   for (auto& row : mesh.corners) row.assign(Padded(triangles), 0);
-  // In a closed mesh each edge is passed as often in one direction as in the other.
+  // In a closed mesh each edge occurs as often in one direction as in the other.
   uint64_t edges = 0;
   for (size_t t = 0; t < triangles; ++t) {
     uint64_t key[3];

@@ -1,6 +1,6 @@
-// Triangle meshes as the software renderer reads them: what every frame needs of all triangles is
-// in rows of one number each, and what only visible triangles need is kept by triangle. Internal to
-// render/.
+// Triangle meshes in the layout of the software renderer: values of all triangles that every frame
+// needs are in rows of one number each, values of visible triangles are stored by triangle.
+// Internal to render/.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +36,7 @@ struct SoftMesh {
   static constexpr int kTexture = 6;
 
   int vertices = 0, triangles = 0;
-  bool closed = false;         // it has an inside, which no triangle shows
+  bool closed = false;         // it has an inside, which is never visible
   std::vector<float> x, y, z;  // padded with copies of the last vertex
   std::vector<int32_t>
       corners[3];                // of each triangle, counter-clockwise from outside; padded with 0
@@ -59,13 +59,12 @@ struct SoftCorner {
 class SoftMeshBuilder {
  public:
   int Vertex(const Eigen::Vector3f& position);
-  // Triangles without an area are left out.
+  // Leaves out triangles without an area.
   void Triangle(const SoftCorner& a, const SoftCorner& b, const SoftCorner& c);
-  // A flat one.
+  // Adds a flat one.
   void Triangle(int a, int b, int c);
   void Quad(int a, int b, int c, int d);
-  // Replaces the mesh and empties the builder. What is built again at the same size allocates
-  // nothing.
+  // Replaces the mesh and empties the builder. Building again at the same size does not allocate.
   void Build(SoftMesh* mesh, bool with_texture = false);
   SoftMesh Build(bool with_texture = false);
 

@@ -1,4 +1,4 @@
-// Where the surfaces of pixels are; part of soft_kernel.cc, compiled for each instruction set.
+// Positions of the surfaces in pixels; part of soft_kernel.cc, compiled for each instruction set.
 #if defined(ROBOCELL_SOFT_PIXELS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ROBOCELL_SOFT_PIXELS_INL_H_
 #undef ROBOCELL_SOFT_PIXELS_INL_H_
@@ -21,7 +21,7 @@ struct Pixels {
   V3 at;  // view axes
 };
 
-// What is at these places of the image.
+// Returns the pixels at these places of the image.
 HWY_INLINE Pixels PixelsThrough(const SoftView& view, V u, V v, V nearness) {
   const V x = hn::Mul(hn::Sub(u, Num(view.cx)), Num(view.per_fx)),
           y = hn::Mul(hn::Sub(Num(view.cy), v), Num(view.per_fy));

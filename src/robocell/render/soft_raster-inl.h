@@ -32,10 +32,10 @@ constexpr int kLanes = static_cast<int>(hn::MaxLanes(kFloats));
 alignas(64) constexpr float kColumn[kSoftPixels] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
 alignas(64) constexpr float kRow[kSoftPixels] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
 
-// Rounded corners farther from the upper left pixel than this are cut off: edge functions of the
+// Rounded corners farther from the upper left pixel than this are clipped: edge functions of the
 // others are exact.
 constexpr float kReach = 1 << 20;
-// What stands for a corner that must be cut off, and for one behind the camera's near plane.
+// The mark of a corner that must be clipped, and of one behind the camera's near plane.
 constexpr float kBeyond = 4e9f, kBehind = -1;
 // Triangles of at most this many steps on each side have exact edge functions in single precision:
 // 10 pixels of 256 steps, 2 blocks and a rest.
@@ -275,7 +275,7 @@ struct PlaneNearness {
   double first = 0, right = 0, down = 0;
 };
 
-// The plane n . p = c in view axes.
+// Returns the nearness of the plane n . p = c in view axes.
 inline PlaneNearness NearnessOf(const SoftView& view, const double n[3], double c) {
   const double x = n[0] / view.fx, y = -n[1] / view.fy;
   double at = -(x * view.cx + y * view.cy);  // of n.x x + n.y y at pixel (0, 0), depth 1
@@ -298,7 +298,7 @@ struct LargeTriangle {
   bool empty() const { return x1 < x0 || y1 < y0; }
 };
 
-// `margin`: how many steps beside a pixel's centre it can be seen.
+// `margin`: how many steps beside a pixel's centre the triangle is still visible.
 inline LargeTriangle MakeLarge(const SoftView& view, const Point* p, int64_t margin) {
   LargeTriangle t;
   const auto steps = static_cast<int64_t>(view.steps);
@@ -327,24 +327,24 @@ inline LargeTriangle MakeLarge(const SoftView& view, const Point* p, int64_t mar
 }
 
 // The blocks of a row between the edges of a large triangle. Edge functions are in whole pixels:
-// the fraction that the shift takes away decides nothing.
+// the fraction that the shift removes decides nothing.
 struct LargeRows {
   double first[3], right[3], down[3];
   double e[3];                 // at the row's first block
   int begin, end;              // blocks that may be covered in part
   int whole_begin, whole_end;  // those that are covered certainly
 
-  // `beside`: how many pixels beside the centres it can be seen.
+  // `beside`: how many pixels beside the centres the triangle is still visible.
   LargeRows(const LargeTriangle& t, double beside) {
-    // Blocks at the limits that rounding leaves in doubt count as covered in part. Limits that an
-    // edge does not set are farther away than any image.
+    // Blocks at limits that are uncertain by rounding count as partly covered. Limits that an edge
+    // does not set are farther away than any image.
     constexpr double kDoubt = 1e-3, kNone = -1e6;
     for (int k = 0; k < 3; ++k) {
       first[k] = static_cast<double>(t.e[k] >> t.shift);
       right[k] = static_cast<double>(t.dx[k]);
       down[k] = static_cast<double>(t.dy[k]);
       const double more = beside * (std::abs(right[k]) + std::abs(down[k]));
-      // What a block's pixels add at most and at least.
+      // The largest and smallest change within a block.
       const double most =
           first[k] + std::max(0.0, 3 * right[k]) + std::max(0.0, 3 * down[k]) + more;
       const double least =
@@ -393,7 +393,7 @@ struct LargeRows {
   }
 
  private:
-  // First block, last one with the other sign, and those of the wholly covered ones.
+  // First block, last one with the other sign, and those of the fully covered ones.
   alignas(32) double limit_[3][4];
   alignas(32) double step_[3][4];
   alignas(32) double widest_[4];
@@ -403,7 +403,7 @@ HWY_INLINE float EdgeNumber(double e) {
   return static_cast<float>(std::min(std::max(e, -16777216.0), 16777216.0));
 }
 
-// Where centres are drawn to. The other one is that of soft_samples-inl.h.
+// The target of drawing at centres. soft_samples-inl.h has the other one.
 template <bool kIds>
 struct ToCentres {
   static constexpr bool kSamples = false;
@@ -484,7 +484,7 @@ inline ViewPoint InView(const SoftInstance& instance, int vertex) {
           m[8] * x + m[9] * y + m[10] * z + m[11]};
 }
 
-// Whether there is a plane.
+// Returns true if the plane exists.
 inline bool PlaneOf(const SoftView& view, const ViewPoint* p, PlaneNearness* plane) {
   const double u[3] = {p[1].x - p[0].x, p[1].y - p[0].y, p[1].z - p[0].z};
   const double v[3] = {p[2].x - p[0].x, p[2].y - p[0].y, p[2].z - p[0].z};
@@ -502,7 +502,8 @@ inline float NearnessAt(const SoftView& view, double depth) {
                                 : 1 / depth);
 }
 
-// Turns the corners so that the inside is positive. Whether it is to be drawn at all.
+// Orders the corners such that the inside is positive. Returns true if the triangle is drawn at
+// all.
 inline bool Orient(SoftSide side, Point* p) {
   const int64_t area =
       (p[2].x - p[0].x) * (p[1].y - p[0].y) - (p[2].y - p[0].y) * (p[1].x - p[0].x);
@@ -513,7 +514,7 @@ inline bool Orient(SoftSide side, Point* p) {
   return true;
 }
 
-// A triangle that reaches out of the drawable range, part of which may be seen.
+// Draws a triangle that reaches out of the drawable range, part of which may be visible.
 template <class To>
 void DrawCut(const SoftView& view, const SoftInstance& instance, int triangle, const To& to) {
   constexpr int kMost = 9;
@@ -524,7 +525,7 @@ void DrawCut(const SoftView& view, const SoftInstance& instance, int triangle, c
   }
   PlaneNearness plane;
   if (!PlaneOf(view, polygon, &plane)) return;
-  // The range is a little smaller than what edge functions are exact in.
+  // The range is slightly smaller than that of exact edge functions.
   const double reach = 0.99 * kReach / view.steps;
   const auto distance = [&](int side, const ViewPoint& p) {
     if (side == 0) return -p.z - view.near;
@@ -584,7 +585,7 @@ struct alignas(64) Batch {
   int32_t x0[kSoftPixels], x1[kSoftPixels], y0[kSoftPixels],
       y1[kSoftPixels];                  // blocks
   int32_t block[kBlocks][kSoftPixels];  // where those of a small one are in the buffer
-  // Of middling ones the edge functions are in whole numbers, and the steps those of a pixel when
+  // Edge functions of middling triangles are whole numbers, and the steps are those of a pixel if
   // they are in pixels.
   int32_t whole[3][kSoftPixels];
   int32_t triangle[kSoftPixels];
@@ -628,7 +629,7 @@ HWY_INLINE void DrawEntry(const Batch& b, int entry, uint32_t first_id, const To
   }
 }
 
-// Edge functions in whole pixels, at a place that is this many steps from the batch's.
+// Returns an edge function in whole pixels, at a place that is this many steps from the batch's.
 HWY_INLINE float WholeEdge(const Batch& b, int i, int k, int shift, int right, int down) {
   const auto dx = static_cast<int32_t>(b.right[k][i]), dy = static_cast<int32_t>(b.down[k][i]);
   return static_cast<float>((b.whole[k][i] + dx * right + dy * down) >> shift);
@@ -718,7 +719,7 @@ HWY_INLINE void DrawFacing(const SoftView& view, const SoftInstance& instance, i
   const SoftSide side = instance.side;
   int cut = 0;
   Batch b = {};
-  // The last register is filled up with the last triangle.
+  // Fills the last register with the last triangle.
   for (auto* row :
        {&scratch->facing, &scratch->corners[0], &scratch->corners[1], &scratch->corners[2]}) {
     std::fill_n(row->begin() + count, kLanes, count ? (*row)[count - 1] : 0);
@@ -741,7 +742,7 @@ HWY_INLINE void DrawFacing(const SoftView& view, const SoftInstance& instance, i
     M seen = hn::And(hn::Le(first_x, end_x), hn::Le(first_y, end_y));
     seen = hn::Or(seen, beyond);
     seen = hn::And(seen, hn::FirstN(kFloats, static_cast<size_t>(count - i)));
-    // Blocks. Pixels are below 16 bits, so that their quarters are exact.
+    // Computes the blocks. Pixels are below 16 bits, so that their quarters are exact.
     const V quarter = Num(0.25f);
     const V bx0 = hn::Floor(hn::Mul(first_x, quarter)), by0 = hn::Floor(hn::Mul(first_y, quarter));
     const V bx1 = hn::Floor(hn::Mul(end_x, quarter)), by1 = hn::Floor(hn::Mul(end_y, quarter));
@@ -859,7 +860,8 @@ HWY_INLINE void DrawFacing(const SoftView& view, const SoftInstance& instance, i
     hn::Store(y2, kFloats, b.y[2]);
     hn::Store(low, kFloats, b.low);
     hn::Store(high, kFloats, b.high);
-    // In the order of the mesh, whatever their size: of triangles at one place the last is seen.
+    // Draws in the order of the mesh, whatever the sizes: of triangles at one place the last is
+    // visible.
     const uint32_t of_small = BitsOf(draw_small), of_middling = BitsOf(draw_middling),
                    of_large = BitsOf(draw_large), of_cut = BitsOf(hn::And(draw_large, beyond));
     if constexpr (!To::kSamples) {
@@ -890,7 +892,7 @@ HWY_INLINE void DrawFacing(const SoftView& view, const SoftInstance& instance, i
       } else if (of_cut >> k & 1) {
         scratch->cut[cut++] = b.triangle[k];
       } else {
-        // Turned already: what faces away has the wrong sign.
+        // Already ordered: a back face has the wrong sign.
         Point p[3];
         for (int c = 0; c < 3; ++c) {
           p[c] = {static_cast<int64_t>(b.x[c][k]), static_cast<int64_t>(b.y[c][k])};

@@ -16,7 +16,7 @@ namespace robocell::internal {
 
 namespace {
 
-// Where samples lie in a pixel: no two in a row or a column, so that edges of any slope are
+// The positions of samples in a pixel: no two in a row or a column, so that edges of any slope are
 // smoothed.
 internal::SoftSamples Samples(int wanted) {
   internal::SoftSamples samples;
@@ -46,13 +46,13 @@ struct SoftRenderer::Impl {
   DrawnScene drawn;
   internal::SoftScene scene;
   internal::SoftThreads threads;
-  SoftBuffer opaque;  // what hides what is behind it
-  SoftBuffer all;     // for depth and segmentation, where something can be seen through
+  SoftBuffer opaque;  // surfaces that hide those behind them
+  SoftBuffer all;     // for depth and segmentation, with transparent elements
   SoftBuffer layer;
   internal::SoftSamples samples;
   internal::SoftReflection reflection;
   std::vector<SoftIds> colours;
-  std::vector<float> depth;  // when only millimetres are wanted
+  std::vector<float> depth;  // if only millimetres are requested
   SoftClock clock;
 
   explicit Impl(const RendererOptions& chosen)
@@ -162,8 +162,8 @@ struct SoftRenderer::Impl {
     });
     clock.Mark(SoftStage::kShading);
     if (samples.count > 0) SmoothEdges(picture);
-    picture.shadows = false;  // what can be seen through receives none
-    // As the engine does: from the front to the back, then from the back to the front.
+    picture.shadows = false;  // transparent elements receive none
+    // Blends in the engine's order: from the front to the back, then from the back to the front.
     const auto blend = [&](const internal::SoftScene::Layer& group) {
       internal::FitBuffer(scene.view(), &layer);
       InBands([&](SoftRows rows, const SoftView& view, SoftScratch* scratch) {

@@ -1,7 +1,8 @@
-// The software back end of renderer.h: triangles drawn by the processor's vector registers, without
-// any graphics library. One pass gives colour, depth and segmentation.
+// The software back end of renderer.h: the processor's vector registers draw triangles, without any
+// graphics library. One pass gives colour, depth and segmentation.
 //
-// Same state, same bytes on any processor and any thread. The method: soft_kernel.h.
+// The same state gives the same bytes on any processor and any thread. soft_kernel.h describes the
+// method.
 #pragma once
 
 #include <memory>

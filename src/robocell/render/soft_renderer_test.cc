@@ -1,4 +1,5 @@
-// What `soft` draws, beside OpenGL's exact pass, the engine's rays and other instruction sets.
+// Tests the images of `soft` against OpenGL's exact pass, the engine's rays and other instruction
+// sets.
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 #include <mujoco/mujoco.h>
@@ -105,7 +106,7 @@ class RandomViews {
   double Random(double low, double high) { return random_.Uniform(low, high); }
 
  private:
-  // Rays meet the inside of shapes, which images do not show.
+  // Rays hit the inside of shapes, which images do not show.
   bool StandsInABody() const {
     const Eigen::Vector3d eye = view_.camera_in_world().translation();
     for (int b = 1; b < model_->nbody; ++b) {
@@ -124,7 +125,7 @@ class RandomViews {
   OrbitCamera view_;
 };
 
-// Of what the ray through a pixel meets; 0 for nothing.
+// Returns the depth of the surface that the ray through a pixel hits; 0 for none.
 double DepthOfRay(const RandomViews& views, const CameraModel& camera, int x, int y,
                   int* geom = nullptr) {
   const Eigen::Vector3d eye = camera.camera_in_world.translation();
@@ -172,7 +173,7 @@ TEST_P(SoftAgrees, WithOpenGl) {
       ids_here += a.ids[k] != b.ids[k];
       if (std::abs(a.depth[k] - b.depth[k]) <= 1e-3f) continue;
       // Far away the steps of OpenGL's depth buffer are millimetres, as FarAway shows in
-      // soft_kinds_test.cc: there the engine's rays judge.
+      // soft_kinds_test.cc: there the engine's rays decide.
       const double ray = DepthOfRay(views, b.camera, k % kAcross, k / kAcross);
       if (b.depth[k] > 4 && std::abs(ray - b.depth[k]) <= 1e-3) {
         ++coarse;
@@ -198,8 +199,8 @@ TEST_P(SoftAgrees, WithOpenGl) {
   }
 }
 
-// Rays of the engine, from the camera through pixels. They meet the true shapes, where images show
-// round ones in facets, and no tendons.
+// Compares with rays of the engine, from the camera through pixels. They hit the true shapes, where
+// images show round ones in facets, and no tendons.
 TEST_P(SoftAgrees, WithTheEnginesRays) {
   RandomViews views(Path());
   const std::unique_ptr<Renderer> soft = MakeRenderer({.backend = "soft"});
@@ -212,7 +213,7 @@ TEST_P(SoftAgrees, WithTheEnginesRays) {
     for (int k = 0; k < 100; ++k) {
       const int x = static_cast<int>(views.Random(1, kAcross - 1)),
                 y = static_cast<int>(views.Random(1, kDown - 1)), pixel = y * kAcross + x;
-      // Rays go through the back of planes, which images show.
+      // Rays pass through the back of planes, which images show.
       if (wall > 0 && images.ids[pixel] == wall) continue;
       int geom = -1;
       const double far = DepthOfRay(views, images.camera, x, y, &geom);
@@ -288,7 +289,7 @@ TEST_P(SoftAgrees, WithItselfOnAnyNumberOfThreads) {
   }
 }
 
-// Shadows and reflections. Shadows are softer than OpenGL's, and lie where its lie.
+// Tests shadows and reflections. Shadows are softer than OpenGL's, and at the same places.
 TEST_P(SoftAgrees, WithOpenGlOnShadowsAndReflections) {
   RandomViews views(Path());
   RendererOptions options{

@@ -24,9 +24,9 @@ namespace robocell::internal::HWY_NAMESPACE {
 // Surfaces whose nearness differs by less than this share are one surface.
 constexpr float kOneSurface = 0.02f;
 
-// ---- Which blocks show an edge
+// ---- The blocks that show an edge
 
-// Whether all pixels of a block and those right of it and below show triangle `id`.
+// Returns true if all pixels of a block and those right of it and below show triangle `id`.
 HWY_INLINE bool ShowsOne(const SoftBuffer& buffer, size_t block, bool has_right, bool has_below) {
   const uint32_t* ids = buffer.ids[block].at;
   const auto id = static_cast<int32_t>(ids[0]);
@@ -77,7 +77,7 @@ HWY_INLINE bool ShowsOneSurface(const SoftBuffer& buffer, size_t block, bool has
 using Four = hn::CappedTag<float, kSoftBlock>;
 using FourInts = hn::RebindToSigned<Four>;
 
-// Marks the block, and those beside it, whose pixels meet another surface.
+// Marks the block, and those beside it, whose pixels border on another surface.
 HWY_INLINE void MarkEdges(const SoftBuffer& buffer, size_t block, bool has_right, bool has_below,
                           int32_t* marks) {
   constexpr Four four;
@@ -102,7 +102,7 @@ HWY_INLINE void MarkEdges(const SoftBuffer& buffer, size_t block, bool has_right
   };
   fill(buffer.nearness, q);
   fill(buffer.ids, ids);
-  // Pairs in these directions: to the right, down, and both diagonals.
+  // Compares pairs in these directions: to the right, down, and both diagonals.
   const auto differ = [&](int a, int b) HWY_ATTR {
     unsigned pairs = 0;
     for (int k = 0; k < kSoftBlock; k += static_cast<int>(hn::Lanes(four))) {
@@ -140,7 +140,7 @@ HWY_INLINE void MarkEdges(const SoftBuffer& buffer, size_t block, bool has_right
   if (at_beyond && has_right && has_below) marks[beyond] = 1;
 }
 
-// Gives each block that shows an edge a slot; returns how many there are.
+// Gives each block that shows an edge a slot; returns their number.
 inline int FindEdgesHere(const SoftBuffer& buffer, SoftSamples* samples) {
   int32_t* slots = samples->slots.data();
   const size_t blocks = buffer.ids.size();
@@ -179,7 +179,7 @@ struct ToSamples {
   SoftRows rows;
   int64_t margin;  // steps
 
-  // Those of the triangles that meet a block with samples.
+  // Returns the triangles that reach a block with samples.
   HWY_INLINE M AtEdges(M triangles, V bx0, V by0, V bx1, V by1) const {
     if (hn::AllFalse(kFloats, triangles)) return triangles;
     const I columns = hn::Set(kInts, samples->columns + 1);
@@ -198,7 +198,7 @@ struct ToSamples {
 };
 
 // Draws a triangle into the samples of one block. `e`: edge functions of each sample at the block's
-// first pixel; `beside`: what a sample adds to the centre's at most.
+// first pixel; `beside`: the largest difference of a sample from the centre.
 struct SampledTriangle {
   V pixel[3][kSoftPixels / kLanes];  // what pixels add to the edge functions
   V nearness, weight1, weight2, low, high;
@@ -222,7 +222,7 @@ struct SampledTriangle {
     }
   }
 
-  // `of_samples`: what they add to the edge functions `e` of the centre.
+  // `of_samples`: the differences from the edge functions `e` of the centre.
   HWY_INLINE void Draw(SoftSamples& samples, int32_t slot, const float* e,
                        const float (*of_samples)[3]) const {
     const V zero = hn::Zero(kFloats);

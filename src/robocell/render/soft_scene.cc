@@ -16,7 +16,7 @@ namespace {
 using Eigen::Affine3d;
 using Eigen::Vector3d;
 
-// Less than this hides what is behind it only in part, as the engine has it.
+// An element with less alpha hides those behind it only partly, as in the engine.
 constexpr float kOpaque = 0.995f;
 // The sky is painted at this share of the far plane's distance.
 constexpr float kSkyDistance = 0.7f;
@@ -46,7 +46,7 @@ void Store(const Vector3d& v, float* to) {
   for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(v[k]);
 }
 
-// How far the element reaches from its position, for sorting.
+// Returns how far the element extends from its position, for sorting.
 float Reach(const mjvGeom& g) {
   if (g.modelrbound > 0) return g.modelrbound;
   switch (g.type) {
@@ -71,7 +71,7 @@ bool IsBehind(const Vector3d& eye, const mjvGeom& g) {
          0;
 }
 
-// Whether no corner of the mesh's box is in front of a plane.
+// Returns true if no corner of the mesh's box is in front of a plane.
 bool IsBelow(const SoftMesh& mesh, const Affine3d& in_world, const Vector3d& point,
              const Vector3d& normal) {
   for (int k = 0; k < 8; ++k) {
@@ -83,7 +83,7 @@ bool IsBelow(const SoftMesh& mesh, const Affine3d& in_world, const Vector3d& poi
   return true;
 }
 
-// Whether all corners of the mesh's box are outside of one side of the view.
+// Returns true if all corners of the mesh's box are outside of one side of the view.
 bool OutOfView(const SoftView& view, const SoftMesh& mesh, const Affine3d& to_view) {
   int outside[6] = {};
   for (int k = 0; k < 8; ++k) {
@@ -170,7 +170,7 @@ void SoftScene::Elements::Clear() {
   gains.clear();
 }
 
-// The first one that reflects, as the engine has it, if its face is turned to the camera.
+// Finds the first element that reflects, like the engine, if its face is turned to the camera.
 void SoftScene::FindMirror(const mjvScene& list) {
   for (int i = 0; i < list.ngeom; ++i) {
     const mjvGeom& geom = list.geoms[i];
@@ -293,7 +293,7 @@ void SoftScene::SetSky(const mjModel* model, const mjvScene& list, const CameraM
     Store<3>(Eigen::Matrix3d(plane.linear().transpose() * axes), sky_.to_plane);
     sky_.haze = model->vis.map.haze;
     std::copy_n(model->vis.rgba.haze, 3, sky_.haze_rgb);
-    // Where the engine's cone is densest: its slope is met at 45 degrees there.
+    // The densest part of the engine's cone: its slope is seen at 45 degrees there.
     const double alpha = std::atan2(1.0, static_cast<double>(sky_.haze));
     const double beta = 0.75 * std::numbers::pi - alpha;
     sky_.haze_height =
@@ -310,7 +310,7 @@ SoftMaterial SoftScene::MaterialOf(const mjvGeom& geom, bool behind) const {
   m.specular = geom.specular;
   m.shininess = 128 * geom.shininess;
   m.shines = geom.specular > 0;
-  // Where no light's mirror image is worth half a step of colour.
+  // Skips highlights where no light's reflection exceeds half a step of colour.
   float brightest = 0;
   for (const SoftLight& light : now_.lights) {
     for (const float part : light.specular) brightest = std::max(brightest, part);
@@ -371,7 +371,7 @@ void SoftScene::AddElement(const mjModel* model, const mjvScene& list, const mjv
     const Vector3d at = Eigen::Map<const Eigen::Vector3f>(geom.pos).cast<double>();
     layer.distance = static_cast<float>((at - eye_).norm()) - Reach(geom);
   }
-  // Few, and nearly in order: put at its place.
+  // The list is short and nearly in order: inserts in place.
   const auto place =
       std::upper_bound(now_.layers.begin(), now_.layers.end(), layer,
                        [](const Layer& a, const Layer& b) { return a.distance < b.distance; });
@@ -396,7 +396,7 @@ void SoftScene::AddMesh(const SoftMesh* mesh, const Affine3d& in_world,
   Store(view_.orthographic ? Vector3d(to_mesh.linear().col(2)) : Vector3d(to_mesh.translation()),
         instance.eye);
   instance.eye[3] = view_.orthographic ? 0 : 1;
-  if (mirroring_) {  // turns the other way round on the image, but shows the same faces
+  if (mirroring_) {  // mirrored triangles turn round on the image, but show the same faces
     for (float& part : instance.eye) part = -part;
     if (side != SoftSide::kBoth) {
       instance.side = side == SoftSide::kFront ? SoftSide::kBack : SoftSide::kFront;

@@ -1,4 +1,4 @@
-// The engine's list of what is visible, as the kernels of the software renderer take it. Internal
+// The engine's list of visible elements, in the form of the software renderer's kernels. Internal
 // to render/.
 //
 //   SoftScene scene;
@@ -31,22 +31,23 @@ class SoftScene {
     bool shadows = false, reflections = false;
     int shadow_size = 1024;
   };
-  // `bodies`: of the list's segmentation ids.
+  // `bodies`: those of the list's segmentation ids.
   void Update(const mjModel* model, const mjvScene& list, std::span<const int32_t> bodies,
               const CameraModel& camera, const Effects& effects);
-  // Before colours are computed.
+  // Call it before colours are computed.
   void DrawShadows(SoftThreads* threads);
   // Adds the elements of the list from `first` on, in colour only.
   void AddMarkers(const mjModel* model, const mjvScene& list, int first);
 
   const SoftView& view() const { return view_; }
-  // Picture of the present instances; valid until the next call.
+  // Returns the picture of the present instances; valid until the next call.
   SoftPicture Picture() const;
-  // Draws what the scene's one mirror shows into `reflection`. False where there is none in view.
+  // Draws the reflection in the scene's one mirror into `reflection`. Returns false if there is
+  // none in view.
   bool DrawReflection(SoftThreads* threads, SoftReflection* reflection);
   std::span<const SoftInstance> instances() const { return now_.instances; }
-  // Indices of instances: those that hide what is behind them, and groups of those that can be seen
-  // through, the nearest first. A group is one element of the list.
+  // Returns indices of instances: opaque ones, and groups of transparent ones, the nearest first. A
+  // group is one element of the list.
   std::span<const int> opaque() const { return now_.opaque; }
   struct Layer {
     int first = 0, end = 0;  // instances
@@ -98,16 +99,16 @@ class SoftScene {
   SoftView view_;
   Eigen::Affine3d to_camera_;
   Eigen::Vector3d eye_;
-  Elements now_;       // the one that is being made, else that of the camera
-  Elements mirrored_;  // that of the mirror
+  Elements now_;       // those in construction, else those of the camera
+  Elements mirrored_;  // those of the mirror
   Mirror mirror_;
   bool mirroring_ = false;
   float ambient_ = 0;
   SoftSky sky_;
   SoftShadows shadows_;
   bool with_shadows_ = false;
-  bool casts_ = false, bends_ = false;  // the element that is being added
-  int body_ = -1;                       // of the element that is being added
+  bool casts_ = false, bends_ = false;  // of the element being added
+  int body_ = -1;                       // of the element being added
   // Meshes that change with the state: of skins and flexes.
   std::vector<SoftMesh> own_;
   size_t own_used_ = 0;

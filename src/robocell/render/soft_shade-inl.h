@@ -1,4 +1,4 @@
-// Colours of what is seen; part of soft_kernel.cc, compiled for each instruction set.
+// Colours of visible surfaces; part of soft_kernel.cc, compiled for each instruction set.
 #if defined(ROBOCELL_SOFT_SHADE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ROBOCELL_SOFT_SHADE_INL_H_
 #undef ROBOCELL_SOFT_SHADE_INL_H_
@@ -27,8 +27,8 @@ inline float DotOf(const float* a, const float* b) {
   return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
 }
 
-// The steps of positions in the mesh's axes from pixel to pixel, at depth 1 and without what the
-// face adds.
+// The steps of positions in the mesh's axes from pixel to pixel, at depth 1 and without the face's
+// part.
 struct MeshSteps {
   float right[3], down[3];
 
@@ -37,7 +37,8 @@ struct MeshSteps {
         down{-view.per_fy * m[1], -view.per_fy * m[5], -view.per_fy * m[9]} {}
 };
 
-// Where rays start, or with orthographic cameras the direction to it, in the mesh's axes.
+// Computes the origin of rays, or with orthographic cameras the direction to it, in the mesh's
+// axes.
 inline void EyeOf(const SoftView& view, const float* m, float* eye) {
   for (int k = 0; k < 3; ++k) eye[k] = m[4 * k + (view.orthographic ? 2 : 3)];
 }
@@ -47,7 +48,7 @@ struct FaceSlope {
   V right, down;
 };
 
-// To the bit what SlopesOf gives.
+// Gives the same bits as SlopesOf.
 inline void SlopeOf(const SoftView& view, const SoftMesh& mesh, int triangle, const float* m,
                     float* right, float* down) {
   const MeshSteps steps(view, m);
@@ -91,7 +92,7 @@ HWY_INLINE void Changes(const SoftView& view, const float* m, V depth, const V3&
   *down = Times(depth, Add(Set3(steps.down), Times(slope.down, ray)));
 }
 
-// The normal of a flat triangle in view axes: to the bit what the general way gives.
+// Returns the normal of a flat triangle in view axes: the same bits as the general way.
 HWY_INLINE void FlatNormal(const float* m, const SoftSurface& surface, float* normal) {
   const auto part = [&](int k) {
     return static_cast<float>(static_cast<int16_t>(surface.normals[k / 2] >> (16 * (k % 2))));
@@ -216,7 +217,7 @@ struct CornerWeights {
   V w1, w2;
 };
 
-// The texture's colour. `coordinate` gives numbers of the mesh's texture by their index.
+// Returns the texture's colour. `coordinate` gives numbers of the mesh's texture by their index.
 template <class Coordinate>
 HWY_INLINE Colour Texel(const SoftMaterial& material, const V3& at, const V3& right, const V3& down,
                         const CornerWeights& corners, const Coordinate& coordinate) {
@@ -263,7 +264,7 @@ HWY_INLINE Colour Product(const Colour& a, const Colour& b) {
   return {hn::Mul(a.r, b.r), hn::Mul(a.g, b.g), hn::Mul(a.b, b.b)};
 }
 
-// Pixels that all show one flat triangle. To the bit what the general way gives.
+// Colours pixels that all show one flat triangle: the same bits as the general way.
 HWY_INLINE Colour ShadeFace(const SoftPicture& picture, const SoftInstance& instance,
                             const Pixels& p, int triangle, SoftFace* face) {
   face->Be(picture, instance, triangle);
@@ -358,7 +359,7 @@ HWY_INLINE M MayBeSky(const SoftPicture& picture, const Pixels& p) {
   return hn::Gt(length2, hn::Mul(within, within));
 }
 
-// Sky and haze hide what is beyond them. `nothing`: pixels that show no surface.
+// Adds sky and haze, which hide surfaces beyond them. `nothing`: pixels without a surface.
 HWY_INLINE Colour WithSky(const SoftPicture& picture, const Pixels& p, M nothing, Colour c) {
   const SoftSky& sky = picture.sky;
   if (!sky.texture) {
@@ -408,7 +409,7 @@ HWY_INLINE I PackPixels(const Colour& c) {
   return hn::Or(byte(c.r), hn::Or(hn::ShiftLeft<8>(byte(c.g)), hn::ShiftLeft<16>(byte(c.b))));
 }
 
-// Colours of a register of pixels; black where nothing is.
+// Returns the colours of a register of pixels; black without a surface.
 HWY_INLINE Colour ShadePixels(const SoftPicture& picture, const Pixels& p, I ids, SoftFace* face) {
   const V zero = hn::Zero(kFloats);
   Colour c{zero, zero, zero};
@@ -450,7 +451,7 @@ HWY_INLINE V LoadNearness(const SoftBuffer& buffer, size_t block, int part) {
   return hn::Load(kFloats, buffer.nearness[block].at + part);
 }
 
-// Adds what a mirror shows, in front of which nothing is.
+// Adds the reflection, in front of which there is nothing.
 HWY_INLINE Colour WithReflection(const SoftPicture& picture, size_t block, int bx, int by, int part,
                                  I ids, V nearness, const Colour& c, SoftFace* face) {
   const SoftReflection& r = *picture.reflection;
@@ -458,7 +459,7 @@ HWY_INLINE Colour WithReflection(const SoftPicture& picture, size_t block, int b
   const auto on_face =
       hn::And(hn::Gt(triangle, hn::Set(kInts, -1)), hn::Lt(triangle, hn::Set(kInts, r.triangles)));
   if (hn::AllFalse(kInts, on_face)) return c;
-  // Mirrored, what is in front of the face lies behind it.
+  // In the mirror image, surfaces in front of the face lie behind it.
   const V near = LoadNearness(r.buffer, block, part);
   const auto shown =
       hn::And(on_face, hn::RebindMask(kInts, hn::Le(near, hn::Mul(nearness, Num(1.0001f)))));
@@ -469,8 +470,8 @@ HWY_INLINE Colour WithReflection(const SoftPicture& picture, size_t block, int b
   return {hn::Add(c.r, of_mirror.r), hn::Add(c.g, of_mirror.g), hn::Add(c.b, of_mirror.b)};
 }
 
-// A block's pixels as 3 bytes each to their place in an image of rows. Blocks come from the left to
-// the right: what is written beyond the block is overwritten.
+// Writes a block's pixels as 3 bytes each into an image of rows. Blocks come from the left to the
+// right: bytes beyond the block are overwritten later.
 HWY_INLINE void PutColours(const int32_t* pixels, int bx, int by, int width, int height,
                            uint8_t* rgb) {
   const int rows = std::min(kSoftBlock, height - kSoftBlock * by);
@@ -497,7 +498,7 @@ HWY_INLINE void PutColours(const int32_t* pixels, int bx, int by, int width, int
   }
 }
 
-// Puts a block's pixels to their place in an image of rows.
+// Writes a block's pixels into an image of rows.
 template <class T>
 HWY_INLINE void PutBlock(const T* from, int bx, int by, int width, int height, T* image) {
   static_assert(sizeof(T) == 4);

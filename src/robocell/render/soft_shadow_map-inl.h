@@ -1,4 +1,4 @@
-// Shadow maps: which share of a light reaches points; part of soft_kernel.cc, compiled for each
+// Shadow maps: the share of a light that reaches points; part of soft_kernel.cc, compiled for each
 // instruction set.
 #if defined(ROBOCELL_SOFT_SHADOW_MAP_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ROBOCELL_SOFT_SHADOW_MAP_INL_H_
@@ -18,8 +18,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace robocell::internal::HWY_NAMESPACE {
 
-// What is nearest and farthest in each tile that something may have been drawn in. A tile's numbers
-// are those of all pixels that points in it look at: one row and one column of blocks more.
+// Computes the nearest and farthest surface of each tile in which something may have been drawn. A
+// tile's numbers cover all pixels that points in it read: one row and one column of blocks more.
 inline void SummariseMapHere(SoftShadowMap* map, SoftRows rows) {
   const SoftBuffer& buffer = map->buffer;
   const int tile_rows = map->tile_rows, tile_columns = map->tile_columns;
@@ -53,7 +53,7 @@ inline void SummariseMapHere(SoftShadowMap* map, SoftRows rows) {
 HWY_INLINE V LitAt(const SoftShadow& shadow, M inside, V u, V v, V nearness) {
   const V zero = hn::Zero(kFloats), one = Num(1);
   const V last = Num(static_cast<float>(shadow.view.width - 4));
-  // What the map does not show is lit.
+  // Points outside of the map are lit.
   inside = hn::And(inside, hn::And(hn::And(hn::Gt(u, one), hn::Lt(u, last)),
                                    hn::And(hn::Gt(v, one), hn::Lt(v, last))));
   if (hn::AllFalse(kFloats, inside)) return one;
@@ -63,7 +63,7 @@ HWY_INLINE V LitAt(const SoftShadow& shadow, M inside, V u, V v, V nearness) {
   const I column = hn::ConvertTo(kInts, u0), row_of = hn::ConvertTo(kInts, v0);
   const I three = hn::Set(kInts, 3);
   const SoftShadowMap& shadow_map = *shadow.map;
-  // Most points are nearer than all that the map shows around them, or farther.
+  // Most points are nearer than all surfaces of the map around them, or farther.
   const I tile = hn::Add(
       hn::Mul(hn::ShiftRight<kSoftTileBits>(row_of), hn::Set(kInts, shadow_map.tile_columns)),
       hn::ShiftRight<kSoftTileBits>(column));

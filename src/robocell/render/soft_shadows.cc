@@ -14,7 +14,7 @@ namespace {
 using Eigen::Affine3d;
 using Eigen::Vector3d;
 
-constexpr float kWidestSpot = 160;  // degrees, as the engine has it
+constexpr float kWidestSpot = 160;  // degrees, as in the engine
 
 void Store(const Affine3d& m, float* rows) {
   for (int r = 0; r < 3; ++r) {
@@ -30,7 +30,8 @@ Affine3d Loaded(const float* rows) {
   return m;
 }
 
-// From the world to the axes of a camera at the light that looks along its beam.
+// Returns the transform from the world to the axes of a camera at the light that looks along its
+// beam.
 Affine3d ToLight(const mjvLight& light) {
   const Vector3d z = -Eigen::Map<const Eigen::Vector3f>(light.dir).cast<double>().normalized();
   const Vector3d other = std::abs(z.x()) < 0.5 ? Vector3d::UnitX() : Vector3d::UnitY();
@@ -172,8 +173,8 @@ bool SoftShadows::Caster::operator==(const Caster& other) const {
 }
 
 void SoftShadows::Clear() {
-  // Their memory stays: a model comes with every episode, and megabytes that go and come again with it
-  // leave holes in the heap.
+  // Their memory stays: a model comes with every episode, and repeatedly freed megabytes leave
+  // holes in the heap.
   for (Map& map : maps_) map.drawn = false;
   used_ = 0;
 }
@@ -212,7 +213,7 @@ SoftInstance SoftShadows::InLight(const Caster& caster, const Map& map) {
   instance.mesh = caster.mesh;
   const Affine3d to_view = map.to_light * Loaded(caster.in_world);
   Store(to_view, instance.to_view);
-  // All faces cast; of a closed mesh those towards the light are the nearest.
+  // All faces cast; for a closed mesh those towards the light are the nearest.
   instance.side = caster.mesh->closed ? SoftSide::kFront : SoftSide::kBoth;
   const bool far_away = map.shadow.view.orthographic;
   const Affine3d to_mesh = to_view.inverse(Eigen::Affine);

@@ -1,6 +1,6 @@
-// Shadow maps of the software renderer: how near to each light the first surface is. A map is drawn
-// anew only when its light or something that casts a shadow has moved; it does not depend on the
-// camera, so that several cameras share it. Internal to render/.
+// Shadow maps of the software renderer: the nearness of the first surface to each light. A map is
+// drawn anew only if its light or something that casts a shadow has moved; it does not depend on
+// the camera, so that several cameras share it. Internal to render/.
 //
 //   SoftShadows shadows;
 //   shadows.Begin(model, list, camera);
@@ -23,16 +23,16 @@ namespace robocell::internal {
 
 class SoftShadows {
  public:
-  // Forgets what all maps show: meshes are others.
+  // Empties all maps, because the meshes have changed.
   void Clear();
 
   // Takes the lights of the list that cast shadows. `size`: side of a map in pixels.
   void Begin(const mjModel* model, const mjvScene& list, const CameraModel& camera, int size);
-  // `bends`: the mesh is another one than it was.
+  // `bends`: the mesh has changed.
   void AddCaster(const SoftMesh* mesh, const Eigen::Affine3d& in_world, bool bends);
   void Draw(SoftThreads* threads);
 
-  // That of a light of the list; null when it casts none.
+  // Returns the shadow of a light of the list; null if it casts none.
   const SoftShadow* Of(int light) const;
 
  private:
@@ -47,7 +47,7 @@ class SoftShadows {
     SoftShadow shadow;
     SoftShadowMap map;
     Eigen::Affine3d to_light;
-    // What it was drawn with.
+    // The values of the last drawing.
     bool drawn = false;
     float drawn_to_light[12];
     SoftView drawn_view;

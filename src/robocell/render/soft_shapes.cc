@@ -8,7 +8,7 @@
 namespace robocell::internal {
 namespace {
 
-// A point of an outline that is turned around z, and the normal there.
+// A point of an outline that is rotated around z, and the normal there.
 struct Outline {
   float radius, z, normal_r, normal_z;
 };
@@ -20,7 +20,8 @@ Outline OnSphere(double elevation, float centre) {
   return {pole ? 0 : c, s + centre, pole ? 0 : c, s};
 }
 
-// Adds what one piece of the outline, from below to above as seen from outside, sweeps.
+// Adds the surface of revolution of one piece of the outline, from below to above as seen from
+// outside.
 void Revolve(SoftMeshBuilder& mesh, int slices, const Outline& from, const Outline& to) {
   struct Ring {
     Outline at;
@@ -55,7 +56,7 @@ void Revolve(SoftMeshBuilder& mesh, int slices, const Outline& from, const Outli
   }
 }
 
-// From elevation 90 degrees * first / stacks to 90 degrees * last / stacks.
+// Adds the part from elevation 90 degrees * first / stacks to 90 degrees * last / stacks.
 void SpherePart(SoftMeshBuilder& mesh, int slices, int stacks, int first, int last, float centre) {
   const auto elevation = [&](int i) { return 0.5 * std::numbers::pi * i / stacks; };
   for (int i = first; i < last; ++i) {
@@ -158,7 +159,7 @@ SoftMesh PlaneOfModel(const mjModel* m, int geom) {
       half[k] = static_cast<float>(size);
       continue;
     }
-    // An infinite one reaches beyond the view, and is moved in steps of its texture.
+    // An infinite plane extends beyond the view, and is moved in steps of its texture.
     const int material = m->geom_matid[geom];
     const double repeat = material >= 0 ? m->mat_texrepeat[2 * material + k] : 0;
     half[k] = static_cast<float>(1.05 * far + (repeat > 0 ? 2 / repeat : 0.02 * far));

@@ -1,6 +1,6 @@
-// The meshes that a model is drawn with: those of its assets, its planes and height fields, and
-// round shapes, tessellated as finely as its `visual/quality` says, as OpenGL draws them. Internal
-// to render/.
+// The meshes of a model's drawing: those of its assets, its planes and height fields, and round
+// shapes, tessellated as finely as its `visual/quality` defines, like in OpenGL. Internal to
+// render/.
 #pragma once
 
 #include <mujoco/mujoco.h>

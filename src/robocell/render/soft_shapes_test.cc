@@ -9,7 +9,8 @@
 namespace robocell::internal {
 namespace {
 
-// Volume that the triangles enclose, by the divergence theorem: positive if they face outwards.
+// Returns the volume that the triangles enclose, by the divergence theorem: positive if they face
+// outwards.
 double VolumeOf(const SoftMesh& mesh) {
   double volume = 0;
   for (int t = 0; t < mesh.triangles; ++t) {

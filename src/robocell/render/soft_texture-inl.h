@@ -28,7 +28,7 @@ HWY_INLINE Colour Mix(const Colour& a, const Colour& b, V t) {
   return {mix(a.r, b.r), mix(a.g, b.g), mix(a.b, b.b)};
 }
 
-// The texels at these places and those after them.
+// Loads the texels at these places and those after them.
 HWY_INLINE void Neighbours(const uint32_t* texels, I at, I* left, I* right) {
 #if HWY_TARGET == HWY_SCALAR
   *left = hn::GatherIndex(kInts, reinterpret_cast<const int32_t*>(texels), at);
@@ -47,7 +47,8 @@ HWY_INLINE void Neighbours(const uint32_t* texels, I at, I* left, I* right) {
 #endif
 }
 
-// One level, between its four nearest texels; 0 ... 255. `face` is 0 for textures that are no cube.
+// Samples one level between its four nearest texels; 0 ... 255. `face` is 0 for textures other than
+// cubes.
 HWY_INLINE Colour SampleLevel(const SoftTexture& texture, I level, I face, V u, V v) {
   I width, height, start;
   const auto first = static_cast<size_t>(hn::GetLane(level));
@@ -90,7 +91,7 @@ HWY_INLINE Colour SampleLevel(const SoftTexture& texture, I level, I face, V u, 
   };
   const uint32_t* texels = texture.texels.data();
   const I at0 = at(y0);
-  // Inside of one colour, as in most of a checker.
+  // Inside an area of one colour, as in most of a checker.
   const I plain = hn::GatherIndex(kInts, reinterpret_cast<const int32_t*>(texels), at0);
   if (hn::AllTrue(kInts, hn::Gt(plain, hn::Set(kInts, 0xffffff)))) return Unpack(plain);
   I left0, right0, left1, right1;
@@ -135,7 +136,7 @@ HWY_INLINE Colour Sample(const SoftTexture& texture, I face, V u, V v, V square)
   return Share255(c);
 }
 
-// `square`: of the change of the direction from pixel to pixel.
+// `square`: that of the change of the direction from pixel to pixel.
 HWY_INLINE Colour SampleCube(const SoftTexture& texture, const V3& d, V square) {
   const V ax = hn::Abs(d.x), ay = hn::Abs(d.y), az = hn::Abs(d.z);
   const M is_x = hn::And(hn::Ge(ax, ay), hn::Ge(ax, az));

@@ -8,7 +8,7 @@
 namespace robocell::internal {
 namespace {
 
-// The engine draws with colours as they are; those of an sRGB texture are made linear before.
+// The engine draws with unconverted colours; those of an sRGB texture are made linear first.
 std::array<uint8_t, 256> LinearFromSrgb() {
   std::array<uint8_t, 256> table{};
   for (int i = 0; i < 256; ++i) {

@@ -1,4 +1,5 @@
-// Vectors of three and powers, a register at a time; part of soft_kernel.cc, compiled for each instruction set.
+// Vectors of three and powers, a register at a time; part of soft_kernel.cc, compiled for each
+// instruction set.
 #if defined(ROBOCELL_SOFT_VECTORS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ROBOCELL_SOFT_VECTORS_INL_H_
 #undef ROBOCELL_SOFT_VECTORS_INL_H_
@@ -42,8 +43,9 @@ HWY_INLINE V3 Times(V s, const V3& a) {
 }
 HWY_INLINE V3 Set3(const float* v) { return {Num(v[0]), Num(v[1]), Num(v[2])}; }
 HWY_INLINE V Clamp01(V v) { return hn::Min(hn::Max(v, hn::Zero(kFloats)), Num(1)); }
-// 1 / sqrt(x) within 5e-6, of numbers from 1e-30 on: Newton's method from a guess by the bits. Faster
-// than a division and a root, and the same everywhere, which the processors' own estimates are not.
+// Computes 1 / sqrt(x) within 5e-6, for numbers from 1e-30 on: Newton's method from a guess by the
+// bits. It is faster than a division and a root, and the same everywhere, unlike the processors'
+// own estimates.
 constexpr int32_t kGuess = 0x5f375a86;
 HWY_INLINE V PerRoot(V x) {
   V y = hn::BitCast(kFloats,
@@ -54,7 +56,7 @@ HWY_INLINE V PerRoot(V x) {
   }
   return y;
 }
-// The same to the bit, of one number.
+// The same bits, for one number.
 inline float PerRoot(float x) {
   int32_t bits;
   std::memcpy(&bits, &x, sizeof bits);
@@ -66,7 +68,7 @@ inline float PerRoot(float x) {
   return y;
 }
 HWY_INLINE V3 Unit(const V3& a) { return Times(PerRoot(hn::Max(Dot(a, a), Num(1e-30f))), a); }
-// `rows` of `stride` numbers: their first three by the vector.
+// Multiplies the first three of each of the `rows` of `stride` numbers by the vector.
 HWY_INLINE V3 Turned(const float* rows, int stride, const V3& v) {
   return {Dot(Set3(rows), v), Dot(Set3(rows + stride), v), Dot(Set3(rows + 2 * stride), v)};
 }
@@ -75,7 +77,7 @@ HWY_INLINE V3 TurnedBack(const float* rows, int stride, const V3& v) {
              Times(v.z, Set3(rows + 2 * stride)));
 }
 
-// Of positive numbers; within 4e-7.
+// Takes positive numbers; within 4e-7.
 HWY_INLINE V Log2(V x) {
   // x = 2^exponent (1 + t), t from -0.25 to 0.5.
   const I bits = hn::BitCast(kInts, x);
@@ -112,7 +114,7 @@ HWY_INLINE V RoughLog2(V x) {
   sum = hn::Add(hn::Mul(t, sum), Num(1.4380103f));
   return hn::Add(exponent, hn::Mul(t, sum));
 }
-// x to the power of e, for x from 0 to 1.
+// Returns x to the power of e, for x from 0 to 1.
 HWY_INLINE V Power(V x, float e) {
   if (e == 0) return Num(1);
   const V value = Exp2(hn::Mul(Num(e), Log2(hn::Max(x, Num(1e-30f)))));

@@ -11,7 +11,7 @@
 namespace robocell::internal {
 namespace {
 
-// Without the prefix of the robot whose camera it is.
+// Returns the name without the prefix of the camera's robot.
 std::string AsWritten(const Scene& scene, const std::string& camera) {
   for (const RobotRecord& robot : scene.compiled()->robots()) {
     if (camera.starts_with(robot.prefix)) return camera.substr(robot.prefix.size());
@@ -19,7 +19,7 @@ std::string AsWritten(const Scene& scene, const std::string& camera) {
   return camera;
 }
 
-// Where errors place a stream; "" for a camera that no stream names.
+// Returns the place of a stream for errors; "" for a camera that no stream names.
 std::string PlaceOf(const CameraConfig& stream) {
   return stream.name.empty() ? "" : "stream '" + stream.name + "'";
 }

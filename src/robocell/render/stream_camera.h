@@ -1,4 +1,4 @@
-// Which view of a scene an image stream means.
+// The view of a scene that an image stream means.
 #pragma once
 
 #include <string>
@@ -9,14 +9,14 @@
 
 namespace robocell::internal {
 
-// The full name of a stream's camera: a robot's own (by its name without the prefix), else the
-// scene's. NotFoundError with the nearest names, as they are written here; ArgumentError when
-// several robots have one of that name.
+// Returns the full name of a stream's camera: a robot's own (by its name without the prefix), else
+// the scene's. Throws NotFoundError with the nearest names, in the form of the file, and
+// ArgumentError if several robots have one of that name.
 std::string FindCameraName(const Scene& scene, const CameraConfig& stream);
 
-// The view of a stream: its camera, the whole model ("Free", unless a camera is called so) or the
-// body that it follows. Ids are of the scene's present model. Errors: those of FindCameraName;
-// NotFoundError for a body that the scene does not have.
+// Returns the view of a stream: its camera, the whole model ("Free", unless a camera has that name)
+// or the body that it follows. Ids belong to the scene's present model. Throws the errors of
+// FindCameraName, and NotFoundError for a body that the scene does not have.
 CameraView ViewOfStream(const Scene& scene, const CameraConfig& stream);
 
 }  // namespace robocell::internal

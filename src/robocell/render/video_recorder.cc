@@ -56,7 +56,7 @@ std::vector<std::string> RecorderCameras(const mjModel* model) {
   return names;
 }
 
-// The writer first: it refuses sizes and places before the renderer is made.
+// The writer comes first: it rejects sizes and paths before the renderer is made.
 VideoRecorder::VideoRecorder(const mjModel* model, std::filesystem::path path,
                              const VideoRecorderOptions& options)
     : writer_(std::move(path), ToVideoOptions(options)),

@@ -11,8 +11,8 @@
 // One call is one frame: the caller decides the time between frames, the file plays them at the
 // given rate. The camera is free until another one is chosen, and shows the whole model until it is
 // set. Lifetime: the model as for Renderer; scene_recorder.h follows a scene whose model is built
-// anew. Errors: those of render/renderer.h and media/video_writer.h; ArgumentError for what needs a
-// model that was freed. Threads: one at a time.
+// anew. Throws the errors of render/renderer.h and media/video_writer.h, and ArgumentError for
+// calls that need a freed model. Threads: one at a time.
 #pragma once
 
 #include <filesystem>
@@ -36,11 +36,11 @@ struct VideoSize {
 VideoSize SizeOf(VideoResolution resolution);
 
 // Names that recorders accept beside the cameras of the model: the present camera, the free camera
-// where it was left, and the tracking camera where it was left. A camera of the model with one of
-// these names takes precedence.
+// and the tracking camera in their last state. A camera of the model with one of these names takes
+// precedence.
 inline constexpr std::string_view kCurrentCamera = "Current", kFreeCamera = "Free",
                                   kTrackingCamera = "Tracking";
-// These three, then the cameras of a model that have names, in its order.
+// Returns these three, then the named cameras of a model, in its order.
 std::vector<std::string> RecorderCameras(const mjModel* model);
 
 struct VideoRecorderOptions {
@@ -54,29 +54,29 @@ class VideoRecorder {
   VideoRecorder(const mjModel* model, std::filesystem::path path,
                 const VideoRecorderOptions& options = {});
 
-  // After the scene was compiled anew. A camera of the model and a tracked body are looked up again
-  // by their names: NotFoundError when they are gone, here and for each frame until another camera
-  // is chosen.
+  // Call it after the scene was compiled anew. A camera of the model and a tracked body are looked
+  // up again by their names. Throws NotFoundError if they are missing, here and for each frame
+  // until another camera is chosen.
   void SetModel(const mjModel* model);
 
   std::vector<std::string> camera_names() const { return RecorderCameras(Model()); }
-  // One of camera_names(), else NotFoundError with them; "" is the free camera too. "Tracking" is
-  // an ArgumentError before SetTrackingCamera has said what to follow.
+  // Selects one of camera_names(); "" is the free camera too. Throws NotFoundError with the names,
+  // and ArgumentError for "Tracking" before SetTrackingCamera has set a body.
   void UseCamera(std::string_view name);
   void UseCamera(const CameraView& view);
-  // The free camera, from now on: looks at a point; degrees and metres, as in the interactive
+  // Selects the free camera: it looks at a point; degrees and metres, like in the interactive
   // viewer.
   void SetFreeCamera(double distance, double azimuth, double elevation,
                      const Eigen::Vector3d& lookat);
-  // Follows a body and what hangs from it, from the same direction. NotFoundError with the model's
-  // bodies.
+  // Follows a body and its subtree, from a constant direction. Throws NotFoundError with the
+  // model's bodies.
   void SetTrackingCamera(std::string_view body, double distance, double azimuth, double elevation);
 
-  // Drawn into every frame from now on.
+  // Draws them into every frame from now on.
   void SetMarkers(std::vector<Marker> markers) { markers_ = std::move(markers); }
 
   void RecordFrame(const mjData* data);
-  // Ends the file. Without it there is none.
+  // Ends the file. Without it there is no file.
   void Finish() { writer_.Finish(); }
 
   int64_t frames() const { return writer_.frames(); }
@@ -84,10 +84,10 @@ class VideoRecorder {
 
  private:
   std::string Place() const;  // for messages
-  // ArgumentError for infinite values and NaN.
+  // Throws ArgumentError for infinite values and NaN.
   void RequireFinite(const std::string& what, double value) const;
   void RequireDirection(double distance, double azimuth, double elevation) const;
-  const mjModel* Model() const;  // ArgumentError when it was freed
+  const mjModel* Model() const;  // throws ArgumentError if it was freed
   int CameraId(std::string_view name) const;
   TrackingCamera TrackingAgain() const;
   void LookUpAgain();
@@ -101,7 +101,7 @@ class VideoRecorder {
   std::string tracked_;  // name of the tracked body; ids change
   CameraView view_;
   std::string name_;      // of the model's camera or the body in view_
-  bool missing_ = false;  // the present model has none of that name
+  bool missing_ = false;  // true if the present model has none of that name
   VideoSize size_;
   std::vector<Marker> markers_;
   std::vector<uint8_t> rgb_;

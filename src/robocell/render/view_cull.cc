@@ -7,17 +7,17 @@
 namespace robocell::internal {
 namespace {
 
-// The drawn corners are rounded to single precision: what is this close to the view stays, metres.
+// The drawn corners are rounded to single precision: geoms this close to the view stay, metres.
 constexpr double kMargin = 1e-3;
 
-// Inside of the view are the points p, in the camera's axes, with normal . p + offset > 0.
+// A plane of the view: the points p inside, in the camera's axes, have normal . p + offset > 0.
 struct Plane {
   Eigen::Vector3d normal;
   double offset;
 };
 
-// The four edges of the image, half a pixel beyond the centres of its outermost pixels, then the
-// clip planes. The camera looks along -z.
+// Returns the four edges of the image, half a pixel beyond the centres of its outermost pixels,
+// then the clip planes. The camera looks along -z.
 std::array<Plane, 6> PlanesOf(const CameraModel& camera) {
   const double left = -(camera.cx + 0.5) / camera.fx,
                right = (camera.width - 0.5 - camera.cx) / camera.fx;

@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kWide = 48, kHigh = 36;
 
-// Every shape, turned and moved, and a mesh whose own centre is elsewhere.
+// Every shape, rotated and moved, and a mesh whose own centre is elsewhere.
 constexpr char kShapes[] = R"(<mujoco>
   <asset><mesh name="wedge" vertex="0 0 0  .3 0 0  0 .2 0  0 0 .4  .3 0 .1"/></asset>
   <worldbody>

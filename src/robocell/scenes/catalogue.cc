@@ -19,7 +19,7 @@
 namespace robocell {
 namespace {
 
-// On its collision geometry.
+// Measures a model on its collision geometry.
 ObjectSize MeasureModel(const std::string& path) {
   SceneSpec spec{
       .name = "object " + path, .timestep = 0.002, .add_floor = false, .add_skybox = false};

@@ -11,22 +11,22 @@
 
 namespace robocell {
 
-// "box", "cylinder", "sphere" and the built-in models/objects.
+// Returns "box", "cylinder", "sphere" and the built-in models/objects.
 std::vector<std::string> ObjectKinds();
 
-// An object of that kind with sizes, colour, mass and friction drawn from `rng`; no pose.
-// NotFoundError lists the kinds.
+// Returns an object of that kind with sizes, colour, mass and friction drawn from `rng`; no pose.
+// Throws NotFoundError that lists the kinds.
 SceneObject MakeCatalogueObject(const std::string& kind, const std::string& name, Rng& rng);
 
-// Room that an object takes, standing upright. Metres.
+// The space that an object takes up, standing upright. Metres.
 struct ObjectSize {
   double radius = 0;  // around its origin in the plane, for placing without overlap
   double height = 0;  // of its origin above the support
   double top = 0;     // of its upper end above its origin
 };
 
-// Sizes of objects. A model is measured once per process, which compiles it; whether its files are
-// still those that were measured is looked at once per ObjectSizes.
+// Sizes of objects. A model is measured once per process, which compiles it; each ObjectSizes
+// checks once whether its files are unchanged.
 class ObjectSizes {
  public:
   ObjectSize Of(const SceneObject& object);

@@ -20,12 +20,12 @@ namespace {
 constexpr double kCell = 0.05;          // metres
 constexpr double kLevelPlane = 0.9998;  // cosine of one degree
 constexpr double kSameFloor = 0.05;     // metres between heights of one floor
-constexpr double kThreshold = 0.02;     // what is lower is no obstacle, metres
-constexpr double kMostHalf = 25;        // of a floor that is looked at, metres
+constexpr double kThreshold = 0.02;     // lower objects are no obstacles, metres
+constexpr double kMostHalf = 25;        // half size of the examined floor, metres
 constexpr double kRounding = 1e-9;      // metres
 constexpr int kMostAreas = 12;          // of a floor
 
-// The corners of the box around a geom, in the world.
+// Returns the corners of the box around a geom, in the world.
 std::vector<Eigen::Vector3d> CornersOf(const mjModel* m, const mjData* d, int g) {
   const Pose at = Pose::FromTranslationAndMatrix(d->geom_xpos + 3 * g, d->geom_xmat + 9 * g);
   const mjtNum* box = m->geom_aabb + 6 * g;
@@ -39,7 +39,7 @@ std::vector<Eigen::Vector3d> CornersOf(const mjModel* m, const mjData* d, int g)
   return corners;
 }
 
-// Those of a free area with its headroom.
+// Returns the corners of a free area with its headroom.
 std::vector<Eigen::Vector3d> CornersOf(const FloorArea& area) {
   std::vector<Eigen::Vector3d> corners;
   for (const double x : {-area.half_x, area.half_x}) {
@@ -116,7 +116,7 @@ class Grid {
         ny_(static_cast<int>(2 * floor.half_y / kCell)),
         taken_(static_cast<size_t>(nx_) * static_cast<size_t>(ny_), false) {}
 
-  // Marks what is under the box around a geom, by the outline of its corners.
+  // Marks the cells under the box around a geom, by the outline of its corners.
   void Take(const std::vector<Eigen::Vector3d>& corners) {
     std::vector<Eigen::Vector2d> points;
     double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -127,7 +127,7 @@ class Grid {
       high = std::max(high, at.z());
     }
     if (high < kThreshold || low > kHeadroom) return;
-    // Cells whose middle is within half a diagonal of the outline.
+    // Takes cells whose centre is within half a diagonal of the outline.
     const std::vector<Eigen::Vector2d> hull = ConvexHull(std::move(points));
     const double reach = kCell * std::sqrt(0.5);
     Eigen::AlignedBox2d bounds;
@@ -141,7 +141,7 @@ class Grid {
     }
   }
 
-  // The largest free rectangle, which is taken then; unset when none is large enough.
+  // Returns the largest free rectangle and marks it; unset if none is large enough.
   std::optional<FloorArea> TakeLargest() {
     // The classic sweep: per row the heights of free columns, and the largest rectangle under them.
     std::vector<int> heights(static_cast<size_t>(nx_), 0);
@@ -152,7 +152,7 @@ class Grid {
         int& height = heights[static_cast<size_t>(i)];
         height = taken_[Index(i, j)] ? 0 : height + 1;
       }
-      std::vector<int> open;  // columns whose rectangle is not closed, by rising height
+      std::vector<int> open;  // open columns, in order of increasing height
       for (int i = 0; i <= nx_; ++i) {
         const int height = i < nx_ ? heights[static_cast<size_t>(i)] : 0;
         while (!open.empty() && heights[static_cast<size_t>(open.back())] >= height) {
@@ -193,7 +193,7 @@ class Grid {
   static int CellAt(double at, int count) {
     return std::clamp(static_cast<int>(std::floor(at / kCell + count / 2.0)), 0, count - 1);
   }
-  // Counter-clockwise (Andrew 1979).
+  // Returns the hull counter-clockwise (Andrew 1979).
   static std::vector<Eigen::Vector2d> ConvexHull(std::vector<Eigen::Vector2d> points) {
     std::ranges::sort(points, [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
       return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
@@ -232,7 +232,7 @@ class Grid {
   std::vector<bool> taken_;
 };
 
-// An endless floor ends a little beyond what stands on it.
+// An endless floor ends a little beyond the objects on it.
 void Bound(Floor& floor, const std::vector<std::vector<Eigen::Vector3d>>& boxes) {
   Eigen::AlignedBox2d content;
   for (const auto& corners : boxes) {

@@ -1,4 +1,4 @@
-// The free floor of a scene: where a robot can stand.
+// The free floor of a scene, on which a robot can stand.
 #pragma once
 
 #include <vector>

@@ -33,7 +33,7 @@ std::vector<FloorArea> FreeFloorOf(const Scene& scene) {
   return FindFreeFloor(scene, std::vector<bool>(static_cast<size_t>(scene.model()->nbody), false));
 }
 
-// Whether a ray from above ends on something higher than the floor.
+// Returns true if a ray from above ends on something higher than the floor.
 bool IsCovered(const Scene& scene, const Eigen::Vector3d& at) {
   std::vector<int> geoms;
   for (int g = 0; g < scene.model()->ngeom; ++g) {

@@ -17,7 +17,7 @@ constexpr double kLeastDepth = 0.01, kLeastWidth = 0.03;  // metres
 constexpr double kOutside = 0.01;                         // where rays start, before the body
 constexpr int kLeastCells = 4;
 
-// The collision geoms of one body, seen from the body.
+// The collision geoms of one body, in the body's frame.
 class OwnGeoms {
  public:
   OwnGeoms(const Scene& scene, int body) : m_(scene.model()), d_(scene.data()) {
@@ -42,7 +42,7 @@ class OwnGeoms {
 
   bool empty() const { return geoms_.empty(); }
   const Eigen::AlignedBox3d& bounds() const { return bounds_; }
-  // How far it is to the first of them; negative when there is none.
+  // Returns the distance to the first of them; negative if there is none.
   double Ray(const Eigen::Vector3d& from, const Eigen::Vector3d& direction) const {
     const Eigen::Vector3d point = body_to_world_ * from;
     const Eigen::Vector3d way = body_to_world_.rotation() * direction;
@@ -62,7 +62,7 @@ class OwnGeoms {
   Eigen::AlignedBox3d bounds_;
 };
 
-// The hollow that is open along one axis.
+// Returns the hollow that is open along one axis.
 std::optional<Hollow> OpenAlong(const OwnGeoms& geoms, int axis, double sign) {
   const Eigen::AlignedBox3d& box = geoms.bounds();
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
@@ -78,8 +78,8 @@ std::optional<Hollow> OpenAlong(const OwnGeoms& geoms, int axis, double sign) {
       at[v] = box.min()[v] + size[v] * (j + 0.5) / kGrid;
       at[axis] = rim + sign * kOutside;
       const double depth = geoms.Ray(at, -out) - kOutside;
-      if (depth < kLeastDepth) continue;  // a wall, or nothing that ends the hollow
-      // Half way down there is a wall on all four sides.
+      if (depth < kLeastDepth) continue;  // a wall, or no end of the hollow
+      // Half way down there must be a wall on all four sides.
       Eigen::Vector3d half = at;
       half[axis] = rim - sign * depth / 2;
       bool walled = true;

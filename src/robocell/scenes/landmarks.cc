@@ -21,7 +21,7 @@ namespace {
 constexpr double kNearlyLevel = 0.985;  // cosine of ten degrees
 constexpr double kSameTop = 0.002;      // metres between heights of one level top
 constexpr double kGroundGap = 0.02;     // metres by which an object may be above its ground
-constexpr double kFloorHalf = 2;        // metres of an endless floor around what stands on it
+constexpr double kFloorHalf = 2;        // metres; half size of an endless floor around an object
 constexpr int kTopGrid = 5;
 
 double Area(const LevelSpot& spot) { return spot.half_x * spot.half_y; }
@@ -34,7 +34,7 @@ LevelSpot SpotOf(const Support& support) {
   return {support.frame_to_world, support.half_x, support.half_y};
 }
 
-// The face of a hollow that is its lowest; false when none is level.
+// Sets the lowest face of a hollow; returns false if none is level.
 bool FloorOf(const Container& container, LevelSpot& spot) {
   const Eigen::Matrix3d axes = container.frame_to_world.rotation();
   Eigen::Index up;
@@ -111,8 +111,8 @@ std::vector<LevelSpot> Landmarks::Floors(const std::string& name) const {
   return floors;
 }
 
-// By rays from above: a tray's floor is below its rims. The largest part of its bounding rectangle
-// around the origin that is as high as its middle.
+// Measures by rays from above, because a tray's floor is below its rims. Returns the largest part
+// of its bounding rectangle around the origin that is as high as its middle.
 std::vector<LevelSpot> Landmarks::MiddleOfTop(int body) const {
   const mjModel* m = scene_.model();
   const mjData* d = scene_.data();

@@ -1,11 +1,11 @@
-// Landmarks: what objects are placed on, in or beside: the level tops of a body or object of a
-// scene, the floors of its hollows, how far it reaches, and what it stands on.
+// Landmarks: surfaces and spaces for placing objects: the level tops of a body or object of a
+// scene, the floors of its hollows, its extent, and its support.
 //
 //   const Landmarks landmarks(scene, DeriveAnnotations(spec));
 //   for (const LevelSpot& spot : landmarks.Tops("shelf")) ...   // spot.frame_to_world * (x, y, 0)
 //
 // Names are those of objects and of bodies of the compiled scene; NotFoundError suggests the
-// nearest. Poses are those that the scene has when a Landmarks is made. Metres.
+// nearest. Poses are those at the construction of a Landmarks. Metres.
 #pragma once
 
 #include <string>
@@ -17,15 +17,15 @@
 
 namespace robocell::internal {
 
-// A level rectangle: its middle with z up, and half extents along its x and y.
+// A level rectangle: its centre with z up, and half extents along its x and y.
 struct LevelSpot {
   Pose frame_to_world;
   double half_x = 0, half_y = 0;
 };
 
-// The root body of an object, else the body of this name; -1 without one.
+// Returns the root body of an object, else the body of this name; -1 if there is none.
 int FindObjectOrBody(const Scene& scene, const std::string& name);
-// NotFoundError suggests the nearest.
+// Throws NotFoundError that suggests the nearest.
 int RequireObjectOrBody(const Scene& scene, const std::string& name);
 std::vector<std::string> NamesOfObjectsAndBodies(const Scene& scene);
 
@@ -35,20 +35,20 @@ class Landmarks {
 
   bool Has(const std::string& name) const { return FindObjectOrBody(scene_, name) >= 0; }
   std::vector<std::string> Names() const { return NamesOfObjectsAndBodies(scene_); }
-  // Where something can lie on it: the level faces that the annotations know of it and of what
-  // hangs on it, largest first; else the level part around the middle of its top, which may have no
-  // extent. Empty for what has no shape that collides.
+  // Returns its surfaces for other objects: the level faces of it and its subtree in the
+  // annotations, largest first; else the level part around the middle of its top, which may have no
+  // extent. Empty for an object without a shape that collides.
   std::vector<LevelSpot> Tops(const std::string& name) const;
-  // The floors of its hollows that are level, largest first.
+  // Returns the level floors of its hollows, largest first.
   std::vector<LevelSpot> Floors(const std::string& name) const;
-  // What it stands on: the annotated face or the floor that is next under its lowest point; a spot
-  // of no extent under it without one.
+  // Returns its support: the annotated face or the floor that is next under its lowest point;
+  // without one, a spot of no extent under it.
   LevelSpot Ground(const std::string& name) const;
   // The face or floor that is next under a point, as Ground; a spot of no extent without one.
   LevelSpot GroundUnder(const Eigen::Vector3d& point) const { return NextUnder(point, -1); }
-  // Its root body's origin, in the world.
+  // Returns its root body's origin, in the world.
   Eigen::Vector3d Origin(const std::string& name) const;
-  // How far it reaches from there along a unit vector of the world.
+  // Returns its extent from there along a unit vector of the world.
   double ReachAlong(const std::string& name, const Eigen::Vector3d& direction) const;
 
  private:

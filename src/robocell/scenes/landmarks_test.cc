@@ -88,7 +88,7 @@ TEST_F(LandmarksTest, ReachIsToTheSurface) {
   EXPECT_NEAR(marks->ReachAlong("block", Eigen::Vector3d::UnitX()), 0.03, 1e-9);
 }
 
-// The engine's ray functions end the process for kinds of geoms that they do not know.
+// The engine's ray functions end the process for unknown kinds of geoms.
 TEST(Landmarks, TerrainHasATop) {
   const TempDir dir;
   const std::filesystem::path model = dir.path() / "hill.xml";

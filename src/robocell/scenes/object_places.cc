@@ -22,7 +22,7 @@ bool IsFree(const Disc& disc, const std::vector<Disc>& taken) {
   });
 }
 
-// A free place on the support, in its frame.
+// Returns a free place on the support, in its frame.
 std::optional<Disc> FindPlace(const Support& support, double radius, const std::vector<Disc>& taken,
                               Rng& rng) {
   const double x = support.half_x - kEdgeMargin - radius, y = support.half_y - kEdgeMargin - radius;

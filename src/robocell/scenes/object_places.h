@@ -1,4 +1,4 @@
-// Places for objects on a support: drawn at random, without overlap, upright and turned at random.
+// Places for objects on a support: random, without overlap, upright with a random rotation.
 #pragma once
 
 #include <span>

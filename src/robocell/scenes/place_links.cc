@@ -14,7 +14,7 @@
 namespace robocell::internal {
 namespace {
 
-// What of a start a name stands for.
+// Returns the object of a start that a name stands for.
 std::optional<size_t> Named(const std::string& name, const StartObjects& start) {
   for (size_t i = 0; i < start.objects.size(); ++i) {
     if (start.objects[i].name == name) return i;
@@ -22,7 +22,7 @@ std::optional<size_t> Named(const std::string& name, const StartObjects& start) 
   return std::nullopt;
 }
 
-// The first of a kind, but for the object that asks.
+// Returns the first of a kind, except the object itself.
 std::optional<size_t> OfKind(const std::string& kind, const StartObjects& start, size_t except) {
   for (size_t i = 0; i < start.kinds.size(); ++i) {
     if (i != except && start.kinds[i] == kind) return i;
@@ -83,7 +83,7 @@ std::optional<Entry> EntryOf(std::span<const SaidPlaces> said, const StartObject
   return std::nullopt;
 }
 
-// An object as it stands alone at the origin.
+// Measures an object alone at the origin.
 std::shared_ptr<const Landmarks> Alone(SceneObject object) {
   object.fixed = true;
   object.pos = Vec3{0, 0, 0};

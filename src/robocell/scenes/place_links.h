@@ -1,5 +1,5 @@
-// PlaceLinks: what a start says of places (`start.places`, Task::places), resolved: which object of
-// the start lies on, in or beside what.
+// PlaceLinks: the places of a start (`start.places`, Task::places), resolved: which object of the
+// start lies on, in or beside what.
 #pragma once
 
 #include <functional>
@@ -18,7 +18,7 @@
 
 namespace robocell::internal {
 
-// Compiles the scene. What its source does not know is derived.
+// Compiles the scene. Missing annotations are derived.
 std::shared_ptr<const Landmarks> LandmarksOf(const SceneSpec& scene,
                                              const std::optional<SceneAnnotations>& known = {});
 
@@ -30,15 +30,15 @@ struct SaidPlaces {
   std::string hook = {};
 };
 
-// The objects of a start, and what each is called beside its name.
+// The objects of a start, and their kinds.
 struct StartObjects {
   const std::vector<SceneObject>& objects;
   const std::vector<std::string>& kinds;
-  // Which names and kinds objects of other starts may have.
+  // Decides which names and kinds objects of other starts may have.
   std::function<bool(const std::string& name)> may_come;
 };
 
-// A relation between an object of the start, by its index, and another one or something of the
+// A relation between an object of the start, by its index, and another one or an element of the
 // scene.
 struct PlaceLink {
   size_t object = 0;
@@ -60,7 +60,7 @@ std::vector<PlaceLink> LinkPlaces(const std::shared_ptr<const Landmarks>& base,
                                   std::span<const SaidPlaces> said, const StartObjects& start,
                                   Problems& problems);
 
-// "'mug' next_to 'box'".
+// Returns "'mug' next_to 'box'".
 std::string TextOf(const PlaceLink& link, const std::vector<SceneObject>& objects);
 
 }  // namespace robocell::internal

@@ -19,7 +19,7 @@ constexpr double kRelatedDrop = 0.001;  // metres above the place, from where it
 constexpr double kWallGap = 0.003;      // metres between an object and the walls of a hollow
 constexpr double kBeside = 0.005;       // metres between objects that are not next to each other
 
-// The room that an object takes: an upright cylinder.
+// The space that an object takes up: an upright cylinder.
 struct Room {
   size_t object;
   Eigen::Vector2d at;
@@ -36,10 +36,10 @@ bool Overlap(const Room& a, const Room& b) {
   return same_height && (a.at - b.at).norm() < a.radius + b.radius + kBeside;
 }
 
-// Where an object with a place can lie, as the things that it refers to lie now.
+// The places for an object relative to the present poses of its references.
 class Spots {
  public:
-  // `ground`: what its reference stands on, for places next to it.
+  // `ground`: the support of its reference, for places next to it.
   Spots(const PlaceLink& link, const Pose& reference_to_world, const LevelSpot& ground)
       : link_(link), at_(reference_to_world), ground_(ground) {
     if (link.place.relation() == Relation::kOnTopOf) spots_ = link.marks->Tops(link.mark);
@@ -47,7 +47,7 @@ class Spots {
     for (LevelSpot& spot : spots_) spot.frame_to_world = at_ * spot.frame_to_world;
   }
 
-  // Whether the object is too wide for all of them.
+  // Returns true if the object is too wide for all of them.
   bool TooNarrow(double radius) const {
     return link_.place.relation() == Relation::kInside &&
            std::ranges::none_of(spots_, [&](const LevelSpot& spot) {
@@ -55,7 +55,7 @@ class Spots {
            });
   }
 
-  // A point to stand on for the object turned by `yaw`, and the face that it is on.
+  // Returns a point for the object turned by `yaw`, and the face that it is on.
   std::pair<Eigen::Vector3d, LevelSpot> Draw(double radius, double yaw, Rng& rng) const {
     if (link_.place.relation() == Relation::kNextTo) return {Beside(yaw, rng), ground_};
     std::vector<const LevelSpot*> wide;
@@ -63,7 +63,7 @@ class Spots {
     for (const LevelSpot& spot : spots_) {
       if (std::min(spot.half_x, spot.half_y) >= margin) wide.push_back(&spot);
     }
-    // What is wider than a top can still stand in its middle.
+    // An object that is wider than a top can still stand in its middle.
     const LevelSpot& spot = wide.empty() ? spots_.front() : *wide[rng.UniformInt(wide.size())];
     const double x = std::max(0.0, spot.half_x - margin), y = std::max(0.0, spot.half_y - margin);
     const double across = rng.Uniform(-y, y), along = rng.Uniform(-x, x);  // in this order
@@ -77,7 +77,7 @@ class Spots {
   }
 
  private:
-  // On the ground, with the gap between the two outlines along a direction.
+  // Returns a point on the ground, with the gap between the two outlines along a direction.
   Eigen::Vector3d Beside(double yaw, Rng& rng) const {
     const double angle = rng.Uniform(-kPi, kPi);
     const double gap = rng.Uniform(link_.place.gap[0], link_.place.gap[1]);
@@ -106,7 +106,8 @@ const PlaceLink* RelatedPlaces::LinkOf(size_t object) const {
 
 bool RelatedPlaces::IsRelated(size_t object) const { return LinkOf(object) != nullptr; }
 
-// Whether it lies on or in an object, or in what that lies in, so that their rooms overlap.
+// Returns true if it lies on or in an object, or in the object that contains that one, so that
+// their spaces overlap.
 bool RelatedPlaces::RestsOn(const PlaceLink& link, size_t object) const {
   for (const PlaceLink* at = &link; at && at->other; at = LinkOf(*at->other)) {
     if (*at->other == object) return true;
@@ -164,7 +165,7 @@ std::optional<std::string> RelatedPlaces::WhyNotKept(
   for (const PlaceLink& link : links_) {
     const std::string reference = link.other ? objects[*link.other].name : link.place.reference();
     const Relation relation = link.place.relation();
-    // A source of scenes may know of hollows that the geometry does not have.
+    // A source of scenes may declare hollows that the geometry does not have.
     if (relation == Relation::kInside &&
         FindHollows(scene, RequireObjectOrBody(scene, reference)).empty())
       continue;

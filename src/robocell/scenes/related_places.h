@@ -1,5 +1,5 @@
-// RelatedPlaces: draws where objects of a start lie that are on, inside or next to something else
-// (place_links.h).
+// RelatedPlaces: draws the places of objects of a start that are on, inside or next to something
+// else (place_links.h).
 //
 //   RelatedPlaces related(LinkPlaces(LandmarksOf(base), said, start, problems));
 //   if (auto why_not = related.Put(support, sizes, objects, rng)) ...   // "'mug' does not fit ..."
@@ -24,7 +24,7 @@ class RelatedPlaces {
  public:
   explicit RelatedPlaces(std::vector<PlaceLink> links) : links_(std::move(links)) {}
 
-  // Whether an object has a place in relation to something, by its index.
+  // Returns true if an object, by its index, has a place in relation to something.
   bool IsRelated(size_t object) const;
   // Sets the poses of these objects, after the others have theirs; `grounds` is what each of the
   // others stands on. Returns why there is no place for one of them; those before it have been
@@ -35,8 +35,8 @@ class RelatedPlaces {
   std::optional<std::string> Put(const Support& support, std::span<const ObjectSize> sizes,
                                  std::vector<SceneObject>& objects, Rng& rng) const;
 
-  // Whether all of it holds in a scene where the objects have come to rest: "'mug' inside 'tray':
-  // it did not stay there", unset if it does. Poses and contacts are up to date.
+  // Checks all relations in a scene where the objects have come to rest: returns "'mug' inside
+  // 'tray': it did not stay there", unset if all hold. Poses and contacts must be up to date.
   std::optional<std::string> WhyNotKept(const Scene& scene,
                                         const std::vector<SceneObject>& objects) const;
 

@@ -99,7 +99,7 @@ TEST(RelatedPlaces, AKindStandsForItsObjectsAndMayBeMissingInAnEpisode) {
               Optional(HasSubstr("there is no other 'mug' in this start")));
 }
 
-// What lies in a dish is beside other things in it, and on top of them.
+// An object in a dish is beside other objects in it, and on top of them.
 TEST(RelatedPlaces, ThingsInOneContainerAreRelatedToEachOther) {
   Start start({{.name = "dish", .mjcf_path = "tray", .fixed = false},
                Block("peg", {0.01, 0.01, 0.01}),

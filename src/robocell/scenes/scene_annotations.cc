@@ -30,7 +30,7 @@ bool IsHandleName(const std::string& name) {
   return lower.find("handle") != std::string::npos || lower.find("knob") != std::string::npos;
 }
 
-// What is derived from one compiled scene.
+// The annotations derived from one compiled scene.
 class Derivation {
  public:
   explicit Derivation(const SceneSpec& spec) : scene_(Scene::Build(spec)), m_(scene_.model()) {
@@ -88,7 +88,8 @@ class Derivation {
     }
     return out;
   }
-  // The joint next to a body on its way to the world, a hinge or a slide; -1 for none.
+  // Returns the joint, a hinge or a slide, next to a body on its way to the world; -1 if there is
+  // none.
   int MovedJoint(int body) const {
     while (body > 0 && m_->body_jntnum[body] == 0) body = m_->body_parentid[body];
     if (body == 0) return -1;

@@ -1,12 +1,12 @@
-// SceneAnnotations: what is known of a scene beside its geometry, as data: where things can be put
-// and stored, what opens, where one can stand, what things are called. Sources of scenes fill it in
-// (scene_source.h); what they leave out is derived from the geometry.
+// SceneAnnotations: data about a scene beside its geometry: surfaces and containers for objects,
+// parts that open, free floor, names. Sources of scenes fill it in (scene_source.h); missing parts
+// are derived from the geometry.
 //
 //   const SceneAnnotations known = DeriveAnnotations(spec);
 //   for (const Articulation& joint : known.articulations) ... joint.handle_geoms ...
 //
-// Poses are in the world, metres and radians, of the scene as it is compiled. Names are those of
-// the compiled scene.
+// Poses are in the world, metres and radians, for the compiled scene. Names are those of the
+// compiled scene.
 #pragma once
 
 #include <string>
@@ -19,18 +19,18 @@
 
 namespace robocell {
 
-// A level face that objects can be put on.
+// A level face for objects.
 struct SupportFace {
   Support face;
   std::string body;
-  double free_area = 0;  // square metres of it with room above
+  double free_area = 0;  // square metres of it with free space above
   std::string room = {};
 };
 
-// A hollow that objects can be put into: a tray, a drawer, a shelf behind a door.
+// A hollow for objects: a tray, a drawer, a shelf behind a door.
 struct Container {
   std::string body;
-  Pose frame_to_world;                                 // the middle of the hollow
+  Pose frame_to_world;                                 // the centre of the hollow
   Vec3 half_extents = {};                              // of the hollow, along its frame's axes
   Eigen::Vector3d opening = Eigen::Vector3d::UnitZ();  // out of it, in the world
   std::string moved_by = {};                           // the joint of a drawer; "" if it stands
@@ -66,7 +66,7 @@ struct FloorArea {
   std::string floor = {};  // the geom of the floor, or its body when the geom has no name
 };
 
-// What an object of the scene is called.
+// The words for an object of the scene.
 struct ObjectWords {
   std::string object;                   // its name in the scene
   std::string category = {};            // "mug"
@@ -82,7 +82,7 @@ struct SceneLight {
 };
 
 struct SceneAnnotations {
-  std::vector<SupportFace> supports = {};  // the one that objects are put on first
+  std::vector<SupportFace> supports = {};  // the preferred one first
   std::vector<Container> containers = {};
   std::vector<Articulation> articulations = {};
   std::vector<Room> rooms = {};
@@ -91,10 +91,10 @@ struct SceneAnnotations {
   std::vector<SceneLight> lights = {};
 };
 
-// What follows from the geometry of a scene: level faces of boxes, hollows of bodies, joints of the
-// surroundings with the geoms that are named handles or knobs, its objects by their models or
-// shapes, its lights, and rectangles of free floor. Rooms do not. The scene is compiled; the errors
-// are those of Scene::Build.
+// Derives annotations from the geometry of a scene: level faces of boxes, hollows of bodies, joints
+// of the surroundings with the geoms that are named handles or knobs, its objects by their models
+// or shapes, its lights, and rectangles of free floor, but no rooms. The scene is compiled; throws
+// the errors of Scene::Build.
 SceneAnnotations DeriveAnnotations(const SceneSpec& spec);
 
 // The areas of one floor, by the name of the floor or of a room, largest first. NotFoundError lists

@@ -66,7 +66,7 @@ struct SourceRegistry {
 
 constexpr int kMostScenes = 1'000'000;  // of a run: each is made once before it begins
 
-// "" if a run can take that many scenes of its source, or takes only some of them.
+// Returns "" if a run can take that many scenes of its source, or takes only some of them.
 std::string ProblemOfSize(const RunConfig& run, int size) {
   if (size < 0)
     return fmt::format(
@@ -101,7 +101,7 @@ SceneAnnotations SceneSource::Annotations(int index) {
 
 SceneAnnotations SceneSource::Derive(int index) {
   SceneSpec spec = Make(index);
-  if (!spec.timestep) spec.timestep = Rates().timestep().value();  // which says nothing here
+  if (!spec.timestep) spec.timestep = Rates().timestep().value();  // irrelevant here
   return DeriveAnnotations(spec);
 }
 

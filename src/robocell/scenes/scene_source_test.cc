@@ -16,7 +16,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-// A kind of this test's own: a shelf of boards, and what is known of them.
+// A kind of this test's own: a shelf of boards, with annotations.
 struct ShelfConfig {
   int boards = 2;
   static constexpr const char* kKind = "shelf_of_test";
@@ -125,14 +125,14 @@ TEST(SceneSource, WhatItKnowsComesBeforeWhatTheGeometrySays) {
   const std::vector<Support> known = SupportsOf(*source, 1, MakeBaseScene(run, 1));
   ASSERT_EQ(known.size(), 1u);
   EXPECT_NEAR(known[0].frame_to_world.translation().z(), 0.41, 1e-9);
-  // Of the last scene it knows nothing: the upper board has room above it.
+  // It has no annotations of the last scene: the upper board has free space above it.
   EXPECT_NEAR(SupportsOf(*source, 2, MakeBaseScene(run, 2))[0].frame_to_world.translation().z(),
               0.41, 1e-9);
   EXPECT_EQ(source->Annotations(2).supports.size(), 2u);
   EXPECT_EQ(source->Annotations(2).objects.size(), 2u);
 }
 
-// Of any number of scenes, of annotations and of scenes that its test chooses.
+// Has any number of scenes, and annotations and scenes that its test chooses.
 struct OddConfig {
   int count = 1;
   std::string file = "list.txt";

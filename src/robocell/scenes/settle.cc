@@ -11,12 +11,12 @@
 namespace robocell::internal {
 namespace {
 
-constexpr double kSeconds = 0.4;      // between looks at the objects ...
-constexpr int kLooks = 6;             // ... and how often to look
+constexpr double kSeconds = 0.4;      // between checks of the objects ...
+constexpr int kLooks = 6;             // ... and the number of checks
 constexpr double kRestSpeed = 0.005;  // m/s below which an object rests ...
 constexpr double kRestTurn = 0.1;     // ... and rad/s
 
-// Name of an object that is not at rest; "" when all are. Parked ones do not count.
+// Returns the name of an object that is not at rest; "" if all are. Parked ones do not count.
 std::string MovingObject(const Scene& scene, const std::vector<std::string>& objects) {
   const mjModel* m = scene.model();
   for (const std::string& name : objects) {

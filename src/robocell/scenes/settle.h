@@ -1,5 +1,5 @@
 // Settle: lets objects and robots come to rest together before an episode begins, with the robots
-// controlled as in the episode.
+// controlled like in the episode.
 //
 //   if (auto why_not = Settle(scene, robots, "target", {.sim_steps = 2})) ...  // "cube still moves"
 #pragma once
@@ -15,7 +15,7 @@
 
 namespace robocell::internal {
 
-// How far the target may move while it settles unless said otherwise, metres.
+// The default distance by which the target may move while it settles, metres.
 inline constexpr double kMostSettling = 0.05;
 
 struct SettleOptions {
@@ -23,11 +23,12 @@ struct SettleOptions {
   // Names of the objects that have to come to rest; all unless set.
   std::optional<std::vector<std::string>> resting = {};
   double most_drift = kMostSettling;
-  StopRequest stop = {};  // when it says true, the objects may be refused as still moving
+  StopRequest stop = {};  // once it returns true, objects may be refused as still moving
 };
 
-// Simulates until everything rests. Returns why the scene does not settle: something diverges or does
-// not come to rest, or the target ends up elsewhere. `target_body` may be empty. Time goes on.
+// Simulates until everything rests. Returns why the scene does not settle: something diverges or
+// does not come to rest, or the target ends up elsewhere. `target_body` may be empty. Simulated
+// time advances.
 std::optional<std::string> Settle(Scene& scene, std::span<Robot> robots,
                                   const std::string& target_body, const SettleOptions& options);
 

@@ -24,7 +24,7 @@ TEST(Settle, EndsAtRest) {
   EXPECT_TRUE(pick.scene.body_pose(pick.target_body).is_close(before, 1e-4, 1e-3));
 }
 
-// Updates() at the rate of the episode: a controller that counts them is the oracle.
+// The oracle for the rate of updates is a controller that counts them.
 class Counting : public Controller {
  public:
   Counting(MoveGroup& group, int* count) : group_(group), count_(count), q_(group.joint_pos()) {}

@@ -1,4 +1,4 @@
-// RequireSound of scene_annotations.h: every number of annotations that somebody else wrote.
+// RequireSound of scene_annotations.h: checks every number of foreign annotations.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -9,7 +9,7 @@
 namespace robocell {
 namespace {
 
-// Checks numbers of one entry, such as "supports[0]". Poses are finite by themselves.
+// Checks numbers of one entry, such as "supports[0]". Poses are always finite.
 class EntryCheck {
  public:
   EntryCheck(const std::string& place, const char* list, size_t index)

@@ -20,7 +20,7 @@
 namespace robocell {
 namespace {
 
-constexpr double kBelowRim = 0.005;    // metres that something inside reaches below the rim
+constexpr double kBelowRim = 0.005;    // metres by which an object inside reaches below the rim
 constexpr double kBelowFloor = 0.005;  // by which contacts may press into a hollow's floor
 constexpr double kFromAbove = 0.5;     // least cosine between a contact's normal and the vertical
 
@@ -43,8 +43,8 @@ struct SpatialRelation::Impl {
   double most_gap;
   std::vector<HollowOf> hollows;
 
-  // What is taller than a tray is in it all the same: it reaches below the rim, with its middle over
-  // the hollow.
+  // An object that is taller than a tray is in it all the same: it reaches below the rim, with its
+  // centre over the hollow.
   bool IsInside() const {
     const Eigen::Vector3d middle(scene.data()->subtree_com + 3 * object.id());
     return std::ranges::any_of(hollows, [&](const HollowOf& each) {
@@ -65,7 +65,7 @@ struct SpatialRelation::Impl {
     });
   }
 
-  // Contacts between the two whose normal, from the reference to the object, looks up.
+  // Finds contacts between the two whose normal, from the reference to the object, points up.
   bool IsOnTop() const {
     const mjModel* m = scene.model();
     const mjData* d = scene.data();
@@ -94,7 +94,7 @@ struct SpatialRelation::Impl {
     way.normalize();
     const Interval near = ExtentOf(reference.id(), way), far = ExtentOf(object.id(), way);
     if (far.lower - near.upper > most_gap) return false;
-    // Beside each other, not one high above the other.
+    // Requires that they are beside each other, not one high above the other.
     const Interval low = ExtentOf(reference.id(), Eigen::Vector3d::UnitZ());
     const Interval high = ExtentOf(object.id(), Eigen::Vector3d::UnitZ());
     return low.lower < high.upper && high.lower < low.upper;

@@ -1,16 +1,16 @@
-// SpatialRelation: whether an object is on top of, inside or next to something now; for what a task
-// asks for, and for starts.
+// SpatialRelation: checks whether an object is now on top of, inside or next to another one; for
+// conditions of tasks, and for starts.
 //
 //   const SpatialRelation in_drawer(scene, "spoon", Relation::kInside, "drawer");
 //   if (in_drawer.Holds()) ...
 //
-// On top of: it touches the other from above. Inside: its middle is over a hollow of the other
-// (scene_annotations.h) and it reaches below the rim; hollows are measured when a SpatialRelation is
-// made. Next to: the free distance between the two, along the line between their middles, is at most
+// On top of: it touches the other from above. Inside: its centre is over a hollow of the other
+// (scene_annotations.h) and it reaches below the rim; hollows are measured at construction. Next
+// to: the free distance between the two, along the line between their centres, is at most
 // `most_gap`, and it is neither on nor in it. Names are those of objects and bodies.
 //
-// Errors: NotFoundError for names that the scene does not have; ArgumentError for an object without a
-// shape that collides and for `inside` of what has no hollow. Threads: those of the scene.
+// Throws NotFoundError for unknown names, and ArgumentError for an object without a shape that
+// collides and for `inside` of an object without a hollow. Threads: those of the scene.
 #pragma once
 
 #include <memory>
@@ -29,7 +29,7 @@ class SpatialRelation {
   SpatialRelation(SpatialRelation&&) noexcept;
   SpatialRelation& operator=(SpatialRelation&&) noexcept;
 
-  // Poses and contacts of the scene are up to date.
+  // Requires up-to-date poses and contacts of the scene.
   bool Holds() const;
 
   const Scene& scene() const;

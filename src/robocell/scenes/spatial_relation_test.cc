@@ -12,7 +12,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// A cube of 4 cm, a tray and a board on the floor; the cube is put where a test wants it.
+// A cube of 4 cm, a tray and a board on the floor; each test places the cube.
 class SpatialRelationTest : public ::testing::Test {
  protected:
   static Scene Make() {

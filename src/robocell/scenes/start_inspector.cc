@@ -19,11 +19,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kMostLayers = 16;       // of things that do not collide, which a ray goes through
+constexpr int kMostLayers = 16;       // geoms without collision that a ray passes
 constexpr double kNearEnough = 0.02;  // metres between what hangs and what may hold it
 constexpr double kInTheFloor = 0.01;  // metres
-constexpr double kAbove = 0.5e-3;     // metres above what an object is put on, from where it drops
-constexpr double kStep = 0.01;        // metres by which what is under an object may be uneven
+constexpr double kAbove = 0.5e-3;     // metres above its support, from which an object drops
+constexpr double kStep = 0.01;        // allowed unevenness under an object, metres
 constexpr double kInset = 0.1;        // of an object's width, for most have rounded edges
 constexpr double kLargest = 10;       // metres; of objects, which have to fit into a room
 
@@ -31,7 +31,7 @@ std::string BodyText(const mjModel* m, int body) {
   return body == 0 ? "the world" : ElementName(m, mjOBJ_BODY, body);
 }
 
-// A geom's name where it is the world's, which has many: the floor; else its body's.
+// Returns a geom's name for the world, which has many: the floor; else its body's name.
 std::string OtherText(const mjModel* m, int geom) {
   const int body = m->geom_bodyid[geom];
   const std::string name = ElementName(m, mjOBJ_GEOM, geom);
@@ -45,7 +45,8 @@ Vector3d Down(const mjModel* m) {
   return gravity.norm() > 0 ? Vector3d(gravity.normalized()) : Vector3d(0, 0, 0);
 }
 
-// How far down something that collides is, from a point; -1 when nothing is. The geom is told.
+// Returns the distance down from a point to the first geom that collides; -1 if there is none. Sets
+// the geom.
 double RayDown(const mjModel* m, const mjData* d, Vector3d from, const Vector3d& down, int without,
                int* geom) {
   double way = 0;
@@ -79,7 +80,7 @@ int RootBody(const Scene& scene, const std::string& object) {
                    "scene '" + scene.name() + "'");
 }
 
-// Less than `horizon` when something else is so near.
+// Returns less than `horizon` if something else is so near.
 double NearestOther(const Scene& scene, int root, double horizon) {
   const mjModel* m = scene.model();
   mjData* d = scene.data();
@@ -130,7 +131,7 @@ void StartInspector::Bind() {
   generation_ = scene_.generation();
 }
 
-// A gripper, and whatever else hangs on a robot, is the robot's.
+// A gripper, and everything else that hangs on a robot, belongs to the robot.
 void StartInspector::MarkRobots() {
   const mjModel* m = scene_.model();
   robots_.clear();
@@ -156,8 +157,8 @@ std::string StartInspector::RobotText(int body) const {
   return fmt::format("robot '{}' ({})", robots_[robot_of_[body]], BodyText(scene_.model(), body));
 }
 
-// The bodies, when one is a robot's and the other neither of the same nor an object that is to lie
-// still, and they are too deep.
+// Returns the bodies if one belongs to a robot and the other neither to the same robot nor to an
+// object that has to lie still, and they penetrate too deep.
 std::optional<StartInspector::Pair> StartInspector::RobotPair(int contact) const {
   const mjContact& c = scene_.data()->contact[contact];
   if (c.exclude != 0 || c.geom[0] < 0 || c.geom[1] < 0 || c.dist > -kInside) return std::nullopt;
@@ -226,7 +227,7 @@ std::string StartInspector::TouchOf(int contact) const {
                      robot_of_[pair->second] < 0 ? OtherText(m, hit) : RobotText(pair->second));
 }
 
-// Down from the middle of its mass: an object whose middle has nothing under it tips over the edge.
+// Looks down from the centre of mass: an object without a support under it tips over the edge.
 StartInspector::Gap StartInspector::GapUnder(const Object& object) const {
   const mjModel* m = scene_.model();
   const mjData* d = scene_.data();
@@ -242,7 +243,7 @@ StartInspector::Gap StartInspector::GapUnder(const Object& object) const {
   return {down.dot(middle) + below - lowest, geom};
 }
 
-// Whether nothing is under the object's edge, at one of four places around it.
+// Returns true if nothing is under the object's edge, at one of four places around it.
 bool StartInspector::ReachesOver(const Object& object) const {
   const mjModel* m = scene_.model();
   const mjData* d = scene_.data();
@@ -371,7 +372,8 @@ std::vector<std::string> RobotsInTheFloor(const Scene& scene) {
 
 namespace {
 
-// How deep the lowest point of a free object is in the plane that its middle is below; 0 for none.
+// Returns how deep the lowest point of a free object is in the plane that its centre is below; 0
+// for none.
 double DepthInFloor(const Scene& scene, const std::string& name, int* floor) {
   const mjModel* m = scene.model();
   const mjData* d = scene.data();

@@ -1,5 +1,5 @@
-// StartInspector: whether an episode can begin in the present state of a scene: its objects touch no
-// robot, are inside nothing, and have something under them; no robot is inside of anything.
+// StartInspector: checks whether an episode can begin in the present state of a scene: its objects
+// touch no robot, are inside nothing, and have a support; no robot is inside of anything.
 //
 //   StartInspector inspector(scene, {"cube"});
 //   scene.Reset(options);
@@ -7,8 +7,8 @@
 //
 // It reads the contacts and poses of the evaluation that ended the reset and casts five rays for
 // each object, so that it costs a fraction of that evaluation. Settle (settle.h) simulates instead,
-// and is for starts that are tried once. Errors: NotFoundError for unknown objects. Threads: those of
-// the scene.
+// and is for starts that are tried once. Throws NotFoundError for unknown objects. Threads: those
+// of the scene.
 #pragma once
 
 #include <cstdint>
@@ -23,24 +23,24 @@ namespace robocell {
 
 class StartInspector {
  public:
-  // `objects`: the names of those that have to lie still, free ones.
+  // `objects`: the names of the free objects that have to lie still.
   StartInspector(Scene scene, std::vector<std::string> objects);
 
   // Returns "" for a good start, else its first problem.
   std::string WhyNot();
-  // Robots that are deeper than kInside in something that is not theirs, with how deep.
+  // Returns robots that are deeper than kInside in foreign bodies, with the depth.
   std::vector<std::string> RobotsInside();
-  // From now on what the robots are inside of now is no reason, for models and cells have such
-  // places; objects may start as high above what is under them as they are now; and those that
-  // reach over its edge now may do so.
+  // Accepts the present state: bodies that the robots are inside of now no longer count, because
+  // models and cells have such places; objects may start as high above their support as now; and
+  // those that reach over its edge now may do so.
   void Accept();
-  // The same starts, each object lowered onto what is under it when Accept found it a little above
-  // that: by some millimetres, and no more than kMostSettling. Higher ones are meant to drop.
+  // Returns the same starts, with each object lowered onto its support if Accept found it slightly
+  // above: by some millimetres, and no more than kMostSettling. Higher ones are meant to drop.
   BodyPoses Lowered(BodyPoses starts) const;
-  // From now on objects need nothing under them: for those that rest on what a ray misses.
+  // Lets objects be without a support: for those that rest on geoms which a ray misses.
   void AcceptGaps() { needs_support_ = false; }
 
-  static constexpr double kInside = 0.002;  // metres; contacts at rest are less deep
+  static constexpr double kInside = 0.002;  // metres; contacts at rest penetrate less
 
  private:
   using Pair = std::pair<int, int>;  // bodies, the robot's first
@@ -78,28 +78,28 @@ class StartInspector {
   bool needs_support_ = true;
 };
 
-// What stands still and hangs in the air: objects whose model has no joint although nobody said
-// that they are fixed, and that are near nothing. `objects` are their names. As sentences.
+// Returns, as sentences, fixed objects that hang in the air: objects whose model has no joint
+// although they are not declared as fixed, and that are near nothing. `objects` are their names.
 std::vector<std::string> HangingObjects(const Scene& scene,
                                         const std::vector<std::string>& objects);
 
-// Robots whose fixed parts are below a floor (a plane), as sentences. Nothing in the engine says
-// so: what cannot move touches nothing that cannot.
+// Returns, as sentences, robots whose fixed parts are below a floor (a plane). The engine does not
+// report it: two fixed bodies never touch.
 std::vector<std::string> RobotsInTheFloor(const Scene& scene);
 
-// Free objects whose middle is below a floor (a plane), as sentences: they are shot out of it.
+// Returns, as sentences, free objects whose centre is below a floor (a plane): they are shot out of
+// it.
 std::vector<std::string> ObjectsInTheFloor(const Scene& scene);
 
-// Free objects that are deep inside something other than a robot, as sentences: they are pushed
-// apart. Those of ObjectsInTheFloor are not among them.
+// Returns, as sentences, free objects that are deep inside something other than a robot: they are
+// pushed apart. Excludes those of ObjectsInTheFloor.
 std::vector<std::string> ObjectsInside(const Scene& scene);
 
-// Objects that are larger than a room, as sentences: their sizes may be in millimetres. Fixed ones
-// only where they are that thick, for floors and walls are large.
+// Returns, as sentences, objects that are larger than a room: their sizes may be in millimetres.
+// Fixed ones only count by their thickness, because floors and walls are large.
 std::vector<std::string> ObjectsInMillimetres(const Scene& scene);
 
-// Free objects with nothing at all under them, as they stand now. Those in the floor are not among
-// them.
+// Returns free objects without any support in their present pose. Excludes those in the floor.
 std::vector<std::string> ObjectsOverNothing(const Scene& scene);
 
 }  // namespace robocell

@@ -26,14 +26,14 @@ namespace {
 const std::string kSite = "table_top";
 constexpr double kLevel = 0.9998;     // cosine of one degree
 constexpr double kOnSurface = 0.005;  // metres between the site and the face it is on
-// A support that can move may so much, m, in so many seconds.
+// The largest motion of a movable support, m, in this many seconds.
 constexpr double kSteady = 0.01, kSteadySeconds = 0.5;
 
 std::string Place(const SceneSpec& base) {
   return "scene '" + base.name + "'" + (base.base ? " from '" + *base.base + "'" : "");
 }
 
-// Without those of objects that are parked.
+// Excludes those of parked objects.
 std::vector<std::string> SitesInPlace(const Scene& scene) {
   const mjModel* m = scene.model();
   std::vector<std::string> sites = ElementNames(m, mjOBJ_SITE);
@@ -46,7 +46,8 @@ std::vector<std::string> SitesInPlace(const Scene& scene) {
   return sites;
 }
 
-// The site of this name, else the only one that has it behind a prefix; "" without one.
+// Returns the site of this name, else the only one that has it behind a prefix; "" if there is
+// none.
 std::string FindSite(const Scene& scene, const std::string& place) {
   const std::vector<std::string> sites = SitesInPlace(scene);
   std::vector<std::string> prefixed;
@@ -65,7 +66,7 @@ int SiteBody(const Scene& scene, const std::string& site) {
   return scene.model()->site_bodyid[FindId(scene.model(), mjOBJ_SITE, site)];
 }
 
-// The box of the site's body with the largest face; -1 without any.
+// Returns the box of the site's body with the largest face; -1 without any.
 int LargestBox(const mjModel* m, int body) {
   int largest = -1;
   double area = 0;
@@ -80,7 +81,7 @@ int LargestBox(const mjModel* m, int body) {
   return largest;
 }
 
-// The face of a box that looks along the site's z axis, as seen from the site.
+// The face of a box that points along the site's z axis, in the site's frame.
 class Face {
  public:
   Face(const mjModel* m, const Pose& site_to_world, const Pose& box_to_world, int geom) {
@@ -88,7 +89,7 @@ class Face {
     const Eigen::Matrix3d axes = box_to_site.rotation();
     Eigen::Index up;
     alignment_ = axes.row(2).cwiseAbs().maxCoeff(&up);
-    // The axis of the box that is nearest to the site's x: then an aligned box turns nothing.
+    // Uses the box axis that is nearest to the site's x, so that an aligned box is not turned.
     Eigen::Index along = (up + 1) % 3;
     if (std::abs(axes(0, (up + 2) % 3)) > std::abs(axes(0, along))) along = (up + 2) % 3;
     const Eigen::Index across = 3 - up - along;
@@ -102,7 +103,7 @@ class Face {
     thickness_ = 2 * size[up];
   }
 
-  // "" when the site lies on the face.
+  // Returns "" if the site lies on the face.
   std::string WhyNotUnderSite(const Pose& site_to_world) const {
     if (site_to_world.rotation()(2, 2) < kLevel) return "its z axis does not point up";
     if (alignment_ < kLevel)
@@ -129,13 +130,13 @@ class Face {
   double half_x_ = 0, half_y_ = 0, height_ = 0, thickness_ = 0, yaw_ = 0, alignment_ = 0;
 };
 
-// The name of the body with a joint, this one or one that carries it; "" for none.
+// Returns the name of the body with a joint, this one or one that carries it; "" for none.
 std::string MovedBody(const mjModel* m, int body) {
   while (body > 0 && m->body_jntnum[body] == 0) body = m->body_parentid[body];
   return body > 0 ? ElementName(m, mjOBJ_BODY, body) : "";
 }
 
-// The level upper faces of boxes that stand still.
+// The level upper faces of fixed boxes.
 class LevelFaces {
  public:
   explicit LevelFaces(const Scene& scene) : scene_(scene), m_(scene.model()) {
@@ -147,7 +148,7 @@ class LevelFaces {
     }
   }
 
-  // From the one that objects are put on first.
+  // Returns all faces, the preferred one first.
   std::vector<SupportFace> All() const {
     std::vector<std::pair<double, SupportFace>> ranked;
     for (int g = 0; g < m_->ngeom; ++g) {
@@ -167,7 +168,7 @@ class LevelFaces {
     for (auto& [rank, face] : ranked) faces.push_back(std::move(face));
     return faces;
   }
-  // What of a face has room above it, by a grid of rays.
+  // Returns the area of a face with free space above, by a grid of rays.
   double FreeArea(const Support& face) const {
     constexpr int kGrid = 8;
     int free = 0;
@@ -206,7 +207,7 @@ class LevelFaces {
     return std::ranges::any_of(roots,
                                [&](int root) { return internal::IsInSubtree(m_, body, root); });
   }
-  // A robot that stands there moves out of the way.
+  // A robot there moves out of the way.
   bool HasRoom(const Eigen::Vector3d& top) const {
     constexpr double kOn = 1e-4;  // metres past a surface
     const mjtNum up[3] = {0, 0, 1};
@@ -226,7 +227,7 @@ class LevelFaces {
   std::vector<int> parked_, robots_;  // bodies
 };
 
-// The box face that a site marks.
+// Returns the box face that a site marks.
 Support MarkedSupport(const Scene& scene, const std::string& site, const std::string& place) {
   const mjModel* m = scene.model();
   const int box = LargestBox(m, SiteBody(scene, site));

@@ -1,4 +1,4 @@
-// Support: the level surface of a scene that objects are put on.
+// Support: the level surface of a scene for its objects.
 //
 //   const Support support = FindSupport(base);   // a SceneSpec
 //   Pose on_top = support.frame_to_world * Pose(Eigen::Vector3d(x, y, 0));   // |x| < half_x ...
@@ -14,14 +14,13 @@
 
 namespace robocell {
 
-// A rectangle: its middle, z up, and half extents along its x and y; how far down its body goes.
-// Metres.
+// A rectangle: its centre, z up, and half extents along its x and y; the depth of its body. Metres.
 struct Support {
   Pose frame_to_world;
   double half_x = 0, half_y = 0;
   double thickness = 0;
   LevelBox box() const { return {frame_to_world, half_x, half_y, thickness}; }
-  std::string moved_body = {};  // the body with a joint that it moves with; "" for a fixed support
+  std::string moved_body = {};  // the moving body that carries it; "" for a fixed support
 };
 
 // The support of a base scene: the largest level upper face of a box that stands still, has 0.3 m

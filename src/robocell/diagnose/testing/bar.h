@@ -1,4 +1,4 @@
-// For tests of diagnose: a robot of one joint that gravity pulls at.
+// For tests only: a robot of one joint that gravity acts on.
 #pragma once
 
 #include <fmt/format.h>
@@ -13,7 +13,7 @@
 
 namespace robocell {
 
-// A horizontal bar on a hinge: gravity pulls with 1 kg * g * 0.25 m = 2.45 N m.
+// A horizontal bar on a hinge: gravity acts with 1 kg * g * 0.25 m = 2.45 N m.
 class BarTrial : public ::testing::Test {
  protected:
   std::vector<std::string> Doubts(const std::string& servo, const std::string& fields = "",

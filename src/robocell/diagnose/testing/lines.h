@@ -1,4 +1,4 @@
-// For tests of diagnose: findings as the lines that `robocell check` prints.
+// For tests only: findings as the lines that `robocell check` prints.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace robocell {
 
-// Those of trying a robot out.
+// Returns the findings of trying a robot.
 inline std::vector<std::string> LinesOfRobot(const Robot& robot,
                                              const RobotCheckOptions& options = {}) {
   std::vector<std::string> lines;

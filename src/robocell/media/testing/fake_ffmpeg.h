@@ -1,4 +1,4 @@
-// For tests only: programs that take ffmpeg's place, and processes that they run in.
+// For tests only: programs that replace ffmpeg, and processes for them.
 #pragma once
 
 #include <stdlib.h>
@@ -14,7 +14,7 @@
 
 namespace robocell {
 
-// Runs `body` in a process of its own and gives its exit code.
+// Runs `body` in a process of its own and returns its exit code.
 template <typename Body>
 int InOwnProcess(Body body) {
   const pid_t pid = fork();
@@ -24,7 +24,7 @@ int InOwnProcess(Body body) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
 }
 
-// A program that takes ffmpeg's place while the object lives.
+// A program that replaces ffmpeg during the lifetime of the object.
 class FakeFfmpeg {
  public:
   explicit FakeFfmpeg(const std::string& script) {

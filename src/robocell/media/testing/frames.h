@@ -1,5 +1,5 @@
-// For tests only: RGB frames and depth images with smooth shading, edges and motion, and how much
-// two images differ.
+// For tests only: RGB frames and depth images with smooth shading, edges and motion, and the
+// difference of two images.
 #pragma once
 
 #include <cmath>
@@ -10,7 +10,8 @@
 
 namespace robocell {
 
-// Frame `index` of a moving square over a gradient: every frame is different from its neighbours.
+// Returns frame `index` of a moving square over a gradient: every frame differs from its
+// neighbours.
 inline std::vector<uint8_t> TestFrame(int width, int height, int index) {
   std::vector<uint8_t> rgb;
   rgb.reserve(size_t{3} * width * height);
@@ -26,7 +27,8 @@ inline std::vector<uint8_t> TestFrame(int width, int height, int index) {
   return rgb;
 }
 
-// Depth image `index`: a slope with a moving hole, and noise over all 16 bits in the lower half.
+// Returns depth image `index`: a slope with a moving hole, and noise over all 16 bits in the lower
+// half.
 inline std::vector<uint16_t> TestDepth(int width, int height, int index) {
   std::vector<uint16_t> depth;
   depth.reserve(size_t{1} * width * height);
@@ -44,7 +46,7 @@ inline std::vector<uint16_t> TestDepth(int width, int height, int index) {
   return depth;
 }
 
-// Peak signal to noise ratio in dB.
+// Returns the peak signal-to-noise ratio in dB.
 inline double Psnr(std::span<const uint8_t> a, std::span<const uint8_t> b) {
   double sum = 0;
   for (size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);

@@ -1,5 +1,5 @@
-// For tests only: small videos of test frames, files of any bytes, and what must not be left of the
-// encoder.
+// For tests only: small videos of test frames, files of any bytes, and checks that the encoder
+// leaves nothing behind.
 #pragma once
 
 #include <sys/wait.h>
@@ -21,13 +21,13 @@ inline void WriteVideo(const std::filesystem::path& path, int frames, const Vide
   video.Finish();
 }
 
-// Without the flush to the disk of AtomicWrite: hundreds of times.
+// Skips the flush to the disk of AtomicWrite, because it runs hundreds of times.
 inline void Store(const std::filesystem::path& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary)
       .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
-// This process has no child, running or waiting to be asked how it ended.
+// Expects that this process has no child, running or waiting to be reaped.
 inline void ExpectNoChildLeft() {
   EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1);
   EXPECT_EQ(errno, ECHILD);

@@ -1,4 +1,4 @@
-// For tests only: all images of one view, and how alike two of them are.
+// For tests only: all images of one view, and the similarity of two of them.
 #pragma once
 
 #include <mujoco/mujoco.h>
@@ -26,7 +26,8 @@ inline SoftImages TakeOf(Renderer& renderer, const mjData* data, const CameraVie
   return out;
 }
 
-// Structural similarity of the brightness (Wang et al. 2004), over windows of 8 x 8 pixels.
+// Returns the structural similarity of the brightness (Wang et al. 2004), over windows of 8 x 8
+// pixels.
 inline double Similarity(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
   constexpr double kC1 = 6.5025, kC2 = 58.5225;
   double sum = 0;

@@ -1,5 +1,4 @@
-// For tests only: what is seen in videos and images, read by eyes that know nothing of the
-// renderer.
+// For tests only: measures the content of videos and images, independently of the renderer.
 #pragma once
 
 #include <cmath>
@@ -11,7 +10,7 @@
 
 namespace robocell {
 
-// All frames of a file, rows from the top, 3 bytes a pixel.
+// Returns all frames of a file, rows from the top, 3 bytes a pixel.
 inline std::vector<std::vector<uint8_t>> FramesOf(const std::filesystem::path& file) {
   VideoReader reader(file);
   std::vector<std::vector<uint8_t>> frames;
@@ -20,7 +19,7 @@ inline std::vector<std::vector<uint8_t>> FramesOf(const std::filesystem::path& f
   return frames;
 }
 
-// How alike two images are, decibels; a compressed copy of a small image has some 30.
+// Returns the similarity of two images, decibels; a compressed copy of a small image has some 30.
 inline double Psnr(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
   double sum = 0;
   for (size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);

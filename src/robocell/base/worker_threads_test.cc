@@ -1,4 +1,4 @@
-#include "robocell/env/worker_threads.h"
+#include "robocell/base/worker_threads.h"
 
 #include <gtest/gtest.h>
 
