@@ -41,6 +41,8 @@ class InertiaCheck {
       if (IsInSubtree(m_, body, base) && m_->body_weldid[body] != 0) CheckBody(body);
     }
     LookAtGains(UnstableServos(m_, base, robot_.prefix));
+    for (const std::string& spring : UnstableSprings(m_, base, robot_.prefix))
+      findings_.WarnAt(part_.file, spring);
   }
 
  private:

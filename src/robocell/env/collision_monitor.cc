@@ -21,14 +21,6 @@ std::string Describe(const Collision& collision) {
 
 namespace {
 
-// Returns true if only a joint separates two bodies: where the base stands on the world, the engine
-// lets such neighbours touch.
-bool AreNeighbours(const mjModel* m, int a, int b) {
-  const int link_a = m->body_weldid[a], link_b = m->body_weldid[b];
-  const auto above = [&](int link) { return m->body_weldid[m->body_parentid[link]]; };
-  return link_a == link_b || above(link_a) == link_b || above(link_b) == link_a;
-}
-
 void AddPair(std::pair<int, int> bodies, CollisionMonitor::Memory& to) {
   if (std::find(to.begin(), to.end(), bodies) == to.end()) to.push_back(bodies);
 }
@@ -40,20 +32,23 @@ CollisionMonitor::CollisionMonitor(std::vector<Watched> watched)
   Bind();
 }
 
-void CollisionMonitor::HideGripper(const MoveGroup& gripper) {
+void CollisionMonitor::MarkHand(const MoveGroup& gripper, bool counts) {
   const auto* fingers = dynamic_cast<const internal::ActuatedGripper*>(&gripper);
   if (!fingers) return;
   const mjModel* m = scene_.model();
   const std::vector<bool> of_hand = internal::SubtreeMask(m, fingers->hand_body());
   for (int g = 0; g < m->ngeom; ++g) {
-    if (of_hand[m->geom_bodyid[g]]) owner_[g] = -1;
+    if (!of_hand[m->geom_bodyid[g]]) continue;
+    of_gripper_[g] = true;
+    if (!counts) owner_[g] = -1;
   }
 }
 
 void CollisionMonitor::MarkGeoms(const Watched& watched, int index) {
   for (const int body : watched.robot.body_ids()) body_owner_[body] = index;
   for (const int geom : watched.robot.collision_geom_ids()) owner_[geom] = index;
-  if (watched.robot.has_gripper()) HideGripper(watched.robot.gripper());
+  const bool names_geoms = !watched.robot.config().collision_geoms.empty();
+  if (watched.robot.has_gripper()) MarkHand(watched.robot.gripper(), names_geoms);
   for (const Robot& gripper : watched.grippers) {
     for (const int body : gripper.body_ids()) body_owner_[body] = index;
     const bool counts = !gripper.config().collision_geoms.empty();
@@ -61,8 +56,9 @@ void CollisionMonitor::MarkGeoms(const Watched& watched, int index) {
       owner_[geom] = -1;
       of_gripper_[geom] = true;
     }
-    if (!counts) continue;
-    for (const int geom : gripper.collision_geom_ids()) owner_[geom] = index;
+    if (counts) {
+      for (const int geom : gripper.collision_geom_ids()) owner_[geom] = index;
+    }
     Ignore(gripper);
   }
   Ignore(watched.robot);
@@ -115,7 +111,7 @@ void CollisionMonitor::Look() {
     if (contact.exclude != 0 || a < 0 || b < 0 || (owner_[a] < 0 && owner_[b] < 0)) continue;
     std::pair<int, int> bodies(m->geom_bodyid[a], m->geom_bodyid[b]);
     const bool same_robot = body_owner_[bodies.first] == body_owner_[bodies.second];
-    if (same_robot && AreNeighbours(m, bodies.first, bodies.second)) continue;
+    if (same_robot && internal::AreNeighbours(m, bodies.first, bodies.second)) continue;
     if (same_robot && of_gripper_[a] && of_gripper_[b]) continue;
     if (harmless_.contains({a, b}) || harmless_.contains({b, a})) continue;
     if (owner_[a] < 0) std::swap(bodies.first, bodies.second);

@@ -1,10 +1,11 @@
 // CollisionMonitor: finds which robots collide, by robot and body, and whether the contact is new.
 //
-// A robot's collision geoms (RobotConfig::collision_geoms, else all of its own) count, including
-// its payload. Of its gripper, which is made to touch objects, only the geoms count that a mounted
-// gripper's own `collision_geoms` names, and never those of one finger on the other. A robot's
-// geoms may touch the geoms in `ignored_collision_geoms` of a robot or gripper. Contacts of a robot
-// with itself count too, except between links with a joint between them: models let these overlap.
+// A robot's collision geoms (RobotConfig::collision_geoms, else all of its own) count, what it
+// carries included. Of its gripper, whose business it is to touch things, only the geoms count that
+// its own `collision_geoms` names, of a mounted gripper that gripper's, and never those of one finger
+// on the other. What
+// `ignored_collision_geoms` of a robot or gripper names may be touched by its geoms. Contacts of a
+// robot with itself count too, but for links with a joint between them: models let these overlap.
 //
 //   monitor.Begin();                               // what touched at the last look is not new
 //   ... step ...; if (monitor.FindNew()) ...       // no allocation unless something is new
@@ -60,7 +61,9 @@ class CollisionMonitor {
   void Look();
   void MarkGeoms(const Watched& watched, int index);
   void Ignore(const Robot& robot);
-  void HideGripper(const MoveGroup& gripper);
+  // The geoms of a robot's own hand, which count only where the robot's `collision_geoms` names
+  // some.
+  void MarkHand(const MoveGroup& gripper, bool counts);
   Collision MakeCollision(std::pair<int, int> bodies) const;
 
   std::vector<Watched> watched_;

@@ -236,6 +236,13 @@ void Env::WarnOfStart() {
         "`reset_root_pose: false` in its file when its model has the height in its root's pose",
         place(), robot));
   }
+  for (const std::string& robot : inspector.RobotsInsideThemselves()) {
+    LogWarn(fmt::format(
+        "{}: at the start {}, and is pushed apart. Correct where the part is mounted (`offset`, "
+        "gripper_offsets), exclude the pair in the model if it may overlap, or choose another "
+        "`home`",
+        place(), robot));
+  }
   for (const std::string& text : HangingObjects(scene_, ObjectsThatMayHang(config_)))
     LogWarn(fmt::format("{}: {}", place(), text));
   for (const std::string& text : ObjectsInTheFloor(scene_))

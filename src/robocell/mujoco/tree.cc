@@ -23,6 +23,12 @@ int CommonAncestor(const mjModel* m, int a, int b) {
   return a;
 }
 
+bool AreNeighbours(const mjModel* model, int a, int b) {
+  const int link_a = model->body_weldid[a], link_b = model->body_weldid[b];
+  const auto above = [&](int link) { return model->body_weldid[model->body_parentid[link]]; };
+  return link_a == link_b || above(link_a) == link_b || above(link_b) == link_a;
+}
+
 int BodyOf(const mjModel* m, mjtObj kind, int id) {
   switch (kind) {
     case mjOBJ_BODY:

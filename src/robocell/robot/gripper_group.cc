@@ -117,6 +117,8 @@ std::string WhyUnstable(const Scene& scene) {
       why += why.empty() ? " The simulation cannot follow a gain: " : "; ";
       why += told == warnings.end() ? servo.text() : *told;
     }
+    for (const std::string& spring : UnstableSprings(scene.model(), base, robot.prefix))
+      why += fmt::format(" Robot '{}': {}", robot.name, spring);
   }
   return why;
 }
@@ -294,6 +296,15 @@ GripperRange ActuatedGripper::Measure() const {
   Fail("ctrl", fmt::format("the fingers are {:.4f} m apart at ctrl.open = {} and {:.4f} m at "
                            "ctrl.closed = {}; open and closed are swapped",
                            at_open, config_.ctrl->open, at_closed, config_.ctrl->closed));
+}
+
+GripperJointRange ActuatedGripper::MeasureJoint() const {
+  const std::vector<GripperCtrl> ends = config_.ctrl ? configured_ : Measure().ctrl;
+  const auto [open, closed] =
+      SettledJointValues(core().scene(), Parts(),
+                         {ValuesOf(ends, &GripperCtrl::open), ValuesOf(ends, &GripperCtrl::closed)},
+                         core().joint_ids()[0]);
+  return {open, closed};
 }
 
 double ActuatedGripper::MeetingShare(const std::vector<GripperCtrl>& ends,

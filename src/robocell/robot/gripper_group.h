@@ -49,6 +49,8 @@ class ActuatedGripper : public JointGroupOf<GripperGroup> {
   // has. Throws ArgumentError if the fingers do not move or do not come to rest, or if the
   // configured open and closed are swapped.
   GripperRange Measure() const;
+  // The values of its first joint there. The same errors.
+  GripperJointRange MeasureJoint() const;
   // Returns advice for fingers that do not return from the first controls to the second.
   std::string WhyTheyStay(const std::array<std::vector<double>, 2>& ctrl, double distance) const;
   std::string WhyTheyJam(const std::array<std::vector<double>, 2>& ctrl) const;

@@ -340,4 +340,14 @@ std::array<double, 2> SettledFingerDistances(const Scene& scene, const GripperPa
   return {distances[0], distances[1]};
 }
 
+std::array<double, 2> SettledJointValues(const Scene& scene, const GripperParts& parts,
+                                         const std::array<std::vector<double>, 2>& ctrl,
+                                         int joint) {
+  std::vector<double> values;
+  LookAtEnds(scene, parts, ctrl, [&](const mjModel* m, const mjData* d, double) {
+    values.push_back(d->qpos[m->jnt_qposadr[joint]]);
+  });
+  return {values[0], values[1]};
+}
+
 }  // namespace robocell::internal

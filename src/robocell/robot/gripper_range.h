@@ -42,6 +42,10 @@ struct GripperParts {
 std::array<double, 2> SettledFingerDistances(const Scene& scene, const GripperParts& parts,
                                              const std::array<std::vector<double>, 2>& ctrl);
 
+// The value of a joint at the same two ends. The same errors.
+std::array<double, 2> SettledJointValues(const Scene& scene, const GripperParts& parts,
+                                         const std::array<std::vector<double>, 2>& ctrl, int joint);
+
 // Returns contacts of the fingers at the end of that: "'forearm' and 'left_finger'", names of
 // bodies, each pair once. Measures again, for messages.
 std::vector<std::string> TouchingFingers(const Scene& scene, const GripperParts& parts,

@@ -19,6 +19,8 @@ constexpr double kDistanceTolerance = 0.005;
 // The allowed ratio of the configured reach to the measured one, which is accurate to a percent or
 // two.
 constexpr double kMostReach = 1.1;
+// By how much an opening that is read from a joint has to change from closed to open.
+constexpr double kLeastRead = 0.1;
 
 void ValidateDistance(const ActuatedGripper& gripper, const GripperDistance& said,
                       Problems& problems) {
@@ -33,17 +35,39 @@ void ValidateDistance(const ActuatedGripper& gripper, const GripperDistance& sai
                              measured.closed, measured.open, said.closed, said.open));
 }
 
+// An opening that is read from a joint has to follow the fingers: the range may be wider or narrower
+// than what the joint does, but not turned around or somewhere else.
+void ValidateJointRange(const ActuatedGripper& gripper, const GripperJointRange& said,
+                        Problems& problems) {
+  const GripperJointRange measured = gripper.MeasureJoint();
+  const auto opening = [&](double q) {
+    return std::clamp((q - said.closed) / (said.open - said.closed), 0.0, 1.0);
+  };
+  const double open = opening(measured.open), closed = opening(measured.closed);
+  if (open - closed >= kLeastRead) return;
+  problems.AddAt(
+      "joint_range",
+      fmt::format(
+          "joint '{}' is at {:.4g} when the gripper is open and at {:.4g} when it is closed, "
+          "so with open: {:g} and closed: {:g} its opening is read as {:.2f} and {:.2f}: {}, "
+          "or leave `joint_range` out to read it from the fingers",
+          gripper.joint_names()[0], measured.open, measured.closed, said.open, said.closed, open,
+          closed, closed > open ? "open and closed are swapped; exchange them" : "correct it"));
+}
+
 // `failed` receives the reason why a gripper cannot be measured as configured.
 template <class Failed>
 void ValidateGrippers(const Robot& robot, Problems& problems, const Failed& failed) {
   Problems::Scope groups(problems, "move_groups");
   for (const auto& [name, config] : robot.config().move_groups.entries()) {
-    if (!config->distance || !robot.has_group(name)) continue;
+    if ((!config->distance && !config->joint_range) || !robot.has_group(name)) continue;
     const auto* gripper = dynamic_cast<const ActuatedGripper*>(&robot.group(name));
     Problems::Scope group(problems, name);
     if (!gripper) continue;
     try {
-      ValidateDistance(*gripper, *config->distance, problems);
+      if (config->distance) ValidateDistance(*gripper, *config->distance, problems);
+      if (config->joint_range && gripper->nq() > 0)
+        ValidateJointRange(*gripper, *config->joint_range, problems);
     } catch (const Error& error) {
       failed(error);
     }

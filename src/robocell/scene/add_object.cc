@@ -48,14 +48,45 @@ std::string NameOr(mjsElement* element, const std::string& fallback, const std::
   return SpecName(element);
 }
 
+// The first joint of the root that is no free joint; nullptr without one.
+mjsElement* OtherJointOf(mjsBody* root) {
+  for (mjsElement* joint : BodyElements(root, mjOBJ_JOINT)) {
+    if (mjs_asJoint(joint)->type != mjJNT_FREE) return joint;
+  }
+  return nullptr;
+}
+
+// Why the root can be made neither free nor fixed.
+std::string OwnJointText(mjsElement* joint) {
+  const std::string name = SpecName(joint);
+  return fmt::format(
+      "its root body has {}, which it moves on, so that it can be neither fixed nor free; put a "
+      "body without joints around it in its model, or leave `fixed` out",
+      name.empty() ? "a joint" : "the joint '" + name + "'");
+}
+
+// What is mounted on something else moves on its own joints, too: only a free joint has to go.
+bool MayKeepJoints(const SceneObject& object) {
+  const AttachKind target = object.attach_to.kind;
+  return object.fixed == true && target != AttachKind::kWorld && target != AttachKind::kRoot &&
+         target != AttachKind::kSharedBase;
+}
+
 // Makes the root free or fixed as the object requires; unset: as authored.
-void SettleFreeJoint(const SceneObject& object, ObjectPart& out) {
+void SettleFreeJoint(const SceneObject& object, ObjectPart& out, CompileLog& log) {
   mjsElement* joint = FreeJointOf(out.root);
-  const bool has_joints = !BodyElements(out.root, mjOBJ_JOINT).empty();
-  if (object.fixed == true && joint) {
+  mjsElement* other = OtherJointOf(out.root);
+  if (object.fixed && other && !MayKeepJoints(object))
+    log.Problem(out.part.place, OwnJointText(other), "fixed");
+  if (object.fixed == false && out.root->mocap) {
+    log.Problem(out.part.place,
+                "its root is a mocap body, which moves only where it is put; delete `mocap` in its "
+                "model, or leave `fixed` out",
+                "fixed");
+  } else if (object.fixed == true && joint) {
     Tried(out.part.place, [&] { mjs_delete(out.part.spec.get(), joint); });
     joint = nullptr;
-  } else if (object.fixed == false && !has_joints) {
+  } else if (object.fixed == false && !joint && !other) {
     joint = mjs_addFreeJoint(out.root)->element;
   }
   if (joint) out.record.free_joint = out.prefix + NameOr(joint, "joint", out.part.place);
@@ -74,7 +105,7 @@ std::optional<ObjectPart> LoadObject(const SceneObject& object, const SceneSpec&
       std::move(*part), nullptr, SceneObjectElementName(object.name, ""), {object.name, "", {}}};
   out.root = ChooseRoot(out.part, std::nullopt, log);
   if (!out.root) return std::nullopt;
-  SettleFreeJoint(object, out);
+  SettleFreeJoint(object, out, log);
   out.record.root_body = out.prefix + NameOr(out.root->element, "body", place);
   return out;
 }
@@ -83,10 +114,12 @@ void AttachObject(const SceneObject& object, const ObjectPart& loaded, const Pla
                   CompileLog& log) {
   Placement at = placement;
   if (object.parked && !loaded.record.free_joint) {
-    log.Problem(loaded.part.place,
-                "parked: only what can move freely comes and goes without compiling; set fixed: "
-                "false, or leave parked unset",
-                "parked");
+    mjsElement* own = OtherJointOf(loaded.root);
+    log.Problem(
+        loaded.part.place,
+        std::string("parked: only what can move freely comes and goes without compiling; ") +
+            (own ? OwnJointText(own) : "set fixed: false, or leave parked unset"),
+        "parked");
     return;
   }
   if (loaded.record.free_joint) {

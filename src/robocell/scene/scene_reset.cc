@@ -18,6 +18,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/step.h"
 #include "robocell/scene/hold_ctrl.h"
+#include "robocell/scene/key_share.h"
 #include "robocell/scene/scene.h"
 #include "robocell/scene/scene_state.h"
 
@@ -27,7 +28,11 @@ namespace {
 // The keyframes of a reset by their numbers: `start`, then those that change parts of it.
 struct StartKeys {
   int start = -1;  // -1: the model's default configuration
-  std::vector<int> over = {};
+  struct Part {
+    int key;
+    internal::KeyShare share;  // what of it is the part's
+  };
+  std::vector<Part> over = {};
 };
 
 int KeyOfNumber(const CompiledScene& compiled, int number, const std::string& context) {
@@ -42,15 +47,6 @@ std::vector<std::string> PartNames(const CompiledScene& compiled) {
   for (const RobotRecord& robot : compiled.robots()) names.push_back(robot.name);
   for (const ObjectRecord& object : compiled.objects()) names.push_back(object.name);
   return names;
-}
-
-// Returns the part whose model contains a robot: itself, unless it has part_of.
-std::string HostOf(const CompiledScene& compiled, const std::string& part) {
-  const List<RobotSpec>& specs = compiled.spec().robots;
-  for (size_t i = 0; i < specs.size() && i < compiled.robots().size(); ++i) {
-    if (compiled.robots()[i].name == part && !specs[i].part_of.empty()) return specs[i].part_of;
-  }
-  return part;
 }
 
 // Returns the keyframes of a part by their names in its own model.
@@ -80,12 +76,12 @@ StartKeys KeysOfParts(const CompiledScene& compiled,
     if (std::find(parts.begin(), parts.end(), part) == parts.end())
       throw NotFoundError(NoSuchName(context + ": keyframe", "part", part, parts));
     if (name == "home") continue;
-    const int key = KeyOfPart(compiled, HostOf(compiled, part), name);
+    const int key = KeyOfPart(compiled, internal::HostOfPart(compiled, part), name);
     if (key < 0) {
       throw NotFoundError(NoSuchName(fmt::format("{} / '{}'", context, part), "keyframe", name,
-                                     OwnNames(compiled, HostOf(compiled, part))));
+                                     OwnNames(compiled, internal::HostOfPart(compiled, part))));
     }
-    keys.over.push_back(key);
+    keys.over.push_back({key, internal::ShareOfKeys(compiled, part)});
   }
   return keys;
 }
@@ -122,12 +118,14 @@ StartKeys KeysOfName(const CompiledScene& compiled, const std::string& name,
       HowToChooseOfPart(compiled, name));
 }
 
-// Copies the numbers of row `key` that differ from those of row `start`.
-void Overlay(const mjtNum* rows, int start, int key, mjtSize count, mjtNum* out) {
+// Copies the numbers of row `key` that are the part's and differ from those of row `start`; `each`
+// of them share an entry of `own`.
+void Overlay(const mjtNum* rows, int start, int key, mjtSize count, const std::vector<bool>& own,
+             mjtNum* out, size_t each = 1) {
   const mjtNum* from = rows + start * static_cast<ptrdiff_t>(count);
   const mjtNum* to = rows + key * static_cast<ptrdiff_t>(count);
   for (mjtSize i = 0; i < count; ++i) {
-    if (to[i] != from[i]) out[i] = to[i];
+    if (to[i] != from[i] && (own.empty() || own[static_cast<size_t>(i) / each])) out[i] = to[i];
   }
 }
 
@@ -153,13 +151,13 @@ void RestoreKeys(const mjModel* model, mjData* data, const StartKeys& keys,
       mj_resetData(model, data);
     }
   });
-  for (const int key : keys.over) {
-    Overlay(model->key_qpos, keys.start, key, model->nq, data->qpos);
-    Overlay(model->key_qvel, keys.start, key, model->nv, data->qvel);
-    Overlay(model->key_act, keys.start, key, model->na, data->act);
-    Overlay(model->key_ctrl, keys.start, key, model->nu, data->ctrl);
-    Overlay(model->key_mpos, keys.start, key, 3 * model->nmocap, data->mocap_pos);
-    Overlay(model->key_mquat, keys.start, key, 4 * model->nmocap, data->mocap_quat);
+  for (const auto& [key, own] : keys.over) {
+    Overlay(model->key_qpos, keys.start, key, model->nq, own.qpos, data->qpos);
+    Overlay(model->key_qvel, keys.start, key, model->nv, own.qvel, data->qvel);
+    Overlay(model->key_act, keys.start, key, model->na, own.act, data->act);
+    Overlay(model->key_ctrl, keys.start, key, model->nu, own.ctrl, data->ctrl);
+    Overlay(model->key_mpos, keys.start, key, 3 * model->nmocap, own.mocap, data->mocap_pos, 3);
+    Overlay(model->key_mquat, keys.start, key, 4 * model->nmocap, own.mocap, data->mocap_quat, 4);
   }
 }
 
@@ -269,6 +267,9 @@ ResetInfo Scene::Reset(const ResetOptions& options) {
 ResetInfo Scene::State::RestoreStart(Scene& scene, const ResetOptions& options) {
   ResetInfo info;
   StartKeys keys;
+  // One that is not used must still be there.
+  if (options.keyframe && !options.use_keyframe)
+    FindStartKeys(*compiled, options.keyframe, context);
   if (options.use_keyframe) {
     keys = FindStartKeys(*compiled, options.keyframe, context);
     info = {true, keys.start};

@@ -32,6 +32,21 @@ class StabilityAnalysis {
     return out;
   }
 
+  std::vector<std::string> Springs(int base) const {
+    std::vector<std::string> out;
+    for (int joint = 0; joint < m_->njnt; ++joint) {
+      const double stiffness = m_->jnt_stiffness[joint];
+      if (stiffness <= 0) continue;
+      if (const auto load = LoadOfJoint(joint, base)) JudgeSpring(*load, stiffness, out);
+    }
+    for (int tendon = 0; tendon < m_->ntendon; ++tendon) {
+      const double stiffness = m_->tendon_stiffness[tendon];
+      if (stiffness <= 0) continue;
+      if (const auto load = LoadOfTendon(tendon, base)) JudgeSpring(*load, stiffness, out);
+    }
+    return out;
+  }
+
  private:
   // The load of an actuator, along its joint or tendon.
   struct Load {
@@ -128,6 +143,17 @@ class StabilityAnalysis {
     return out;
   }
 
+  void JudgeSpring(const Load& load, double stiffness, std::vector<std::string>& out) const {
+    const double dt = m_->opt.timestep;
+    const double most = (4 * load.moved + 2 * dt * load.damping) / (dt * dt);
+    if (load.moved <= 0 || stiffness <= most) return;
+    out.push_back(fmt::format(
+        "the stiffness {:.3g} of {} is too high for the {:.3g} {} that it moves: with a timestep "
+        "of "
+        "{:g} s it blows up from {:.3g} on. Give it a lower one in its model, stiffness=\"{}\"",
+        stiffness, load.what, load.moved, load.unit, dt, most, RoundedGain(most / 10)));
+  }
+
   const mjModel* m_;
   std::string_view prefix_;
 };
@@ -137,6 +163,11 @@ class StabilityAnalysis {
 std::vector<UnstableServo> UnstableServos(const mjModel* model, int base_body,
                                           std::string_view prefix) {
   return StabilityAnalysis(model, prefix).Run(base_body);
+}
+
+std::vector<std::string> UnstableSprings(const mjModel* model, int base_body,
+                                         std::string_view prefix) {
+  return StabilityAnalysis(model, prefix).Springs(base_body);
 }
 
 std::string RoundedGain(double value) {

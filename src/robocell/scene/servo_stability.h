@@ -28,6 +28,11 @@ struct UnstableServo {
 std::vector<UnstableServo> UnstableServos(const mjModel* model, int base_body,
                                           std::string_view prefix);
 
+// Springs of joints and tendons in that subtree that are too stiff in the same way, as sentences with
+// the remedy: they diverge whatever the servos do.
+std::vector<std::string> UnstableSprings(const mjModel* model, int base_body,
+                                         std::string_view prefix);
+
 // Rounds a gain for advice down to one digit: "2000", "0.05".
 std::string RoundedGain(double value);
 

@@ -136,6 +136,8 @@ void StartInspector::MarkRobots() {
   const mjModel* m = scene_.model();
   robots_.clear();
   robot_of_.assign(m->nbody, -1);
+  hand_of_.assign(m->nbody, -1);
+  for (const RobotRecord& robot : scene_.compiled()->robots()) MarkHand(robot);
   std::vector<std::pair<int, std::string>> bases;
   for (const RobotRecord& robot : scene_.compiled()->robots())
     bases.emplace_back(FindId(m, mjOBJ_BODY, robot.base_body), robot.name);
@@ -151,6 +153,56 @@ void StartInspector::MarkRobots() {
     }
     robots_.push_back(robot.second);
   }
+}
+
+// The fingers of a hand may touch, and be inside of, what carries them and each other.
+void StartInspector::MarkHand(const RobotRecord& robot) {
+  const mjModel* m = scene_.model();
+  for (const auto& [name, group] : robot.config.move_groups.entries()) {
+    if (group->kind != MoveGroupKind::kGripper) continue;
+    int hand = -1;
+    for (const std::string& joint : group->joints) {
+      const int id = FindId(m, mjOBJ_JOINT, robot.prefix + joint);
+      if (id < 0) continue;
+      const int carrier = m->body_parentid[m->jnt_bodyid[id]];
+      hand = hand < 0 ? carrier : internal::CommonAncestor(m, hand, carrier);
+    }
+    for (int b = 0; hand > 0 && b < m->nbody; ++b) {
+      if (internal::IsInSubtree(m, b, hand)) hand_of_[b] = hand;
+    }
+  }
+}
+
+bool StartInspector::AreParts(const Pair& bodies) const {
+  const auto& [a, b] = bodies;
+  if (robot_of_[a] < 0 || robot_of_[a] != robot_of_[b]) return false;
+  if (hand_of_[a] >= 0 && hand_of_[a] == hand_of_[b]) return false;
+  return !internal::AreNeighbours(scene_.model(), a, b);
+}
+
+std::vector<std::string> StartInspector::RobotsInsideThemselves() {
+  Bind();
+  const mjModel* m = scene_.model();
+  const mjData* d = scene_.data();
+  std::vector<int> deepest(robots_.size(), -1);
+  for (int c = 0; c < d->ncon; ++c) {
+    const mjContact& contact = d->contact[c];
+    const int a = contact.geom[0], b = contact.geom[1];
+    if (contact.exclude != 0 || a < 0 || b < 0 || contact.dist > -kInside) continue;
+    if (!AreParts({m->geom_bodyid[a], m->geom_bodyid[b]})) continue;
+    int& known = deepest[robot_of_[m->geom_bodyid[a]]];
+    if (known < 0 || contact.dist < d->contact[known].dist) known = c;
+  }
+  std::vector<std::string> out;
+  for (size_t i = 0; i < robots_.size(); ++i) {
+    if (deepest[i] < 0) continue;
+    const mjContact& contact = d->contact[deepest[i]];
+    out.push_back(fmt::format("robot '{}' is inside itself: '{}' is {} deep in '{}'", robots_[i],
+                              BodyText(m, m->geom_bodyid[contact.geom[0]]),
+                              Millimetres(-contact.dist),
+                              BodyText(m, m->geom_bodyid[contact.geom[1]])));
+  }
+  return out;
 }
 
 std::string StartInspector::RobotText(int body) const {
@@ -183,15 +235,21 @@ std::vector<std::string> StartInspector::RobotsInside() {
   Bind();
   const mjModel* m = scene_.model();
   const mjData* d = scene_.data();
+  const auto same_robots = [&](const Pair& a, const Pair& b) {
+    return robot_of_[b.second] >= 0 && robot_of_[a.first] == robot_of_[b.first] &&
+           robot_of_[a.second] == robot_of_[b.second];
+  };
   std::vector<std::pair<Pair, int>> deepest;
   for (int c = 0; c < d->ncon; ++c) {
     const auto pair = RobotPair(c);
     if (!pair) continue;
-    const auto known = std::ranges::find(deepest, *pair, &std::pair<Pair, int>::first);
+    const auto known = std::ranges::find_if(deepest, [&](const auto& entry) {
+      return entry.first == *pair || same_robots(entry.first, *pair);
+    });
     if (known == deepest.end()) {
       deepest.emplace_back(*pair, c);
     } else if (d->contact[c].dist < d->contact[known->second].dist) {
-      known->second = c;
+      *known = {*pair, c};
     }
   }
   std::vector<std::string> out;
@@ -327,11 +385,13 @@ std::vector<std::string> HangingObjects(const Scene& scene,
     const int root = RootBody(scene, name);
     if (scene.compiled()->object(name).free_joint || m->body_jntnum[root] > 0) continue;
     if (!HasGeoms(m, root) || NearestOther(scene, root, kNearEnough) < kNearEnough) continue;
+    const bool mocap = m->body_mocapid[root] >= 0;
     out.push_back(
-        fmt::format("object '{}' hangs in the air: its model has no joint, so that it "
-                    "stays where it is put. Set fixed: false to let it fall, or fixed: "
-                    "true when it is meant to hang there",
-                    name));
+        fmt::format("object '{}' hangs in the air: its {}, so that it stays where it is "
+                    "put. {} to let it fall, or {} true when it is meant to hang there",
+                    name, mocap ? "root is a mocap body" : "model has no joint",
+                    mocap ? "Delete `mocap` in its model" : "Set fixed: false",
+                    mocap ? "set fixed:" : "fixed:"));
   }
   return out;
 }

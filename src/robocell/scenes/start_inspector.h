@@ -29,7 +29,11 @@ class StartInspector {
   // Returns "" for a good start, else its first problem.
   std::string WhyNot();
   // Returns robots that are deeper than kInside in foreign bodies, with the depth.
+  // Of two robots the deepest place stands for all.
   std::vector<std::string> RobotsInside();
+  // Robots whose parts are deeper than kInside in each other, with how deep, the deepest place of
+  // each. Links with a joint between them and the parts of a hand are no such parts.
+  std::vector<std::string> RobotsInsideThemselves();
   // Accepts the present state: bodies that the robots are inside of now no longer count, because
   // models and cells have such places; objects may start as high above their support as now; and
   // those that reach over its edge now may do so.
@@ -58,6 +62,8 @@ class StartInspector {
 
   void Bind();
   void MarkRobots();
+  void MarkHand(const RobotRecord& robot);
+  bool AreParts(const Pair& bodies) const;  // of one robot, and may not overlap
   std::string TouchOf(int contact) const;
   std::vector<Pair> RobotPairs();
   std::optional<Pair> RobotPair(int contact) const;
@@ -72,6 +78,7 @@ class StartInspector {
   std::vector<Object> objects_;
   std::vector<std::string> robots_;  // names, of those that stand for themselves
   std::vector<int> robot_of_;        // per body, index into robots_ or -1
+  std::vector<int> hand_of_;         // per body, the hand's lowest body or -1
   std::vector<int> object_of_;       // per body, index into objects_ or -1
   std::vector<Pair> accepted_;
   std::vector<std::pair<std::string, Eigen::Vector3d>> lowering_;  // per body, in the world

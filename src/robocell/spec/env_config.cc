@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <string>
@@ -295,7 +296,15 @@ StepLimit EnvConfig::step_limit() const {
 
 StepLimit EnvConfig::target_lead() const {
   if (max_target_lead.empty()) return {0.02, 0.1};
-  return {max_target_lead.front(), max_target_lead.back()};
+  StepLimit lead{max_target_lead.front(), max_target_lead.back()};
+  if (control_mode == ControlMode::kJoints) return lead;
+  // Rotations that are half a turn apart have no direction: with the next action a target must stay
+  // nearer than that, or nothing bounds it any more.
+  constexpr double kLeastLead = 0.1, kUsualStep = internal::kPi / 2;
+  const double limit = step_limit().rotation;
+  const double step = std::isfinite(limit) ? limit : kUsualStep;
+  lead.rotation = std::min(lead.rotation, std::max(kLeastLead, internal::kPi - step));
+  return lead;
 }
 
 bool EnvConfig::has_mounted_gripper(const std::string& robot) const {

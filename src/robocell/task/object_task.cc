@@ -1,6 +1,7 @@
 #include "robocell/task/object_task.h"
 
 #include <fmt/format.h>
+#include <mujoco/mujoco.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +9,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/units.h"
+#include "robocell/mujoco/names.h"
 #include "robocell/task/goal_feasibility.h"
 #include "robocell/task/held.h"
 
@@ -22,6 +24,14 @@ void ObjectTask::Bind(const Scene& scene, const TaskSetting& setting) {
   place_ = setting.place;
   const ObjectRecord& object = scene.compiled()->object(fields_.name);
   if (!object.free_joint) {
+    const mjModel* m = scene.model();
+    const int root = FindId(m, mjOBJ_BODY, object.root_body);
+    if (root >= 0 && m->body_jntnum[root] > 0) {
+      throw ArgumentError(fmt::format(
+          "{}: task.object '{}' moves on the joint '{}' of its root body, so that nobody can pick "
+          "it; choose an object whose root has no joint",
+          place_, fields_.name, ElementName(m, mjOBJ_JOINT, m->body_jntadr[root])));
+    }
     throw ArgumentError(fmt::format(
         "{}: task.object '{}' is fixed, so that nobody can pick it; set fixed: false in "
         "root_frame_objects.{}",
