@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "robocell/base/error.h"
+#include "robocell/base/units.h"
 #include "robocell/diagnose/checks.h"
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
@@ -26,11 +27,16 @@ constexpr double kHoldSeconds = 1.0;
 // A drift of a hinge and of a slide up to these is tolerated, or the robot's arrival_tolerance.
 constexpr double kHeldRad = 0.01, kHeldMetres = 0.001;
 constexpr double kRampSeconds = 0.5, kFollowSeconds = 2.5;  // of a step
+constexpr double kLastSeconds = 1;                          // of them, in which it must not swing
 constexpr double kTurn = 0.1, kShift = 0.05;                // a step of a hinge, of a slide
 constexpr double kShareOfRange = 0.25;                      // that a step has at most
 constexpr double kShareMissing = 0.2;                       // of a step, tolerated
+constexpr double kRestSpeed = 0.05;                         // rad/s or m/s
+constexpr double kStaySeconds = 0.1;                        // at its target; a swing is shorter
 constexpr double kSaturated = 0.98;                         // of the largest force of a servo
 constexpr double kSlow = 0.4;                               // a servo's time constant, seconds
+constexpr double kHopeless = 5;                             // a time constant that no force helps
+constexpr double kTypingError = 100;                        // a servo's own time constant, seconds
 constexpr double kExplains = 0.5;                           // of the missing motion, for a cause
 
 // The reason why a joint is not where it should be, and what to do about it.
@@ -157,6 +163,7 @@ class ArmTrial {
 
   // Unset if the joint follows in one direction: the other may be blocked.
   std::optional<Miss> TryJoint(size_t i) {
+    if (const std::optional<Miss> stuck = Stuck(i)) return stuck;
     const Interval limits = arm_.joint_pos_limits()[i];
     const double up = limits.upper - home_[i], down = home_[i] - limits.lower;
     const double most = *Unit(i) == 'm' ? kShift : kTurn;
@@ -178,17 +185,58 @@ class ArmTrial {
     const double enough = std::max(std::min(tolerances_[i], size / 2), kShareMissing * size);
     std::vector<double> q = home_, now = home_;
     const int steps = static_cast<int>(std::ceil(kFollowSeconds / scene_.timestep()));
+    const int stay = static_cast<int>(std::ceil(kStaySeconds / scene_.timestep()));
+    int there = 0;                                      // and at rest, steps in a row
+    Interval errors{HUGE_VAL, -HUGE_VAL}, speeds = {};  // of the last seconds
     for (int k = 0; k < steps; ++k) {
       const double part = std::min(1.0, k * scene_.timestep() / kRampSeconds);
       q[i] = home_[i] + part * step;
       robot_.Apply({{arm_.name(), GroupCommand::Joints(q)}});
       if (!Step()) return std::nullopt;
       arm_.GetJointPos(now);
-      if (part == 1 && std::abs(now[i] - q[i]) <= enough) return std::nullopt;
+      if (part < 1) continue;
+      const double error = now[i] - q[i];
+      const double speed = data()->qvel[model()->jnt_dofadr[joints_[i]]];
+      there = std::abs(error) <= enough && std::abs(speed) <= kRestSpeed ? there + 1 : 0;
+      if (there >= stay) return std::nullopt;
+      if (k * scene_.timestep() < kFollowSeconds - kLastSeconds) continue;
+      errors = {std::min(errors.lower, error), std::max(errors.upper, error)};
+      speeds = {std::min(speeds.lower, speed), std::max(speeds.upper, speed)};
     }
+    if (speeds.lower < -kRestSpeed && speeds.upper > kRestSpeed) return Swings(i, errors);
+    if (std::abs(now[i] - q[i]) <= enough) return std::nullopt;
     const double moved = (now[i] - home_[i]) * (step > 0 ? 1 : -1);
     return Miss{JointName(i), fmt::format("moves {:.3g} of {:.3g} {}", moved + 0.0, size, Unit(i)),
                 size - moved, Why(i, q[i], Touching()[i])};
+  }
+
+  // Friction is soft in the engine: a joint creeps on against more of it than its servo pushes with.
+  std::optional<Miss> Stuck(size_t i) const {
+    const int servo = ServoOf(i);
+    const double friction = model()->dof_frictionloss[model()->jnt_dofadr[joints_[i]]];
+    const std::optional<double> most = servo < 0 ? std::nullopt : MostForce(i, servo);
+    if (!most || friction < *most) return std::nullopt;
+    return Miss{
+        JointName(i), "only creeps", friction,
+        Cause{fmt::format(": its frictionloss of {:.3g} is more than the {:.3g} {} that its "
+                          "servo '{}' may push with",
+                          friction, *most, ForceUnit(i), ServoName(servo)),
+              fmt::format("Lower the frictionloss of the joint in the model, or give the "
+                          "servo more force ({})",
+                          config().force_limit ? "`force_limit`" : "forcerange"),
+              Field()}};
+  }
+
+  // It passes its target again and again.
+  Miss Swings(size_t i, const Interval& error) const {
+    const double most = (error.upper - error.lower) / 2;
+    return Miss{
+        JointName(i), fmt::format("still swings by {:.3g} {} around its target", most, Unit(i)),
+        most,
+        Cause{": nothing damps it",
+              config().damping ? fmt::format("Raise `damping` ({:g} is set)", *config().damping)
+                               : "Give its servo damping (`damping`, N m s/rad)",
+              config().damping ? "damping" : Field()}};
   }
 
   // Adds one text for all joints with the same remedy.
@@ -263,6 +311,7 @@ class ArmTrial {
     if (servo < 0) return {"", "Look at its controller", Field()};
     const double off = std::abs(wanted - data()->qpos[model()->jnt_qposadr[joints_[i]]]);
     if (const std::optional<Cause> cut = CutOff(i, servo, wanted, off)) return *cut;
+    if (const std::optional<Cause> slow = Sluggish(i, servo)) return *slow;
     const double gravity = GravityAtHome(i);
     const std::optional<double> most = MostForce(i, servo);
     if (most && Force(i) >= kSaturated * *most) return TooWeak(i, servo, *most, gravity);
@@ -312,6 +361,47 @@ class ArmTrial {
   }
 
   bool compensated() const { return config().gravcomp.value_or(false); }
+
+  // When even with all that its servo may push the joint would take too long: no larger force within
+  // reason helps against a damping or an armature that is a typing error.
+  std::optional<Cause> Sluggish(size_t i, int servo) const {
+    const int dof = model()->jnt_dofadr[joints_[i]];
+    const double gear = Gear(model(), servo);
+    const double stiffness = -model()->actuator_biasprm[mjNBIAS * servo + 1] * gear * gear;
+    const double passive = model()->dof_damping[dof], armature = model()->dof_armature[dof];
+    const double own = -model()->actuator_biasprm[mjNBIAS * servo + 2] * gear * gear;
+    if (own > kTypingError * stiffness && !config().damping) {
+      return Cause{fmt::format(": the kv of its servo '{}', {:.3g}, is too large for its stiffness "
+                               "of {:g} {}/{}, so that it takes {:.3g} s",
+                               ServoName(servo), own / (gear * gear), stiffness, ForceUnit(i),
+                               Unit(i), own / stiffness),
+                   fmt::format("Lower it in the model to {:g}, or write `damping: {:g}`",
+                               Rounded(kSlow / 4 * stiffness / (gear * gear)),
+                               Rounded(kSlow / 4 * stiffness)),
+                   Field()};
+    }
+    if (passive > kHopeless * stiffness) {
+      return Cause{
+          fmt::format(": its damping of {:.3g} is too large for its servo's stiffness of "
+                      "{:g} {}/{}, so that it takes {:.3g} s",
+                      passive, stiffness, ForceUnit(i), Unit(i), passive / stiffness),
+          fmt::format("Lower the damping of the joint, in the model or its edit: [{{joint: "
+                      "'{}', damping: {:g}}}]",
+                      JointName(i), Rounded(kSlow / 4 * stiffness)),
+          Field()};
+    }
+    if (armature > kHopeless * kHopeless * stiffness) {
+      return Cause{fmt::format(": its armature of {:.3g} is too large for its servo's stiffness of "
+                               "{:g} {}/{}, so that it swings once in {:.3g} s",
+                               armature, stiffness, ForceUnit(i), Unit(i),
+                               2 * kPi * std::sqrt(armature / stiffness)),
+                   fmt::format("Lower the armature of the joint, in the model or its edit: "
+                               "[{{joint: '{}', armature: 0.1}}]",
+                               JointName(i)),
+                   Field()};
+    }
+    return std::nullopt;
+  }
 
   Cause TooWeak(size_t i, int servo, double most, double gravity) const {
     Cause cause{fmt::format(": its servo '{}' pushes with all it may, {:.3g} {}", ServoName(servo),

@@ -3,10 +3,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
 
 #include "robocell/base/error.h"
 #include "robocell/env/env_scene.h"
 #include "robocell/env/testing/envs.h"
+#include "robocell/mujoco/names.h"
 #include "robocell/testing/expect_throw.h"
 
 namespace robocell {
@@ -66,6 +68,37 @@ TEST_F(GripperCollisions, NameAnIgnoredGeomThatIsNotThere) {
   gripper().ignored_collision_geoms = {"pst_geom"};
   ExpectThrow<NotFoundError>([&] { WhenAFingerIsTouched(); },
                              "robot 'gripperleft': ignored_collision_geoms: no geom 'pst_geom'");
+}
+
+TEST_F(GripperCollisions, NameAnIgnoredGeomThatIsNotThereWithoutGeomsToo) {
+  gripper().ignored_collision_geoms = {"pst_geom"};
+  ExpectThrow<NotFoundError>([&] { WhenAFingerIsTouched(); },
+                             "robot 'gripperleft': ignored_collision_geoms: no geom 'pst_geom'");
+}
+
+// An arm with a hand of its own.
+TEST(HandCollisions, CountWhereTheRobotNamesTheirGeoms) {
+  const auto when_touched = [](const std::vector<ElementRef>& geoms) {
+    EnvConfig config = Rc7Env();
+    config.robots["robot"].collision_geoms = geoms;
+    config.world_frame_objects["post"] = {.offset = Pose(Eigen::Vector3d(5, 5, 5)),
+                                          .fixed = false,
+                                          .shape = Shape::kBox,
+                                          .size = Vec3{0.02, 0.02, 0.02},
+                                          .mass = 0.1};
+    Scene scene = Scene::Build(EnvSceneSpec(config));
+    scene.Reset();
+    CollisionMonitor monitor({{Robot::Of(scene, "robot"), {}}});
+    monitor.Begin();
+    const mjModel* m = scene.model();
+    const int pad = FindId(m, mjOBJ_GEOM, "robotrobot_left_finger_pad");
+    scene.SetBodyPose("post", Pose(Eigen::Vector3d(scene.data()->geom_xpos + 3 * pad)));
+    EXPECT_TRUE(scene.Step().ok());
+    monitor.FindNew();
+    return monitor.found().size();
+  };
+  EXPECT_EQ(when_touched({}), 0u);
+  EXPECT_EQ(when_touched({{.name = "left_finger_pad"}, {.name = "right_finger_pad"}}), 1u);
 }
 
 }  // namespace

@@ -22,6 +22,10 @@ constexpr double kPlannedShare = 0.96;
 // the axes of a turning hand, make the base faster the longer the step is.
 constexpr double kLongTimestep = 0.01;
 constexpr double kFarthestTarget = 1e6;  // m, from the origin; farther is a mistake
+// A base is blocked when its weld pushes with more than so many times what the weight and the fastest
+// motion of the robot and its load ask for, and so many N. What touches the robot may be its load, up
+// to so many times its own mass.
+constexpr double kPushShare = 3, kPushOnTop = 20, kMostLoad = 5;
 
 double PlannedShare(double timestep) {
   return kPlannedShare * std::sqrt(std::min(1.0, kLongTimestep / timestep));
@@ -62,6 +66,38 @@ Lead LeadOf(const mjModel* m, int equality) {
   const double time = std::max<double>(reference[0], 2 * m->opt.timestep);
   const double root = impedance * time * reference[1];
   return {2 * root * reference[1], root * root};
+}
+
+// With what the weld pushed in the last evaluation, N; 0 when it was not active.
+double WeldForce(const mjData* d, int equality) {
+  for (int row = 0; row + 2 < d->ne; ++row) {
+    if (d->efc_type[row] != mjCNSTR_EQUALITY || d->efc_id[row] != equality) continue;
+    return mju_norm3(d->efc_force + row);  // its first rows are the translation
+  }
+  return 0;
+}
+
+// The mass of the free bodies, with all that hangs on them, that touch the robot on this base, kg.
+double LoadOf(const mjModel* m, const mjData* d, int base) {
+  const int robot = m->body_rootid[base];
+  // The root of the free body that touches the robot in a contact; -1 for others.
+  const auto touching = [&](const mjContact& contact) {
+    if (contact.geom[0] < 0 || contact.geom[1] < 0) return -1;
+    const int a = m->body_rootid[m->geom_bodyid[contact.geom[0]]];
+    const int b = m->body_rootid[m->geom_bodyid[contact.geom[1]]];
+    if ((a == robot) == (b == robot)) return -1;
+    const int other = a == robot ? b : a;
+    return m->body_weldid[other] == 0 ? -1 : other;
+  };
+  double mass = 0;
+  for (int c = 0; c < d->ncon; ++c) {
+    const int body = touching(d->contact[c]);
+    const bool is_new = std::none_of(d->contact, d->contact + c, [&](const mjContact& before) {
+      return touching(before) == body;
+    });
+    if (body >= 0 && is_new) mass += m->body_subtreemass[body];
+  }
+  return mass;
 }
 
 }  // namespace
@@ -168,6 +204,21 @@ void DrivenBase::SetMaxSpeeds(const BaseSpeeds& speeds) {
   speeds_ = speeds;
 }
 
+// The weld is much stiffer than contacts: the base would push through whatever is in its way. The
+// force that this takes shows it.
+bool DrivenBase::IsBlocked(const BaseSpeeds& planned) const {
+  const mjModel* m = core().model();
+  const mjData* d = core().data();
+  const int base = m->eq_obj2id[equality_];
+  const double arm = mju_dist3(d->subtree_com + 3 * base, d->xpos + 3 * base);
+  const double turning = (planned.angular / kRampTime + planned.angular * planned.angular) * arm;
+  const double acceleration = mju_norm3(m->opt.gravity) + planned.linear / kRampTime + turning;
+  const double over = WeldForce(d, equality_) - kPushOnTop, share = kPushShare * acceleration;
+  const double mass = m->body_subtreemass[base];
+  return over > share * mass &&
+         over > share * (mass + std::min(LoadOf(m, d, base), kMostLoad * mass));
+}
+
 void DrivenBase::Advance() {
   Bind();
   FollowOthers();
@@ -180,6 +231,11 @@ void DrivenBase::Advance() {
   if (seconds <= 0) return;
   const double share = PlannedShare(core().model()->opt.timestep);
   const double linear = share * speeds_.linear, angular = share * speeds_.angular;
+  if (IsBlocked({linear, angular})) {
+    ramp_.Start(pose());
+    WriteMocap(ramp_.pose());
+    return;
+  }
   // The engine's step begins with the present pose and speed of the base.
   const Pose here = ramp_.pose();
   const Eigen::Vector3d v = ramp_.linear_velocity(), w = ramp_.angular_velocity();

@@ -5,10 +5,11 @@
 // (scene/robot_base.h makes both). Each tick moves the mocap body towards the target; the engine
 // moves the base after it, so that contacts know its velocity and friction holds.
 //
-// The weld is a spring and damper: at constant speed the base would trail its mocap body. Therefore
-// the mocap body runs ahead by the weld's lag at this speed, and the base itself is at the
-// commanded pose, within 1.5 mm on the way. Code that moves the mocap body or the base otherwise
-// (Scene::SetBodyPose, Scene::SetState, data.mocap_pos) sets the target there, at rest.
+// The weld is a spring and damper: at constant speed the base would trail its mocap body. So the
+// mocap body runs ahead by what the weld makes of the speed, and the base itself is at the
+// commanded pose, within 1.5 mm on the way. A base that something blocks stops there, and goes on to
+// its target as soon as it can. Whoever moves the mocap body or the base otherwise
+// (Scene::SetBodyPose, Scene::SetState, data.mocap_pos) puts the target there, at rest.
 #pragma once
 
 #include <array>
@@ -56,6 +57,7 @@ class DrivenBase : public JointGroupOf<BaseGroup> {
   void FollowOthers() const;
   void HoldAt(const Pose& pose) const;
   void WriteMocap(const Pose& pose) const;
+  bool IsBlocked(const BaseSpeeds& planned) const;
   void RequireTarget(const Pose& pose) const;  // throws ArgumentError for a pose at no valid place
 
   std::string target_body_, weld_;

@@ -451,6 +451,66 @@ TEST_P(DrivenHand, OtherBasesHaveNoTarget) {
   }
 }
 
+// How deep anything is in what is not a part of the robot at most, while the base follows its target.
+double DeepestContact(Robot& robot, double seconds) {
+  Scene scene = robot.scene();
+  double deepest = 0;
+  for (int i = 0; i < static_cast<int>(seconds / scene.timestep()); ++i) {
+    robot.Update();
+    EXPECT_TRUE(robot.Step().ok());
+    for (const Contact& contact : scene.contacts()) {
+      const bool inside_robot = contact.body1.starts_with("h_") && contact.body2.starts_with("h_");
+      if (!inside_robot) deepest = std::max(deepest, -contact.distance);
+    }
+  }
+  return deepest;
+}
+
+TEST_P(DrivenHand, AFloorStopsItAndItLeavesAtOnce) {
+  Robot robot = Hand();
+  robot.scene().SetBodyPose("cube", Pose(Eigen::Vector3d(1, 1, 0.02)));
+  BaseGroup& base = robot.base();
+  const Pose start = base.pose();
+  base.SetTarget(Pose(Eigen::Vector3d(0, 0, -0.3 - start.translation().z())) * start);
+  EXPECT_LT(DeepestContact(robot, 3), 0.008);
+  base.SetTarget(start);
+  Run(robot, 1);
+  EXPECT_TRUE(base.pose().is_close(start, 1e-3, 1e-3));
+}
+
+TEST_P(DrivenHand, AFloorStopsWhatItPressesOn) {
+  Robot robot = Hand();
+  BaseGroup& base = robot.base();
+  robot.gripper().Close();
+  Run(robot, 0.5);
+  base.SetTarget(Pose(Eigen::Vector3d(0, 0, -0.2)) * base.pose());
+  EXPECT_LT(DeepestContact(robot, 3), 0.008);
+}
+
+TEST(DrivenArm, IsStoppedByFloorsAndWalls) {
+  RobotConfig config = Rc7();
+  config.base = kDriven;
+  SceneSpec spec = SceneWith({.name = "rc7", .config = config, .pos = {0, 0, 0.5}});
+  SceneObject wall{.name = "wall",
+                   .shape = Shape::kBox,
+                   .size = Vec3{0.02, 1, 1},
+                   .rgba = Vec4{1, 1, 1, 1},
+                   .mass = 1,
+                   .friction = Vec3{1, 0.005, 0.0001},
+                   .pos = {-0.6, 0, 1},
+                   .fixed = true};
+  spec.objects.push_back(wall);
+  for (const Eigen::Vector3d& by : {Eigen::Vector3d(0, 0, -0.8), Eigen::Vector3d(-1.5, 0, 0.3)}) {
+    Robot robot = Robot::Of(Scene::Build(spec), "rc7");
+    const Pose start = robot.base().pose();
+    robot.base().SetTarget(Pose(by) * start);
+    EXPECT_LT(DeepestContact(robot, 5), 0.008) << by.transpose();
+    robot.base().SetTarget(start);
+    DeepestContact(robot, 3);
+    EXPECT_TRUE(robot.base().pose().is_close(start, 1e-2, 1e-2)) << by.transpose();
+  }
+}
+
 TEST(DrivenArm, HoldsAnArmOnItsPedestal) {
   RobotConfig config = Rc7();
   config.base = {.kind = BaseKind::kDriven, .size = Vec3{0.2, 0.2, 0.2}};

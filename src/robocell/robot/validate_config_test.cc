@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "robocell/robot/testing/hands.h"
 #include "robocell/robot/testing/robots.h"
 #include "robocell/testing/expect_throw.h"
 
@@ -38,6 +39,39 @@ TEST(ValidateConfig, ADistanceThatMeasuringContradictsIsToldWithItsLine) {
   EXPECT_THAT(text, HasSubstr("move_groups.gripper.distance: the fingers are 0.002 m apart when "
                               "closed and 0.090 m when open, not 0.020 and 0.090: correct it, or "
                               "leave `distance` out to have it measured"));
+}
+
+TEST(ValidateConfig, AJointRangeThatTheGripperDoesNotHaveIsTold) {
+  RobotConfig config = Rc7();
+  Maybe<GripperJointRange>& range = config.move_groups.find("gripper")->joint_range;
+  for (const auto& good : {GripperJointRange{.open = 0.044, .closed = 0},
+                           GripperJointRange{.open = 0.03, .closed = 0.01},
+                           GripperJointRange{.open = 0.06, .closed = -0.01}}) {
+    range = good;
+    EXPECT_EQ(Wrong(config), "") << good.open;
+  }
+  range = GripperJointRange{.open = 0, .closed = 0.044};
+  EXPECT_THAT(Wrong(config), HasSubstr("open and closed are swapped; exchange them, or leave "
+                                       "`joint_range` out to read it from the fingers"));
+  for (const auto& wrong :
+       {GripperJointRange{.open = 6, .closed = 5}, GripperJointRange{.open = 0.8, .closed = 0}}) {
+    range = wrong;
+    EXPECT_THAT(Wrong(config),
+                HasSubstr("move_groups.gripper.joint_range: joint 'left_finger_joint' is at 0.04"));
+    EXPECT_THAT(Wrong(config), HasSubstr("correct it, or leave `joint_range` out"));
+  }
+}
+
+TEST(ValidateConfig, ASpringThatIsTooStiffIsNamedWhereTheGripperFails) {
+  ModelFolder folder;
+  std::string xml = kTwoFingers;
+  const std::string joint = "name=\"left_slide\"";
+  xml.replace(xml.find(joint), joint.size(), joint + " stiffness=\"1e9\" springref=\"0.03\"");
+  RobotConfig config = TwoFingerHand(folder, {});
+  config.model = folder.Write("stiff", xml);
+  config.move_groups.find("gripper")->distance = GripperDistance{.closed = 0, .open = 0.07};
+  EXPECT_THAT(Wrong(config),
+              HasSubstr("the stiffness 1e+09 of joint 'left_slide' is too high for"));
 }
 
 TEST(ValidateConfig, AGripperThatCannotBeMeasuredAsItIsConfiguredIsTold) {
