@@ -229,7 +229,8 @@ def evaluate(
         f"output={json.dumps(str(output))}",
         *([] if cameras else ["cameras.streams=[]"]),
     ]
-    job = Job(RunSource(str(source), tuple(imports), policy), overrides, choose=starts.choose)
+    modules = (imports,) if isinstance(imports, str) else tuple(imports)
+    job = Job(RunSource(str(source), modules, policy), overrides, choose=starts.choose)
     result = job.do(_Watching(on_trial), limits)
     if result.outcome.interrupted:
         raise KeyboardInterrupt

@@ -178,6 +178,39 @@ def test_names_that_are_not_there_are_refused(dataset: rc.Dataset, options, erro
         from_dataset(dataset, **options)
 
 
+def test_depth_and_bodies_are_observed_as_they_were_recorded(tmp_path: Path):
+    run = rc.RunConfig.load(ROOT / "examples" / "demo.yaml")
+    (wrist,) = [stream for stream in run.cameras.streams if stream.name == "wrist"]
+    wrist.depth = wrist.segmentation = True
+    dataset = make(tmp_path / "out", 1, cameras=run.cameras)
+    env = from_dataset(dataset)
+    row, _ = env.reset(seed=0)
+    assert set(dataset[0].streams) <= set(env.observations)
+    assert env.observation_space.contains(row)
+    assert row["wrist.depth"].shape == row["wrist.segmentation"].shape == row["wrist"].shape[:2]
+    assert np.array_equal(row["wrist.depth"], dataset[0].frame("wrist.depth", 0))
+    with pytest.raises(
+        rc.NotFoundError, match=r"no observation 'wrist.dpeth'.* mean 'wrist.depth'"
+    ):
+        from_dataset(dataset, observations=["wrist.dpeth"])
+
+
+def test_one_module_to_import_may_be_a_text(dataset: rc.Dataset, tmp_path: Path):
+    module = tmp_path / "seen_by_text.py"
+    module.write_text("import sys\nsys.seen_by_text = True\n")
+    from_dataset(dataset, cameras=False, imports=str(module))
+    import sys
+
+    assert sys.seen_by_text  # type: ignore[attr-defined]
+
+
+def test_an_action_that_is_no_dictionary_is_refused_with_its_columns(dataset: rc.Dataset):
+    env = from_dataset(dataset, cameras=False)
+    env.reset(seed=0)
+    with pytest.raises(rc.ArgumentError, match=f"a dictionary of '{ARM}', '{GRIPPER}', got list"):
+        env.step([0.0] * 8)
+
+
 def test_actions_that_cannot_be_are_refused(dataset: rc.Dataset):
     env = from_dataset(dataset, cameras=False)
     env.reset(seed=0)

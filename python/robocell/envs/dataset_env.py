@@ -80,11 +80,11 @@ def from_dataset(
         >>> observation, info = recorded.reset(seed=0)
     """
     opened = dataset if isinstance(dataset, Dataset) else Dataset(Path(dataset))
-    for module in imports:
+    for module in [imports] if isinstance(imports, str) else imports:
         import_named(module, Path.cwd())
     shared = _shared_features(opened)
     core = _core_of(opened, cameras and not flat)
-    streams = [stream.name for stream in core.cameras.streams]
+    streams = _image_names(opened, core)
     if observations is None:
         observations = [*_default_observations(core, shared, privileged), *streams]
     if actions is None:
@@ -93,6 +93,12 @@ def from_dataset(
         for name in names:
             _require(opened, shared, streams, kind, name)
     return DatasetEnv(core, shared, list(observations), list(actions), flat)
+
+
+def _image_names(dataset: Dataset, core: _RunCell | RecordedEnv) -> list[str]:
+    """The recorded images that the cell draws: "wrist", "wrist.depth", "wrist.segmentation"."""
+    drawn = {stream.name for stream in core.cameras.streams}
+    return [name for name in dataset[0].streams if name.partition(".")[0] in drawn]
 
 
 class _RunCell(RunEnv):
@@ -255,6 +261,11 @@ class DatasetEnv(gymnasium.Env[Any, Any]):
         """Makes one step, a row of a dataset; `info["is_success"]` says if the task is done."""
         if self._flat:
             action = self._split(np.asarray(action, dtype=np.float64))
+        elif not isinstance(action, Mapping):
+            raise ArgumentError(
+                f"an action here is a dictionary of {', '.join(map(repr, self.actions))}, got "
+                f"{type(action).__name__}; from_dataset(..., flat=True) takes one vector"
+            )
         reward, terminated, truncated, info = self.core.act(dict(action))
         return self._observe(), reward, terminated, truncated, info
 
@@ -301,7 +312,7 @@ def _require(
     kind: str,
     name: str,
 ) -> None:
-    if kind == "observation" and name.partition(".")[0] in streams:
+    if kind == "observation" and name in streams:
         return
     wanted = ("action",) if kind == "action" else ("observation", "privileged")
     known = [n for n, feature in features.items() if feature.role in wanted]

@@ -106,8 +106,9 @@ void ClearTiles(SoftRows rows, SoftShadowMap* map) {
   SoftNumbers empty;
   std::fill_n(empty.at, kSoftPixels, map->background);
   for (int y = rows.begin; y < rows.end; ++y) {
+    const size_t first_tile = static_cast<size_t>(y) * static_cast<size_t>(map->tile_columns);
     for (int x = 0; x < map->tile_columns; ++x) {
-      if (!map->drawn[static_cast<size_t>(y * map->tile_columns + x)]) continue;
+      if (!map->drawn[first_tile + static_cast<size_t>(x)]) continue;
       const int begin = kSoftTile * x, end = std::min(buffer.columns, begin + kSoftTile);
       for (int row = kSoftTile * y; row < std::min(buffer.rows, kSoftTile * (y + 1)); ++row) {
         const auto first = buffer.nearness.begin() + static_cast<ptrdiff_t>(row) * buffer.columns;
