@@ -36,8 +36,9 @@ from robocell._core import (
     Scene,
     SpecError,
 )
+from robocell._own_code import calling_module
 from robocell.evaluated import ending_at_errors
-from robocell.tasks import register_expert
+from robocell.tasks import expert_registration
 
 Observation = dict[str, NDArray[Any]]
 Action = Mapping[str, ArrayLike]
@@ -212,6 +213,7 @@ def register_policy(
     uses beside its code, such as weights. An error of the policy ends the rollout as a failure;
     one of `make` leaves nobody to act, and is raised for each rollout.
     """
+    registering = calling_module()
     made: list[Policy] = []
     errors: list[Exception] = []
     acting = ending_at_errors(lambda run, start: PolicyExpert(run, start, made[0]))
@@ -229,7 +231,7 @@ def register_policy(
 
     module = getattr(make, "__module__", None)
     expert.__module__ = module or __name__
-    register_expert(name, files=files)(expert)
+    expert_registration(name, files, registering)(expert)
 
 
 def register_named_policy(name: str, folder: Path) -> None:

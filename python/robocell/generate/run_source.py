@@ -21,6 +21,7 @@ from typing import TypeGuard
 
 from robocell import Error, NotFoundError, RunConfig, SpecError
 from robocell._core import imports_of_run_file, load_plugin
+from robocell._own_code import set_modules_of_run
 from robocell.generate import Keep
 
 
@@ -76,21 +77,26 @@ class RunSource:
         return run
 
     def _load(self, overrides: Sequence[str]) -> RunConfig:
-        for module in self.imports:
-            import_named(module, Path.cwd())
+        set_modules_of_run(())
+        # All of them are the run's code: an import may change classes of other modules.
+        modules = [import_named(module, Path.cwd()) for module in self.imports]
         if (split := self._split()) is not None:
-            return self._from_python(*split, overrides)
-        if (Path(self.run) / "dataset.json").is_file():
+            made = self._from_python(*split, overrides)
+            modules.append(import_module(split[0], Path.cwd()).__name__)
+        elif (Path(self.run) / "dataset.json").is_file():
             from robocell.dataset_run import run_of_dataset
 
-            return _overridden(run_of_dataset(self.run), self.run, overrides)
-        folder = Path(self.run).absolute().parent
-        for module, place in imports_of_run_file(self.run):
-            try:
-                import_named(module, folder)
-            except SpecError as error:
-                raise SpecError(f"{place}: imports: {error}") from error
-        return RunConfig.load(self.run, list(overrides))
+            made = _overridden(run_of_dataset(self.run), self.run, overrides)
+        else:
+            folder = Path(self.run).absolute().parent
+            for module, place in imports_of_run_file(self.run):
+                try:
+                    modules.append(import_named(module, folder))
+                except SpecError as error:
+                    raise SpecError(f"{place}: imports: {error}") from error
+            made = RunConfig.load(self.run, list(overrides))
+        set_modules_of_run([module for module in modules if module])
+        return made
 
     def _split(self) -> tuple[str, str] | None:
         module, colon, name = self.run.rpartition(":")
@@ -133,18 +139,18 @@ def _overridden(made: RunConfig, name: str, overrides: Sequence[str]) -> RunConf
     return run
 
 
-def import_named(name: str, folder: Path) -> None:
+def import_named(name: str, folder: Path) -> str:
     """Imports a module, or loads a shared library that registers kinds (`libstack.so`).
 
-    SpecError for what cannot be imported.
+    Returns the module's name, "" for a library. SpecError for what cannot be imported.
     """
     if not name.endswith(".so"):
-        import_module(name, folder)
-        return
+        return import_module(name, folder).__name__
     try:
         load_plugin(folder / name)
     except Error as error:
         raise SpecError(f"cannot import '{folder / name}': {error}") from error
+    return ""
 
 
 def import_module(name: str, folder: Path) -> ModuleType:
