@@ -12,6 +12,7 @@ import argparse
 import importlib
 import importlib.util
 import sys
+import sysconfig
 import traceback
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,7 +22,7 @@ from typing import TypeGuard
 
 from robocell import Error, NotFoundError, RunConfig, SpecError
 from robocell._core import imports_of_run_file, load_plugin
-from robocell._own_code import set_modules_of_run
+from robocell._own_code import RAISED, is_own, set_modules_of_run
 from robocell.generate import Keep
 
 
@@ -114,7 +115,7 @@ class RunSource:
         if callable(made):
             try:
                 made = made()
-            except Exception as error:
+            except RAISED as error:
                 raise SpecError(f"{self.run} cannot be made: {place_of(error)}") from error
         if not isinstance(made, RunConfig):
             raise SpecError(
@@ -175,7 +176,7 @@ def import_module(name: str, folder: Path) -> ModuleType:
                 f"ones; name a file (--import path/to/{name}.py) or install it"
             ) from error
         raise SpecError(f"cannot import '{name}': {place_of(error)}") from error
-    except Exception as error:
+    except RAISED as error:
         raise SpecError(f"cannot import '{name}': {place_of(error)}") from error
 
 
@@ -244,35 +245,59 @@ def _import_file(path: Path) -> ModuleType:
 
 def is_of_users(error: BaseException) -> bool:
     """Whether it went through somebody's own code."""
-    return any(_is_users(frame.filename) for frame in traceback.extract_tb(error.__traceback__))
+    return bool(_frames_of_users(error))
 
 
 def place_of(error: BaseException) -> str:
     """'ValueError: text (tasks.py:12, in judge)': where somebody's own code raised it."""
-    text = error.msg if _has_file(error) else str(error)
+    text = error.msg if _has_file(error) else text_of(error)
     return f"{type(error).__name__}: {text}{where(error)}"
+
+
+def text_of(error: BaseException) -> str:
+    """The error's text, also of a class that cannot make it."""
+    try:
+        return str(error)
+    except Exception:
+        return "(its text cannot be made)"
 
 
 def where(error: BaseException) -> str:
     """' (tasks.py:12, in judge)', where somebody's own code raised it; '' for none of theirs."""
     if _has_file(error):
         return f" ({error.filename}:{error.lineno})"
-    frames = traceback.extract_tb(error.__traceback__)
-    own = [frame for frame in frames if _is_users(frame.filename)]
-    if not own:
+    frames = _frames_of_users(error)
+    if not frames:
         return ""
-    last = own[-1]
+    last = frames[-1]
     return f" ({last.filename}:{last.lineno}, in {last.name})"
 
 
 def _has_file(error: BaseException) -> TypeGuard[SyntaxError]:
-    """Whether the error is of a source that could not be parsed."""
-    return isinstance(error, SyntaxError) and bool(error.filename)
+    """Whether the error is of a source file that could not be parsed, not of a text."""
+    return (
+        isinstance(error, SyntaxError)
+        and bool(error.filename)
+        and not str(error.filename).startswith("<")
+    )
 
 
-def _is_users(filename: str) -> bool:
-    if filename.startswith("<"):
+def _frames_of_users(error: BaseException) -> list[traceback.FrameSummary]:
+    """Returns the frames in somebody's own sources; of installed packages if there are none.
+
+    Code of a user is often in the middle: robocell calls it, and it calls NumPy, which raises.
+    """
+    frames = traceback.extract_tb(error.__traceback__)
+    in_files = [frame for frame in frames if not frame.filename.startswith("<")]
+    own = [frame for frame in in_files if is_own(Path(frame.filename))]
+    return own or [frame for frame in in_files if _is_of_installed_package(Path(frame.filename))]
+
+
+def _is_of_installed_package(file: Path) -> bool:
+    """Whether a source is neither robocell's nor of Python's own library."""
+    file = file.resolve()
+    if file.is_relative_to(Path(__file__).resolve().parents[1]):
         return False
-    package = Path(__file__).resolve().parents[1]
-    path = Path(filename).resolve()
-    return not path.is_relative_to(package) and "importlib" not in path.parts
+    library = Path(sysconfig.get_path("stdlib")).resolve()
+    packages = {"site-packages", "dist-packages"}
+    return not file.is_relative_to(library) or bool(packages & set(file.parts))
