@@ -1,6 +1,7 @@
 """Where a run comes from: files, configurations in Python, modules; every problem has a place."""
 
 import argparse
+import contextlib
 import json
 import sys
 from pathlib import Path
@@ -156,6 +157,8 @@ def test_an_error_without_code_of_a_user_has_no_place():
         ("json.py", "Python"),
         ("json", "Python"),
         ("robocell.py", "robocell"),
+        ("gymnasium.py", "that robocell needs"),
+        ("typer.py", "that robocell needs"),
     ],
 )
 def test_names_of_modules_that_others_need_are_refused(tmp_path: Path, name: str, whose: str):
@@ -164,7 +167,8 @@ def test_names_of_modules_that_others_need_are_refused(tmp_path: Path, name: str
     before = sys.modules.get(module)
     with pytest.raises(rc.SpecError) as raised:
         import_named(name, tmp_path)
-    assert f"'{module}' is the name of a module of {whose} itself" in str(raised.value)
+    said = whose if " " in whose else f"of {whose} itself"
+    assert f"'{module}' is the name of a module {said}" in str(raised.value)
     assert f"such as my_{module}.py" in str(raised.value)
     assert sys.modules.get(module) is before
 
@@ -220,3 +224,20 @@ def test_a_module_that_exits_is_told_with_file_and_line(tmp_path, monkeypatch):
     with pytest.raises(rc.SpecError) as raised:
         import_module("exits_at_once.py", tmp_path)
     assert f"SystemExit: 0 ({file}:4, in <module>)" in str(raised.value)
+
+
+def test_an_import_leaves_the_working_folder_as_it_was(tmp_path, monkeypatch):
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    monkeypatch.chdir(tmp_path)
+    for name, then in (("goes_away", ""), ("goes_and_raises", "raise KeyError('a')\n")):
+        (tmp_path / f"{name}.py").write_text(f"import os\n\nos.chdir('/')\n{then}")
+        with contextlib.suppress(rc.SpecError):
+            import_module(f"{name}.py", tmp_path)
+        assert Path.cwd() == tmp_path
+
+
+def test_a_source_may_be_made_independent_of_the_working_folder(module, tmp_path):
+    (tmp_path / "run.yaml").touch()
+    source = RunSource("run.yaml", ("a.py",))
+    assert source.absolute() == RunSource(str(tmp_path / "run.yaml"), ("a.py",))
+    assert RunSource(f"{module}:run").absolute() == RunSource(f"{module}:run")

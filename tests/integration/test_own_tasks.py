@@ -440,3 +440,15 @@ def test_every_module_that_a_run_names_is_part_of_it(mini: Path, tmp_path: Path)
         module.write_text(text)
     generate(mini, out, "--episodes", 2)
     assert len(rc.Dataset(out)) == 2
+
+
+def test_code_may_change_the_working_folder(
+    mini: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """At its import and in its methods; the command's paths stay those of its own folder."""
+    monkeypatch.chdir(tmp_path)
+    module = mini.with_name("mini_library.py")
+    text = "import os\n\nos.chdir('/')\n" + module.read_text()
+    module.write_text(text.replace("self.left -= 1", "self.left -= 1\n        os.chdir('/')"))
+    generate(Path("mini.yaml"), Path("out"), "--episodes", 1)
+    assert len(rc.Dataset(tmp_path / "out")) == 1

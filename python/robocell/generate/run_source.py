@@ -9,19 +9,22 @@ Modules are imported only here, for a run that somebody starts: never because a 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import importlib
 import importlib.util
 import sys
 import sysconfig
 import traceback
 from collections.abc import Sequence
-from dataclasses import dataclass
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
 from typing import TypeGuard
 
 from robocell import Error, NotFoundError, RunConfig, SpecError
 from robocell._core import imports_of_run_file, load_plugin
+from robocell._extras import needed_modules
 from robocell._own_code import RAISED, is_own, set_modules_of_run
 from robocell.generate import Keep
 
@@ -63,6 +66,11 @@ class RunSource:
     def of(cls, arguments: argparse.Namespace) -> RunSource:
         """From the arguments of such a process."""
         return cls(arguments.run, tuple(arguments.imports), arguments.policy)
+
+    def absolute(self) -> RunSource:
+        """The same whatever the working folder becomes: a user's code may change it."""
+        is_path = self._split() is None
+        return replace(self, run=str(Path(self.run).absolute())) if is_path else self
 
     def load(self, overrides: Sequence[str] = ()) -> RunConfig:
         """Imports the modules and reads the run.
@@ -114,7 +122,8 @@ class RunSource:
         made = getattr(loaded, name)
         if callable(made):
             try:
-                made = made()
+                with _in_the_same_folder():
+                    made = made()
             except RAISED as error:
                 raise SpecError(f"{self.run} cannot be made: {place_of(error)}") from error
         if not isinstance(made, RunConfig):
@@ -148,7 +157,8 @@ def import_named(name: str, folder: Path) -> str:
     if not name.endswith(".so"):
         return import_module(name, folder).__name__
     try:
-        load_plugin(folder / name)
+        with _in_the_same_folder():
+            load_plugin(folder / name)
     except Error as error:
         raise SpecError(f"cannot import '{folder / name}': {error}") from error
     return ""
@@ -162,11 +172,12 @@ def import_module(name: str, folder: Path) -> ModuleType:
     """
     _require_name_of_ones_own(name)
     try:
-        if name.endswith(".py") or "/" in name:
-            return _import_file(folder / name)
-        if str(folder) not in sys.path:
-            sys.path.append(str(folder))
-        return _require_code(importlib.import_module(name))
+        with _in_the_same_folder():
+            if name.endswith(".py") or "/" in name:
+                return _import_file(folder / name)
+            if str(folder) not in sys.path:
+                sys.path.append(str(folder))
+            return _require_code(importlib.import_module(name))
     except SpecError:
         raise
     except ModuleNotFoundError as error:
@@ -180,6 +191,11 @@ def import_module(name: str, folder: Path) -> ModuleType:
         raise SpecError(f"cannot import '{name}': {place_of(error)}") from error
 
 
+def _in_the_same_folder() -> AbstractContextManager[None]:
+    """Around a user's code: sets the working folder back, from which the command's paths count."""
+    return contextlib.chdir(Path.cwd())
+
+
 def _require_name_of_ones_own(name: str) -> None:
     """SpecError for a name whose module Python or robocell itself needs.
 
@@ -187,13 +203,17 @@ def _require_name_of_ones_own(name: str) -> None:
     """
     is_file = name.endswith(".py") or "/" in name
     module = Path(name).stem if is_file else name.partition(".")[0]
-    whose = "Python" if module in sys.stdlib_module_names else ""
-    if is_file and module == "robocell":
-        whose = "robocell"
+    whose = ""
+    if module in sys.stdlib_module_names:
+        whose = "of Python itself"
+    elif is_file and module == "robocell":
+        whose = "of robocell itself"
+    elif is_file and module in needed_modules():
+        whose = "that robocell needs"
     if whose:
         raise SpecError(
-            f"cannot import '{name}': '{module}' is the name of a module of {whose} itself; give "
-            f"the file another name, such as my_{module}.py"
+            f"cannot import '{name}': '{module}' is the name of a module {whose}; give the file "
+            f"another name, such as my_{module}.py"
         )
 
 
