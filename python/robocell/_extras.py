@@ -17,6 +17,20 @@ EXTRAS = {
     "torch": {"torch": "torch"},
 }
 
+# module -> package, of those that robocell always comes with
+REQUIRED = {
+    "mujoco": "mujoco",
+    "mujoco_menagerie": "mujoco-menagerie",
+    "numpy": "numpy",
+    "rich": "rich",
+    "typer": "typer",
+}
+
+
+def needed_modules() -> set[str]:
+    """Returns the names of all modules that robocell, or a part of it, imports."""
+    return {*REQUIRED, *(module for modules in EXTRAS.values() for module in modules)}
+
 
 def install_command(extra: str) -> str:
     """The command that installs an extra's packages.

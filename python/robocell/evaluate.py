@@ -19,6 +19,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from robocell._core import ArgumentError, Dataset, Error, PlanItem
+from robocell._own_code import modules_of_one_run
 from robocell.dataset_run import plan_numbers
 from robocell.evaluated import POLICY_ERROR
 from robocell.generate.items import ItemResult
@@ -230,8 +231,9 @@ def evaluate(
         *([] if cameras else ["cameras.streams=[]"]),
     ]
     modules = (imports,) if isinstance(imports, str) else tuple(imports)
-    job = Job(RunSource(str(source), modules, policy), overrides, choose=starts.choose)
-    result = job.do(_Watching(on_trial), limits)
+    with modules_of_one_run():
+        job = Job(RunSource(str(source), modules, policy), overrides, choose=starts.choose)
+        result = job.do(_Watching(on_trial), limits)
     if result.outcome.interrupted:
         raise KeyboardInterrupt
     if result.outcome.fatal:

@@ -31,6 +31,7 @@ from robocell._core import (
     Scene,
     SpecError,
 )
+from robocell._own_code import RAISED
 
 # The reason of a rollout that an error of a policy or an expert ended begins with this.
 POLICY_ERROR = "policy error: "
@@ -59,7 +60,7 @@ def ending_at_errors(maker: ExpertMaker) -> ExpertMaker:
             expert = maker(run, start)
             if not isinstance(expert, Expert):
                 raise TypeError(f"expected an Expert, got a {type(expert).__name__}")
-        except Exception as error:
+        except RAISED as error:
             return _EndingAtErrors(None, _reason(error, maker))
         if type(expert).see is Expert.see:
             return _EndingAtErrors(expert)
@@ -96,7 +97,7 @@ class ExplainedStart:
             yield
         except (ClosedError, DivergedError, EngineError, IoError, SpecError):
             raise
-        except Exception as error:
+        except RAISED as error:
             if not self._made:
                 raise
             raise Error(
@@ -126,7 +127,7 @@ class _EndingAtErrors(Expert):
             return default
         try:
             return call(self._expert)
-        except Exception as error:
+        except RAISED as error:
             self._error = _reason(error, self._expert)
             return default
 
@@ -197,15 +198,15 @@ def _require_applicable(who: str, scene: Scene, action: Action) -> None:
                 raise ArgumentError(f"{place}: the command has a number that is not finite")
 
 
-def _reason(error: Exception, who: object) -> str:
+def _reason(error: BaseException, who: object) -> str:
     """Returns "policy error: KeyError: 'x' (mine.py:12, in act)", in one line.
 
     The traceback is printed once for each reason.
     """
-    from robocell.generate.run_source import where
+    from robocell.generate.run_source import text_of, where
 
     kind = "" if isinstance(error, Error) else f"{type(error).__name__}: "
-    said = " ".join(f"{kind}{error}".split())
+    said = " ".join(f"{kind}{text_of(error)}".split())
     if len(said) > LONGEST_MESSAGE:
         said = said[:LONGEST_MESSAGE] + " ..."
     # Without a place the code did not raise, but what it returned is wrong.

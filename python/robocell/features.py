@@ -21,7 +21,7 @@ from robocell._core import (
     _register_feature,
     feature_names,
 )
-from robocell.tasks import code_of
+from robocell._own_code import calling_module, code_of
 
 __all__ = ["CellFeatures", "Feature", "feature_names", "register_feature"]
 
@@ -65,6 +65,7 @@ def register_feature(
         >>> "cube_height" in rc.features.feature_names()
         True
     """
+    registering = calling_module()
     if not isinstance(name, str) or not name:
         raise ArgumentError("register_feature: `name` must be a name that is not empty")
 
@@ -85,7 +86,7 @@ def register_feature(
             "privileged" if privileged else "observation",
             list(lower),
             list(upper),
-            code_of(function),
+            code_of(function, registering=registering),
         )
         return function
 

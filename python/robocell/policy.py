@@ -36,8 +36,9 @@ from robocell._core import (
     Scene,
     SpecError,
 )
+from robocell._own_code import RAISED, calling_module
 from robocell.evaluated import ending_at_errors
-from robocell.tasks import register_expert
+from robocell.tasks import expert_registration
 
 Observation = dict[str, NDArray[Any]]
 Action = Mapping[str, ArrayLike]
@@ -149,7 +150,7 @@ class PolicyExpert(Expert):
                 f"{who} must return a dict of columns 'robots/.../action/...' to numbers, "
                 f"got {action!r}"
             )
-        arrays = {name: np.asarray(values, dtype=np.float64) for name, values in action.items()}
+        arrays = {name: _real(who, name, values) for name, values in action.items()}
         lengths = set()
         for name, array in arrays.items():
             size = self._size(name)
@@ -203,6 +204,13 @@ class PolicyExpert(Expert):
         return []
 
 
+def _real(who: str, name: str, values: ArrayLike) -> NDArray[np.float64]:
+    """Returns real numbers. NumPy only warns when it drops the imaginary part of complex ones."""
+    if np.iscomplexobj(array := np.asarray(values)):
+        raise TypeError(f"{who}: '{name}' must be real numbers, got complex ones: {array.dtype}")
+    return np.asarray(values, dtype=np.float64)
+
+
 def register_policy(
     name: str, make: Callable[[RunConfig], Policy], files: Sequence[str | Path] = ()
 ) -> None:
@@ -212,8 +220,9 @@ def register_policy(
     uses beside its code, such as weights. An error of the policy ends the rollout as a failure;
     one of `make` leaves nobody to act, and is raised for each rollout.
     """
+    registering = calling_module()
     made: list[Policy] = []
-    errors: list[Exception] = []
+    errors: list[BaseException] = []
     acting = ending_at_errors(lambda run, start: PolicyExpert(run, start, made[0]))
 
     def expert(run: RunConfig, start: EpisodeStart) -> Expert:
@@ -222,14 +231,14 @@ def register_policy(
         if not made:
             try:
                 made.append(make(run))
-            except Exception as error:
+            except RAISED as error:
                 errors.append(error)
                 raise
         return acting(run, start)
 
     module = getattr(make, "__module__", None)
     expert.__module__ = module or __name__
-    register_expert(name, files=files)(expert)
+    expert_registration(name, files, registering)(expert)
 
 
 def register_named_policy(name: str, folder: Path) -> None:

@@ -28,12 +28,9 @@ They work in run files, environments and on all workers.
 
 from __future__ import annotations
 
-import ast
 import dataclasses
 import functools
-import importlib.util
 import inspect
-import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
@@ -70,6 +67,7 @@ from robocell._core import (
     sampler_kinds,
     task_kinds,
 )
+from robocell._own_code import calling_module, code_of
 
 __all__ = [
     "BasePlacement",
@@ -134,12 +132,14 @@ def register_task(
         True
     """
     call = f"register_task({kind!r})"
+    registering = calling_module()
     _require_name("register_task", kind)
 
     def register(maker: TaskClass) -> TaskClass:
         _require_maker(call, maker, "Task")
         described = fields if fields is not None else getattr(maker, "Fields", None)
-        _register_task(kind, _maker(maker, described), _defaults(call, described), code_of(maker))
+        code = code_of(maker, registering=registering)
+        _register_task(kind, _maker(maker, described), _defaults(call, described), code)
         return maker
 
     return register
@@ -155,11 +155,18 @@ def register_expert(
     ArgumentError. `files`: files that the expert uses beside its code, such as weights; a dataset
     records their content.
     """
+    return expert_registration(kind, files, calling_module())
+
+
+def expert_registration(
+    kind: str, files: Sequence[str | Path], registering: str
+) -> Callable[[ExpertClass], ExpertClass]:
+    """Registers an expert as `register_expert` does, for the module that asks for it."""
     _require_name("register_expert", kind)
 
     def register(maker: ExpertClass) -> ExpertClass:
         _require_maker(f"register_expert({kind!r})", maker, "Expert")
-        _register_expert(kind, maker, code_of(maker, files))
+        _register_expert(kind, maker, code_of(maker, files, registering))
         return maker
 
     return register
@@ -179,15 +186,15 @@ def register_scene_source(
     remembers what they hold.
     """
     call = f"register_scene_source({kind!r})"
+    registering = calling_module()
     _require_name("register_scene_source", kind)
 
     def register(maker: SourceClass) -> SourceClass:
         _require_maker(call, maker, "SceneSource")
         described = fields if fields is not None else getattr(maker, "Fields", None)
         defaults = _defaults(call, described, ("source", "houses"))
-        _register_scene_source(
-            kind, _source_maker(maker, described), defaults, code_of(maker, files)
-        )
+        code = code_of(maker, files, registering)
+        _register_scene_source(kind, _source_maker(maker, described), defaults, code)
         return maker
 
     return register
@@ -202,11 +209,12 @@ def register_sampler(
     Registering a name again replaces it (ArgumentError for one of C++). `files` are what it acts
     from beside its code: a dataset remembers what they hold.
     """
+    registering = calling_module()
     _require_name("register_sampler", kind)
 
     def register(maker: SamplerClass) -> SamplerClass:
         _require_maker(f"register_sampler({kind!r})", maker, "TaskSampler")
-        _register_sampler(kind, maker, code_of(maker, files))
+        _register_sampler(kind, maker, code_of(maker, files, registering))
         return maker
 
     return register
@@ -276,86 +284,3 @@ def _defaults(
             )
         found.append((field.name, default, str(field.metadata.get("doc", ""))))
     return found
-
-
-def code_of(maker: object, files: Sequence[str | Path] = ()) -> Callable[[], list[str]]:
-    """Returns a function that lists the files of the code when a dataset is begun or checked.
-
-    `files` are further files that it uses, such as weights.
-    """
-    while isinstance(maker, functools.partial):
-        maker = maker.func
-    module = getattr(inspect.unwrap(maker), "__module__", None)  # type: ignore[arg-type]
-    more = [str(Path(file).resolve()) for file in files]
-    return lambda: [*(str(path) for path in own_sources(module)), *more]
-
-
-def own_sources(module: str | None) -> list[Path]:
-    """Returns the source files of a module and its imports, except installed ones.
-
-    Not installed are the files that a user edits: outside of Python's own folders and
-    site-packages. Imports anywhere in the sources count, and where values come from.
-    """
-    found: dict[Path, None] = {}
-    waiting = [module] if module else []
-    seen = set[str]()
-    while waiting:
-        name = waiting.pop()
-        if name in seen:
-            continue
-        seen.add(name)
-        file = _file_of(name)
-        if file is None or not _is_own(file):
-            continue
-        found[file.resolve()] = None
-        waiting += _imports_of(file, name)
-        for value in list(vars(sys.modules[name]).values()) if name in sys.modules else []:
-            imported = (
-                value.__name__ if inspect.ismodule(value) else getattr(value, "__module__", None)
-            )
-            if isinstance(imported, str):
-                waiting.append(imported)
-        if "." in name:
-            waiting.append(name.rpartition(".")[0])
-    return sorted(found)
-
-
-def _file_of(module: str) -> Path | None:
-    """Returns the file that a module is or would be loaded from; None without a file."""
-    loaded = sys.modules.get(module)
-    if loaded is not None:
-        file = getattr(loaded, "__file__", None)
-        return Path(file) if file else None
-    try:
-        spec = importlib.util.find_spec(module)
-    except (ImportError, AttributeError, ValueError):
-        return None
-    return Path(spec.origin) if spec is not None and spec.has_location and spec.origin else None
-
-
-def _imports_of(file: Path, name: str) -> list[str]:
-    """Returns the names that a source imports, at its top or in a function."""
-    try:
-        tree = ast.parse(file.read_bytes())
-    except (SyntaxError, ValueError, OSError):
-        return []
-    is_package = file.name == "__init__.py"
-    names = []
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Import):
-            names += [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom):
-            parts = name.split(".")
-            base = parts[: len(parts) - node.level + is_package] if node.level else []
-            parent = ".".join([*base, *([node.module] if node.module else [])])
-            names += [parent, *(f"{parent}.{alias.name}" for alias in node.names)]
-    return [each for each in names if each]
-
-
-def _is_own(file: Path) -> bool:
-    """Whether a module's file is neither installed nor robocell's nor Python's."""
-    file = file.resolve()
-    if {"site-packages", "dist-packages"} & set(file.parts):
-        return False
-    installed = [Path(sys.base_prefix) / "lib", Path(sys.prefix) / "lib", Path(__file__).parent]
-    return not any(file.is_relative_to(folder.resolve()) for folder in installed)

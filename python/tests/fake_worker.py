@@ -8,6 +8,7 @@ not listed. An episode is a folder of its id. FOLDER/tries holds a line per try:
 
 from __future__ import annotations
 
+import ctypes
 import json
 import os
 import signal
@@ -52,6 +53,8 @@ def result_of(name: str) -> ItemResult:
 class Maker:
     """Makes the episodes of a folder as the script says."""
 
+    FORKED_S = 60.0  # how long a forked child lives
+
     def __init__(self, folder: Path, script: dict[str, list[str]], stop: Stop) -> None:
         self.folder, self.script, self.stop = folder, script, stop
 
@@ -90,6 +93,18 @@ class Maker:
                 return ItemResult(item.id, attempts=6, accepted=5, failures=failures)
             case "raise":
                 raise ValueError("a bug")
+            case "exit":
+                sys.exit(0)
+            case "fork, kill":
+                if os.fork() == 0:
+                    time.sleep(self.FORKED_S)
+                    os._exit(0)
+                os.kill(os.getpid(), signal.SIGKILL)
+            case "fork in C, kill":  # where Python cannot close the pipe in the child
+                if ctypes.PyDLL(None).fork() == 0:
+                    time.sleep(self.FORKED_S)
+                    os._exit(0)
+                os.kill(os.getpid(), signal.SIGKILL)
             case "spec":
                 raise SpecError("camera 'wirst': no such camera. Did you mean 'wrist'?")
             case "io":

@@ -1,6 +1,8 @@
 """Where a run comes from: files, configurations in Python, modules; every problem has a place."""
 
 import argparse
+import contextlib
+import json
 import sys
 from pathlib import Path
 
@@ -8,7 +10,15 @@ import pytest
 
 import robocell as rc
 from robocell.dataset_run import _run_of_text
-from robocell.generate.run_source import RunSource, import_module, import_named, place_of
+from robocell.generate.protocol import Failure
+from robocell.generate.run_source import (
+    RunSource,
+    import_module,
+    import_named,
+    is_of_users,
+    place_of,
+    where,
+)
 
 MODULE = """
 import robocell as rc
@@ -147,6 +157,8 @@ def test_an_error_without_code_of_a_user_has_no_place():
         ("json.py", "Python"),
         ("json", "Python"),
         ("robocell.py", "robocell"),
+        ("gymnasium.py", "that robocell needs"),
+        ("typer.py", "that robocell needs"),
     ],
 )
 def test_names_of_modules_that_others_need_are_refused(tmp_path: Path, name: str, whose: str):
@@ -155,6 +167,77 @@ def test_names_of_modules_that_others_need_are_refused(tmp_path: Path, name: str
     before = sys.modules.get(module)
     with pytest.raises(rc.SpecError) as raised:
         import_named(name, tmp_path)
-    assert f"'{module}' is the name of a module of {whose} itself" in str(raised.value)
+    said = whose if " " in whose else f"of {whose} itself"
+    assert f"'{module}' is the name of a module {said}" in str(raised.value)
     assert f"such as my_{module}.py" in str(raised.value)
     assert sys.modules.get(module) is before
+
+
+def raised_in(tmp_path: Path, call: str) -> Exception:
+    """What a function of a user's module raised."""
+    name = f"raises_{abs(hash(tmp_path))}"
+    text = f"import json\nimport numpy as np\n\n\ndef judge():\n    return {call}\n"
+    (tmp_path / f"{name}.py").write_text(text)
+    module = import_module(f"{name}.py", tmp_path)
+    try:
+        with pytest.raises(BaseException) as raised:
+            module.judge()
+        return raised.value
+    finally:
+        sys.modules.pop(name)
+
+
+@pytest.mark.parametrize(
+    "call", ["json.loads('x')", "np.linalg.inv(np.zeros((2, 2)))", "eval('x y')", "[][0]", "exit()"]
+)
+def test_the_place_of_an_error_is_in_the_users_own_source(tmp_path, monkeypatch, call):
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    error = raised_in(tmp_path, call)
+    assert is_of_users(error)
+    assert where(error).startswith(f" ({tmp_path}/")
+    assert where(error).endswith(".py:6, in judge)")
+
+
+def test_frames_of_pythons_own_library_are_no_users():
+    with pytest.raises(ValueError) as raised:
+        json.loads("x")
+    error = raised.value
+    assert "test_run_source.py" in where(error)
+    error.__traceback__ = error.__traceback__.tb_next  # as when robocell calls it
+    assert not is_of_users(error)
+    assert where(error) == ""
+
+
+def test_an_error_whose_text_cannot_be_made_is_told_by_its_class(tmp_path):
+    class MuteError(Exception):
+        def __str__(self) -> str:
+            raise RuntimeError("no text")
+
+    assert place_of(MuteError()) == "MuteError: (its text cannot be made)"
+    assert Failure.of(MuteError()).message == "MuteError: (its text cannot be made)"
+
+
+def test_a_module_that_exits_is_told_with_file_and_line(tmp_path, monkeypatch):
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    file = tmp_path / "exits_at_once.py"
+    file.write_text("import sys\n\n\nsys.exit(0)\n")
+    with pytest.raises(rc.SpecError) as raised:
+        import_module("exits_at_once.py", tmp_path)
+    assert f"SystemExit: 0 ({file}:4, in <module>)" in str(raised.value)
+
+
+def test_an_import_leaves_the_working_folder_as_it_was(tmp_path, monkeypatch):
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    monkeypatch.chdir(tmp_path)
+    for name, then in (("goes_away", ""), ("goes_and_raises", "raise KeyError('a')\n")):
+        (tmp_path / f"{name}.py").write_text(f"import os\n\nos.chdir('/')\n{then}")
+        with contextlib.suppress(rc.SpecError):
+            import_module(f"{name}.py", tmp_path)
+        assert Path.cwd() == tmp_path
+
+
+def test_a_source_may_be_made_independent_of_the_working_folder(module, tmp_path):
+    (tmp_path / "run.yaml").touch()
+    source = RunSource("run.yaml", ("a.py",))
+    assert source.absolute() == RunSource(str(tmp_path / "run.yaml"), ("a.py",))
+    assert RunSource(f"{module}:run").absolute() == RunSource(f"{module}:run")

@@ -143,6 +143,15 @@ def test_a_killed_worker_is_named_with_its_signal_and_its_item_made_again(tmp_pa
     assert sorted(result.id for result in outcome.results) == ids(4)
 
 
+@pytest.mark.parametrize("how", ["fork, kill", "fork in C, kill"])
+def test_a_killed_worker_is_found_although_a_process_that_it_forked_lives(tmp_path: Path, how: str):
+    outcome = supervise(tmp_path, {"e1": [how, "make"]}).run()
+    assert episodes(tmp_path) == ids(4)
+    (death,) = outcome.totals.deaths
+    assert death.reason == "was killed by SIGKILL (out of memory?)"
+    assert outcome.totals.elapsed_s < fake_worker.Maker.FORKED_S / 2
+
+
 def test_an_item_that_always_kills_is_listed_after_three_tries_and_stops_nobody(tmp_path: Path):
     recorder = Recorder()
     outcome = supervise(tmp_path, {"e1": ["kill"]}, observer=recorder).run()
@@ -228,6 +237,14 @@ def test_an_exception_costs_a_try_and_the_worker(tmp_path: Path):
     pids = {line.split()[1] for line in (tmp_path / "tries").read_text().splitlines()}
     assert len(pids) == 2, "a fresh worker went on"
     assert "Traceback" in (tmp_path / "worker-0.log").read_text(), "for whoever looks into it"
+
+
+def test_an_exit_in_a_users_code_is_an_error_with_file_and_line(tmp_path: Path):
+    recorder = Recorder()
+    outcome = supervise(tmp_path, {"e0": ["exit", "make"]}, workers=1, observer=recorder).run()
+    (said,) = recorder.of("retry")
+    assert said.startswith("e0: SystemExit: 0 (")
+    assert not outcome.totals.deaths
 
 
 def test_attempts_used_up_are_no_reason_to_try_again(tmp_path: Path):

@@ -17,8 +17,8 @@ import pytest
 from commands import ROOT, generate, refusal, robocell_command
 
 import robocell as rc
+from robocell._own_code import own_sources
 from robocell.generate.run_source import RunSource
-from robocell.tasks import own_sources
 
 EXAMPLE = ROOT / "examples" / "stack_cubes.py"
 RC7 = ROOT / "models" / "robots" / "rc7" / "rc7.yaml"
@@ -345,3 +345,110 @@ def test_code_files_of_one_name_are_all_remembered(tmp_path: Path):
     rc.generate.prepare_dataset(run)
     files = json.loads((tmp_path / "out" / "dataset.json").read_text())["files"]
     assert {"code/weights.txt", "code/weights.txt (2)"} <= set(files)
+
+
+MINI_LIBRARY = """
+import robocell as rc
+
+
+class Mini(rc.tasks.Task):
+    def prepare(self, spec, rng):
+        ball = rc.SceneObject(name="ball", shape=rc.Shape.SPHERE, size=[0.03, 0, 0], mass=0.05)
+        ball.rgba, ball.friction = [1, 0.5, 0, 1], [1, 0.02, 0.001]
+        spec.objects.append(ball)
+
+    def judge(self, scene):
+        return rc.tasks.TaskVerdict(reward=0.5, success=True)
+
+    def instruction(self):
+        return "open the hand"
+
+    def objects(self):
+        return ["ball"]
+
+
+class Opens(rc.tasks.Expert):
+    def __init__(self, run, start, opening=1.0):
+        super().__init__()
+        self.left, self.opening = 5, opening
+
+    def begin(self, scene, rng):
+        pass
+
+    def act(self, scene, rng):
+        self.left -= 1
+        return {"rc7": {"gripper": rc.control.GroupCommand.opening(self.opening)}}
+
+    def done(self):
+        return self.left <= 0
+
+    def failure(self):
+        return ""
+
+    def phase(self):
+        return 0
+
+    def phase_names(self):
+        return ["hold"]
+"""
+MINI_TASKS = """
+import functools
+
+import mini_library as lib
+
+import robocell as rc
+
+rc.register_task("mini")(lib.Mini)
+rc.register_expert("mini")(functools.partial(lib.Opens, opening=1.0))
+"""
+MINI_RUN = f"""
+run: mini
+imports: [mini_tasks.py, mini_changes.py]
+robot: {RC7}
+task: {{kind: mini}}
+scenes: {{source: tabletop}}
+episodes: 2
+workers: 1
+max_attempts: 2
+"""
+
+
+@pytest.fixture
+def mini(tmp_path: Path) -> Path:
+    """A run whose task is in one module, is registered by another, and changed by a third."""
+    (tmp_path / "mini_library.py").write_text(MINI_LIBRARY)
+    (tmp_path / "mini_tasks.py").write_text(MINI_TASKS)
+    (tmp_path / "mini_changes.py").write_text("import mini_library\n\nmini_library.LENGTH = 5\n")
+    (tmp_path / "mini.yaml").write_text(MINI_RUN)
+    return tmp_path / "mini.yaml"
+
+
+def test_every_module_that_a_run_names_is_part_of_it(mini: Path, tmp_path: Path):
+    out = tmp_path / "out"
+    generate(mini, out, "--episodes", 1)
+    files = json.loads((out / "dataset.json").read_text())["files"]
+    assert {"code/mini_library.py", "code/mini_tasks.py", "code/mini_changes.py"} <= set(files)
+    for name, old, new in (
+        ("mini_tasks.py", "opening=1.0", "opening=0.25"),
+        ("mini_changes.py", "LENGTH = 5", "LENGTH = 6"),
+    ):
+        module = mini.with_name(name)
+        text = module.read_text()
+        module.write_text(text.replace(old, new))
+        said = refusal("generate", mini, "--output", out, "--episodes", 2)
+        assert f"code file {name}: changed since then" in said
+        module.write_text(text)
+    generate(mini, out, "--episodes", 2)
+    assert len(rc.Dataset(out)) == 2
+
+
+def test_code_may_change_the_working_folder(
+    mini: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """At its import and in its methods; the command's paths stay those of its own folder."""
+    monkeypatch.chdir(tmp_path)
+    module = mini.with_name("mini_library.py")
+    text = "import os\n\nos.chdir('/')\n" + module.read_text()
+    module.write_text(text.replace("self.left -= 1", "self.left -= 1\n        os.chdir('/')"))
+    generate(Path("mini.yaml"), Path("out"), "--episodes", 1)
+    assert len(rc.Dataset(tmp_path / "out")) == 1

@@ -137,6 +137,26 @@ class Turned(Policy):
         return {"robots/rc7/action/tcp_pose": np.zeros(7)}
 
 
+class Exits(Policy):
+    def act(self, observation):
+        raise SystemExit(0)
+
+
+class MuteError(Exception):
+    def __str__(self):
+        raise RuntimeError("no text")
+
+
+class Mute(Policy):
+    def act(self, observation):
+        raise MuteError
+
+
+class Complex(Policy):
+    def act(self, observation):
+        return {ARM: np.zeros(7) + 1j}
+
+
 class Reset(Policy):
     def reset(self, context):
         raise KeyError("weights")
@@ -193,6 +213,9 @@ def test_a_policy_that_raises_keeps_its_start(dataset: Path, broken: Path, tmp_p
         ("Nothing", "TypeError: Nothing.act() must return a dict of columns"),
         ("Turned", "quaternion [0, 0, 0, 0] (xyzw) has length 0"),
         ("Reset", "KeyError: 'weights' ("),
+        ("Exits", "SystemExit: 0 ("),
+        ("Mute", "MuteError: (its text cannot be made) ("),
+        ("Complex", "TypeError: Complex.act(): 'robots/rc7/action/arm' must be real numbers"),
     ],
 )
 def test_what_is_no_action_fails_the_rollout(

@@ -21,6 +21,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from robocell import Error, IoError, RunConfig, _core
+from robocell._own_code import RAISED
 from robocell.diagnose import check_run, describe_gl
 from robocell.generate.own_process import ask_process, end_with_asker
 from robocell.generate.protocol import Failure
@@ -128,7 +129,7 @@ def main() -> int:
     try:
         run = RunSource.of(arguments).load(arguments.set)
         warnings = check_run(run) + graphics_warnings(run)
-    except Exception as error:
+    except RAISED as error:
         if not isinstance(error, Error | OSError):
             traceback.print_exc()  # a defect: the message alone does not say where
         print(json.dumps({"failed": Failure.of(error).to_json()}))

@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from robocell import Dataset, RunConfig
+from robocell._own_code import RAISED
 from robocell.generate import PlanItem, Runner, make_plan, prepare_dataset
 from robocell.generate.items import recorded_frames
 from robocell.generate.own_process import end_with_asker
@@ -170,7 +171,7 @@ def main() -> int:
     try:
         source = RunSource.of(arguments)
         probe = measure(source, arguments.set, arguments.item, arguments.folder)
-    except Exception as error:
+    except RAISED as error:
         print(json.dumps({"failed": Failure.of(error).to_json()}))
         return 1
     print(json.dumps(asdict(probe)))

@@ -45,7 +45,7 @@ class Failure:
         What is raised while a run is loaded says itself where in the run it is.
         """
         from robocell import ArgumentError, Error, NotFoundError, SpecError
-        from robocell.generate.run_source import is_of_users, place_of
+        from robocell.generate.run_source import is_of_users, place_of, text_of
 
         kind: FailureKind = "io" if isinstance(error, OSError) else "other"
         if isinstance(error, (SpecError, NotFoundError, ArgumentError)):
@@ -53,7 +53,7 @@ class Failure:
         # Whatever its class: robocell raises in a user's code too.
         in_code = kind != "io" and not loading and is_of_users(error)
         told = in_code or not isinstance(error, Error | OSError)
-        return cls(kind, place_of(error) if told else str(error))
+        return cls(kind, place_of(error) if told else text_of(error))
 
     def error(self) -> Exception:
         """An exception to raise in its stead: SpecError, IoError or Error."""

@@ -9,18 +9,23 @@ Modules are imported only here, for a run that somebody starts: never because a 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import importlib
 import importlib.util
 import sys
+import sysconfig
 import traceback
 from collections.abc import Sequence
-from dataclasses import dataclass
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
 from typing import TypeGuard
 
 from robocell import Error, NotFoundError, RunConfig, SpecError
 from robocell._core import imports_of_run_file, load_plugin
+from robocell._extras import needed_modules
+from robocell._own_code import RAISED, is_own, set_modules_of_run
 from robocell.generate import Keep
 
 
@@ -62,6 +67,11 @@ class RunSource:
         """From the arguments of such a process."""
         return cls(arguments.run, tuple(arguments.imports), arguments.policy)
 
+    def absolute(self) -> RunSource:
+        """The same whatever the working folder becomes: a user's code may change it."""
+        is_path = self._split() is None
+        return replace(self, run=str(Path(self.run).absolute())) if is_path else self
+
     def load(self, overrides: Sequence[str] = ()) -> RunConfig:
         """Imports the modules and reads the run.
 
@@ -76,21 +86,26 @@ class RunSource:
         return run
 
     def _load(self, overrides: Sequence[str]) -> RunConfig:
-        for module in self.imports:
-            import_named(module, Path.cwd())
+        set_modules_of_run(())
+        # All of them are the run's code: an import may change classes of other modules.
+        modules = [import_named(module, Path.cwd()) for module in self.imports]
         if (split := self._split()) is not None:
-            return self._from_python(*split, overrides)
-        if (Path(self.run) / "dataset.json").is_file():
+            made = self._from_python(*split, overrides)
+            modules.append(import_module(split[0], Path.cwd()).__name__)
+        elif (Path(self.run) / "dataset.json").is_file():
             from robocell.dataset_run import run_of_dataset
 
-            return _overridden(run_of_dataset(self.run), self.run, overrides)
-        folder = Path(self.run).absolute().parent
-        for module, place in imports_of_run_file(self.run):
-            try:
-                import_named(module, folder)
-            except SpecError as error:
-                raise SpecError(f"{place}: imports: {error}") from error
-        return RunConfig.load(self.run, list(overrides))
+            made = _overridden(run_of_dataset(self.run), self.run, overrides)
+        else:
+            folder = Path(self.run).absolute().parent
+            for module, place in imports_of_run_file(self.run):
+                try:
+                    modules.append(import_named(module, folder))
+                except SpecError as error:
+                    raise SpecError(f"{place}: imports: {error}") from error
+            made = RunConfig.load(self.run, list(overrides))
+        set_modules_of_run([module for module in modules if module])
+        return made
 
     def _split(self) -> tuple[str, str] | None:
         module, colon, name = self.run.rpartition(":")
@@ -107,8 +122,9 @@ class RunSource:
         made = getattr(loaded, name)
         if callable(made):
             try:
-                made = made()
-            except Exception as error:
+                with _in_the_same_folder():
+                    made = made()
+            except RAISED as error:
                 raise SpecError(f"{self.run} cannot be made: {place_of(error)}") from error
         if not isinstance(made, RunConfig):
             raise SpecError(
@@ -133,18 +149,19 @@ def _overridden(made: RunConfig, name: str, overrides: Sequence[str]) -> RunConf
     return run
 
 
-def import_named(name: str, folder: Path) -> None:
+def import_named(name: str, folder: Path) -> str:
     """Imports a module, or loads a shared library that registers kinds (`libstack.so`).
 
-    SpecError for what cannot be imported.
+    Returns the module's name, "" for a library. SpecError for what cannot be imported.
     """
     if not name.endswith(".so"):
-        import_module(name, folder)
-        return
+        return import_module(name, folder).__name__
     try:
-        load_plugin(folder / name)
+        with _in_the_same_folder():
+            load_plugin(folder / name)
     except Error as error:
         raise SpecError(f"cannot import '{folder / name}': {error}") from error
+    return ""
 
 
 def import_module(name: str, folder: Path) -> ModuleType:
@@ -155,11 +172,12 @@ def import_module(name: str, folder: Path) -> ModuleType:
     """
     _require_name_of_ones_own(name)
     try:
-        if name.endswith(".py") or "/" in name:
-            return _import_file(folder / name)
-        if str(folder) not in sys.path:
-            sys.path.append(str(folder))
-        return _require_code(importlib.import_module(name))
+        with _in_the_same_folder():
+            if name.endswith(".py") or "/" in name:
+                return _import_file(folder / name)
+            if str(folder) not in sys.path:
+                sys.path.append(str(folder))
+            return _require_code(importlib.import_module(name))
     except SpecError:
         raise
     except ModuleNotFoundError as error:
@@ -169,8 +187,13 @@ def import_module(name: str, folder: Path) -> ModuleType:
                 f"ones; name a file (--import path/to/{name}.py) or install it"
             ) from error
         raise SpecError(f"cannot import '{name}': {place_of(error)}") from error
-    except Exception as error:
+    except RAISED as error:
         raise SpecError(f"cannot import '{name}': {place_of(error)}") from error
+
+
+def _in_the_same_folder() -> AbstractContextManager[None]:
+    """Around a user's code: sets the working folder back, from which the command's paths count."""
+    return contextlib.chdir(Path.cwd())
 
 
 def _require_name_of_ones_own(name: str) -> None:
@@ -180,13 +203,17 @@ def _require_name_of_ones_own(name: str) -> None:
     """
     is_file = name.endswith(".py") or "/" in name
     module = Path(name).stem if is_file else name.partition(".")[0]
-    whose = "Python" if module in sys.stdlib_module_names else ""
-    if is_file and module == "robocell":
-        whose = "robocell"
+    whose = ""
+    if module in sys.stdlib_module_names:
+        whose = "of Python itself"
+    elif is_file and module == "robocell":
+        whose = "of robocell itself"
+    elif is_file and module in needed_modules():
+        whose = "that robocell needs"
     if whose:
         raise SpecError(
-            f"cannot import '{name}': '{module}' is the name of a module of {whose} itself; give "
-            f"the file another name, such as my_{module}.py"
+            f"cannot import '{name}': '{module}' is the name of a module {whose}; give the file "
+            f"another name, such as my_{module}.py"
         )
 
 
@@ -238,35 +265,59 @@ def _import_file(path: Path) -> ModuleType:
 
 def is_of_users(error: BaseException) -> bool:
     """Whether it went through somebody's own code."""
-    return any(_is_users(frame.filename) for frame in traceback.extract_tb(error.__traceback__))
+    return bool(_frames_of_users(error))
 
 
 def place_of(error: BaseException) -> str:
     """'ValueError: text (tasks.py:12, in judge)': where somebody's own code raised it."""
-    text = error.msg if _has_file(error) else str(error)
+    text = error.msg if _has_file(error) else text_of(error)
     return f"{type(error).__name__}: {text}{where(error)}"
+
+
+def text_of(error: BaseException) -> str:
+    """The error's text, also of a class that cannot make it."""
+    try:
+        return str(error)
+    except Exception:
+        return "(its text cannot be made)"
 
 
 def where(error: BaseException) -> str:
     """' (tasks.py:12, in judge)', where somebody's own code raised it; '' for none of theirs."""
     if _has_file(error):
         return f" ({error.filename}:{error.lineno})"
-    frames = traceback.extract_tb(error.__traceback__)
-    own = [frame for frame in frames if _is_users(frame.filename)]
-    if not own:
+    frames = _frames_of_users(error)
+    if not frames:
         return ""
-    last = own[-1]
+    last = frames[-1]
     return f" ({last.filename}:{last.lineno}, in {last.name})"
 
 
 def _has_file(error: BaseException) -> TypeGuard[SyntaxError]:
-    """Whether the error is of a source that could not be parsed."""
-    return isinstance(error, SyntaxError) and bool(error.filename)
+    """Whether the error is of a source file that could not be parsed, not of a text."""
+    return (
+        isinstance(error, SyntaxError)
+        and bool(error.filename)
+        and not str(error.filename).startswith("<")
+    )
 
 
-def _is_users(filename: str) -> bool:
-    if filename.startswith("<"):
+def _frames_of_users(error: BaseException) -> list[traceback.FrameSummary]:
+    """Returns the frames in somebody's own sources; of installed packages if there are none.
+
+    Code of a user is often in the middle: robocell calls it, and it calls NumPy, which raises.
+    """
+    frames = traceback.extract_tb(error.__traceback__)
+    in_files = [frame for frame in frames if not frame.filename.startswith("<")]
+    own = [frame for frame in in_files if is_own(Path(frame.filename))]
+    return own or [frame for frame in in_files if _is_of_installed_package(Path(frame.filename))]
+
+
+def _is_of_installed_package(file: Path) -> bool:
+    """Whether a source is neither robocell's nor of Python's own library."""
+    file = file.resolve()
+    if file.is_relative_to(Path(__file__).resolve().parents[1]):
         return False
-    package = Path(__file__).resolve().parents[1]
-    path = Path(filename).resolve()
-    return not path.is_relative_to(package) and "importlib" not in path.parts
+    library = Path(sysconfig.get_path("stdlib")).resolve()
+    packages = {"site-packages", "dist-packages"}
+    return not file.is_relative_to(library) or bool(packages & set(file.parts))

@@ -150,6 +150,7 @@ class Supervisor:
             self._start_missing()
             while self._workers:
                 self._listen()
+                self._find_ended()
                 self._enforce_limits()
                 self._start_missing()
                 self._observer.tick(self._totals)
@@ -198,6 +199,12 @@ class Supervisor:
                 os.read(self._woken, 4096)
                 continue
             self._hear(key.data)
+
+    def _find_ended(self) -> None:
+        """Hears workers whose end their pipe does not tell, because a child of theirs has it."""
+        for worker in list(self._workers.values()):
+            if worker.ended:
+                self._hear(worker)
 
     def _hear(self, worker: WorkerProcess) -> None:
         try:

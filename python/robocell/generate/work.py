@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 from robocell import RunConfig
 from robocell.generate import ItemResult as CoreResult
@@ -27,8 +28,9 @@ def command(source: RunSource, overrides: Sequence[str]) -> list[str]:
 
 
 def _open_maker(arguments: argparse.Namespace, stop: StopFlag) -> MakeEpisode:
-    source = RunSource.of(arguments)
+    source = RunSource.of(arguments).absolute()
     run = source.load(arguments.set)
+    run.output = str(Path(run.output).absolute())  # a task may change the working folder
     require_same_run(run)
     run_item = _evaluating(run, source.policy) if source.policy else Runner(run).run
     plan = {item.id: item for item in make_plan(run)}

@@ -18,6 +18,7 @@ from collections.abc import Callable, Mapping
 from queue import SimpleQueue
 from typing import Any, Protocol
 
+from robocell._own_code import RAISED
 from robocell.generate.items import Item, ItemResult
 from robocell.generate.protocol import Failure, LineReader, ProtocolError, encode
 
@@ -57,19 +58,19 @@ def _work(
 ) -> int:
     try:
         make = open_maker()
-    except Exception as error:
+    except RAISED as error:
         return _tell_failure(replies, "refused", error)
     _send(replies, {"ready": True})
     while (item := requests.get()) is not None:
         try:
             result = make(item)
-        except Exception as error:
+        except RAISED as error:
             return _tell_failure(replies, "failed", error)
         _send(replies, {"done": result.to_json()})
     return 0
 
 
-def _tell_failure(replies: int, verb: str, error: Exception) -> int:
+def _tell_failure(replies: int, verb: str, error: BaseException) -> int:
     with contextlib.suppress(OSError):  # the log may be on the very disk that is full
         traceback.print_exception(error)
     _send(
@@ -81,8 +82,16 @@ def _tell_failure(replies: int, verb: str, error: Exception) -> int:
 def _take_stdout() -> int:
     """A private copy of standard output, which from now on is standard error."""
     sys.stdout.flush()
-    private = os.dup(1)  # not inherited by child processes
+    private = os.dup(1)  # not inherited by programs that it starts
     os.dup2(2, 1)
+    to_close = [private]  # once: a child's child may have given the number to another file
+
+    def close() -> None:
+        while to_close:
+            os.close(to_close.pop())
+
+    # A process that a user's code forks would keep the pipe open, and hide the worker's death.
+    os.register_at_fork(after_in_child=close)
     return private
 
 

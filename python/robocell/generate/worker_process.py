@@ -62,6 +62,11 @@ class WorkerProcess:
         """The process."""
         return self._process.pid
 
+    @property
+    def ended(self) -> bool:
+        """Whether the process is gone, even if its pipe is still open."""
+        return self._process.poll() is not None
+
     def fileno(self) -> int:
         """The pipe of its replies, for selectors."""
         return self._stdout.fileno()
@@ -89,6 +94,8 @@ class WorkerProcess:
         Encoders have groups of their own: they end by themselves when the pipe that they read from
         closes with the worker.
         """
+        if self.ended:
+            return  # its number may be another process's by now
         self._killed_for = self._killed_for or reason
         for send in (os.killpg, os.kill):
             try:
@@ -97,11 +104,12 @@ class WorkerProcess:
                 continue
 
     def messages(self) -> Iterator[dict[str, Any]] | None:
-        """What it has said since the last call; None when its pipe is closed: it has ended."""
+        """What it has said since the last call; None when it has ended and has said all."""
+        ended = self.ended  # before reading: what it said last is in the pipe by then
         try:
             data = os.read(self.fileno(), 1 << 16)
-        except BlockingIOError:
-            return iter(())
+        except BlockingIOError:  # after its end, a process that it forked holds the pipe open
+            return None if ended else iter(())
         return self._reader.feed(data) if data else None
 
     def bury(self) -> str:

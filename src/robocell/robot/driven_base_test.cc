@@ -497,7 +497,7 @@ TEST(DrivenArm, IsStoppedByFloorsAndWalls) {
                    .rgba = Vec4{1, 1, 1, 1},
                    .mass = 1,
                    .friction = Vec3{1, 0.005, 0.0001},
-                   .pos = {-0.6, 0, 1},
+                   .pos = Vec3{-0.6, 0, 1},
                    .fixed = true};
   spec.objects.push_back(wall);
   for (const Eigen::Vector3d& by : {Eigen::Vector3d(0, 0, -0.8), Eigen::Vector3d(-1.5, 0, 0.3)}) {
