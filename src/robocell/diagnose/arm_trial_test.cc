@@ -49,6 +49,44 @@ TEST_F(ArmTrials, WhatIsSetIsLookedAt) {
       ElementsAre(HasSubstr("Lower `damping` (20 is set) or raise `stiffness` (1 is set)")));
 }
 
+TEST_F(ArmTrials, AJointThatNothingDampsIsToldThatItSwings) {
+  EXPECT_THAT(Doubts("kp='500'", "gravcomp: true\n"),
+              ElementsAre(AllOf(HasSubstr("joint 'hip' still swings by 0."),
+                                HasSubstr(" rad around its target when it is sent there from home "
+                                          "and given 2.5 s: nothing damps it. Give its servo "
+                                          "damping (`damping`, N m s/rad)"))));
+  EXPECT_THAT(Doubts("kp='500'", "gravcomp: true\ndamping: 1e-3\n"),
+              ElementsAre(HasSubstr("Raise `damping` (0.001 is set)")));
+}
+
+// Whatever the servo may push, and says: it is not too weak.
+TEST_F(ArmTrials, AJointWithATypingErrorIsToldByItsEdit) {
+  EXPECT_THAT(Doubts("kp='500' kv='50' forcerange='-2 2'",
+                     "gravcomp: true\nedits: [{joint: hip, damping: 1.0e+12}]\n"),
+              ElementsAre(AllOf(HasSubstr(": its damping of 1e+12 is too large for its servo's "
+                                          "stiffness of 500 N m/rad"),
+                                HasSubstr("edit: [{joint: 'hip', damping: 50}]"))));
+  EXPECT_THAT(Doubts("kp='500' kv='50' forcerange='-2 2'",
+                     "gravcomp: true\nedits: [{joint: hip, armature: 1.0e+9}]\n"),
+              ElementsAre(HasSubstr("its armature of 1e+09 is too large for its servo's")));
+}
+
+TEST_F(ArmTrials, AKvThatIsATypingErrorIsToldAtItsServo) {
+  EXPECT_THAT(Doubts("kp='500' kv='1e7' forcerange='-50 50'", "gravcomp: true\n"),
+              ElementsAre(AllOf(HasSubstr(": the kv of its servo 'drive', 1e+07, is too large for "
+                                          "its stiffness of 500 N m/rad"),
+                                HasSubstr("Lower it in the model to 50"))));
+}
+
+TEST_F(ArmTrials, FrictionAboveTheForceOfAServoIsTold) {
+  EXPECT_THAT(
+      Doubts("kp='2000' kv='100' forcerange='-60 60'", "gravcomp: true\n", "",
+             "frictionloss='100'"),
+      ElementsAre(HasSubstr("only creeps when it is sent there from home and given 2.5 s: "
+                            "its frictionloss of 100 is more than the 60 N m that its servo "
+                            "'drive' may push with")));
+}
+
 TEST_F(ArmTrials, AServoThatIsTooWeakIsToldWithItsLimit) {
   EXPECT_THAT(Doubts("kp='500' kv='50' forcerange='-2 2'"),
               ElementsAre(AllOf(HasSubstr("joint 'hip' drifts by "),

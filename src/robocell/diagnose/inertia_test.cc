@@ -71,6 +71,13 @@ TEST_F(Inertia, AGainThatTheTimestepCannotFollowIsToldAtItsServo) {
                   HasSubstr("Give it a lower one: edits: [{actuator: 'drive', kp: "))));
 }
 
+TEST_F(Inertia, ASpringThatTheTimestepCannotFollowIsToldWithItsJoint) {
+  EXPECT_THAT(Warnings(Build("", kSoft, R"(stiffness="1e8")")),
+              Contains(HasSubstr("the stiffness 1e+08 of joint 'hip' is too high for the ")));
+  EXPECT_THAT(Warnings(Build("", kSoft, R"(stiffness="10")")),
+              Not(Contains(HasSubstr("the stiffness"))));
+}
+
 TEST_F(Inertia, AStiffnessOfTheRobotsFileIsToldThereOnce) {
   SceneSpec spec = EmptyScene();
   RobotConfig arm = ArmConfig(folder().Write("two", kTwoJointArm));

@@ -205,6 +205,36 @@ TEST(EnvStart, WhatIsPutOverAnEdgeMayReachOverIt) {
   EXPECT_NEAR(env.scene().body_pose("cube_green_cube").translation().z(), 0.12, 1e-9);
 }
 
+TEST(EnvStart, WarnsOfARobotInsideItself) {
+  EnvConfig config = Rc7Env();
+  config.robot_frame_objects["robot"]["box"] = {
+      .offset = PlaceAt(0, 0, -0.1), .shape = Shape::kBox, .size = Vec3{0.1, 0.1, 0.1}, .mass = 1};
+  {
+    Warnings warnings;
+    const Env env(config);
+    EXPECT_THAT(warnings.texts,
+                ElementsAre(::testing::AllOf(
+                    HasSubstr("at the start robot 'robot' is inside itself: "), HasSubstr("box"),
+                    HasSubstr(" deep in "), HasSubstr("Correct where the part is mounted"))));
+  }
+  Warnings warnings;
+  const Env env(Rc7Env());
+  EXPECT_THAT(warnings.texts, ::testing::IsEmpty());
+}
+
+TEST(EnvStart, TwoRobotsAtOnePlaceAreSaidOnce) {
+  EnvConfig config = Rc7Env();
+  config.robots["other"] = config.robots["robot"];
+  config.robot_to_shared_base_frame["other"] = PlaceAt(0.01, 0, 0);
+  config.task.reset();
+  Warnings warnings;
+  const Env env(config);
+  EXPECT_EQ(std::ranges::count_if(
+                warnings.texts,
+                [](const std::string& text) { return text.find("inside robot") < text.size(); }),
+            1);
+}
+
 TEST(EnvStart, WarnsOfObjectsInsideEachOther) {
   EnvConfig config = CubeOnABench(0.05);
   config.task.reset();

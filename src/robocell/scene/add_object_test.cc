@@ -1,4 +1,5 @@
 // Tests objects of a scene: primitives, models, free and fixed ones.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -92,6 +93,28 @@ TEST_F(Objects, AreFixedOrFreeAsAuthoredOrAsAsked) {
   SceneObject cube = BoxObject("cube", {});
   cube.fixed = true;
   EXPECT_EQ(BuildWith(cube).compiled()->object("cube").free_joint, std::nullopt);
+}
+
+TEST_F(Objects, WithAJointOfTheirOwnAtTheirRootAreNeitherFreeNorFixed) {
+  for (const char* type : {"slide", "hinge", "ball"}) {
+    const std::string model =
+        folder.Write(type, fmt::format(R"(<worldbody><body name="lid"><joint name="turn" type="{}"/>
+                             <geom size="0.05"/></body></worldbody>)",
+                                       type));
+    for (const bool fixed : {true, false}) {
+      ExpectThrow<SpecError>([&] { BuildWith({.name = "x", .mjcf_path = model, .fixed = fixed}); },
+                             "object 'x': its root body has the joint 'turn', which it moves "
+                             "on, so that it can be neither fixed nor free");
+    }
+    EXPECT_EQ(BuildWith({.name = "x", .mjcf_path = model}).model()->njnt, 1);
+    ExpectThrow<SpecError>([&] { BuildWith({.name = "x", .mjcf_path = model, .parked = true}); },
+                           "its root body has the joint 'turn'");
+  }
+  const std::string marker = folder.Write(
+      "marker", R"(<worldbody><body name="m" mocap="true"><geom size="0.05"/></body></worldbody>)");
+  EXPECT_EQ(BuildWith({.name = "x", .mjcf_path = marker, .fixed = true}).model()->nmocap, 1);
+  ExpectThrow<SpecError>([&] { BuildWith({.name = "x", .mjcf_path = marker, .fixed = false}); },
+                         "its root is a mocap body, which moves only where it is put");
 }
 
 TEST_F(Objects, OfUnnamedPartsCanStillBeFound) {

@@ -212,6 +212,13 @@ TEST(Reset, PartsWithoutKeyframesStartWhereTheirModelsDo) {
   EXPECT_EQ(both.joint_pos("a_shoulder"), 0);
 }
 
+TEST(Reset, RefusesAKeyframeThatIsNotThereAlsoWhereItIsNotUsed) {
+  Scene scene = Scene::Build(EmptyScene());
+  EXPECT_FALSE(scene.Reset({.keyframe = 0, .use_keyframe = false}).used_keyframe);
+  ExpectThrow<NotFoundError>(
+      [&] { scene.Reset({.keyframe = std::string("nope"), .use_keyframe = false}); }, "'nope'");
+}
+
 TEST(Reset, RefusesAKeyframeThatIsNotThere) {
   Scene scene = Scene::Build(Busy());
   ExpectThrow<ArgumentError>([&] { scene.Reset({.keyframe = 3}); },

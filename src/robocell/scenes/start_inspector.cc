@@ -235,9 +235,12 @@ std::vector<std::string> StartInspector::RobotsInside() {
   Bind();
   const mjModel* m = scene_.model();
   const mjData* d = scene_.data();
+  const auto robots = [&](const Pair& pair) {
+    return std::minmax({robot_of_[pair.first], robot_of_[pair.second]});
+  };
+  // A pair of bodies begins with either of the two robots.
   const auto same_robots = [&](const Pair& a, const Pair& b) {
-    return robot_of_[b.second] >= 0 && robot_of_[a.first] == robot_of_[b.first] &&
-           robot_of_[a.second] == robot_of_[b.second];
+    return robot_of_[a.second] >= 0 && robot_of_[b.second] >= 0 && robots(a) == robots(b);
   };
   std::vector<std::pair<Pair, int>> deepest;
   for (int c = 0; c < d->ncon; ++c) {

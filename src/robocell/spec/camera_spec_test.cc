@@ -68,6 +68,16 @@ TEST(CameraSystemConfig, OddSizesAreRefusedBeforeAnythingIsEncoded) {
       "`cameras.resolution`");
 }
 
+TEST(CameraSystemConfig, SizesBelowOnePixelAreToldOnce) {
+  CameraSystemConfig cameras{.streams = {{.name = "a", .camera = "a", .width = -3}}};
+  const std::string text = ValidationError(cameras);
+  EXPECT_THAT(text, HasSubstr("width: -3 must be greater than 0"));
+  EXPECT_THAT(text, ::testing::Not(HasSubstr("nearest")));
+  cameras = {.resolution = {0, -2}};
+  EXPECT_THAT(ValidationError(cameras),
+              HasSubstr("resolution: 0 x -2 pixels are no image; both must be above 0"));
+}
+
 TEST(CameraSystemConfig, SizesBeyondVideosAreRefusedBeforeAnythingIsDrawn) {
   CameraSystemConfig cameras{.resolution = {100000, 100000},
                              .streams = {{.name = "a", .camera = "a"}}};

@@ -256,6 +256,23 @@ TEST(EnvConfig, AListOfOneNumberIsCalledWithoutItsIndex) {
   EXPECT_EQ(Message(env), "it is not valid: max_target_lead[1]: -0.5 must be greater than 0");
 }
 
+// Farther than half a turn, less the next action, a rotation has no direction.
+TEST(EnvConfig, ALeadOfRotationsStaysBelowHalfATurn) {
+  EnvConfig env = Duo();
+  env.control_mode = ControlMode::kCartesianTquat;
+  for (const double lead : {0.1, 1.5, 2.9, 3.5, 1e9}) {
+    env.max_target_lead = {100, lead};
+    EXPECT_EQ(env.target_lead().translation, 100);
+    EXPECT_EQ(env.target_lead().rotation, std::min(lead, internal::kPi / 2));
+    env.max_relative_movement = {0.05, 0.5};
+    EXPECT_EQ(env.target_lead().rotation, std::min(lead, internal::kPi - 0.5));
+    env.max_relative_movement = {};
+  }
+  env.control_mode = ControlMode::kJoints;
+  env.max_target_lead = {10};
+  EXPECT_EQ(env.target_lead().rotation, 10);
+}
+
 TEST(EnvConfig, ATimestepThatIsNoNumberIsToldOnce) {
   try {
     FromYamlUnchecked<SimSettings>("{timestep: 1/0, frequency: 30}");
