@@ -63,11 +63,12 @@ std::shared_ptr<const Landmarks> SharedLandmarks(const SceneSpec& spec) {
 // Entries for objects that cannot move, which are problems, are left out.
 SaidPlaces OfFreeObjects(SaidPlaces said, const Scene& scene, Problems& problems) {
   Map<ObjectPlace> kept;
-  for (const auto& [key, place] : said.places.entries()) {
-    const auto same = [&](const SceneObject& object) { return object.name == key; };
+  for (const auto& entry : said.places.entries()) {
+    const std::string& key = entry.first;
+    const auto& place = entry.second;
     const auto& objects = scene.spec().objects;
     const bool is_known = std::any_of(objects.boxes().begin(), objects.boxes().end(),
-                                      [&](const auto& box) { return same(*box); });
+                                      [&](const auto& box) { return box->name == key; });
     if (!is_known || scene.compiled()->object(key).free_joint) {
       kept[key] = *place;
       continue;
@@ -75,7 +76,7 @@ SaidPlaces OfFreeObjects(SaidPlaces said, const Scene& scene, Problems& problems
     const Problems::Scope scope(problems, said.path);
     const std::string why = "it is a fixed object, which stays where its pose is";
     said.hook.empty() ? problems.AddAt(key, why)
-                      : problems.Add(said.hook + ": '" + key + "': " + why);
+                      : problems.Add(fmt::format("{}: '{}': {}", said.hook, key, why));
   }
   said.places = std::move(kept);
   return said;
