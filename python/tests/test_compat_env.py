@@ -67,7 +67,7 @@ def env_of(folder: Path, *arms: str, lid: bool = False) -> mjk.Env:
         robot.pos = [0, i, 0]
         spec.robots = [*spec.robots, robot]
     if lid:
-        lid_object = mjk.SceneObject(name="box", mjcf_path=str(folder / "lid.xml"), fixed=True)
+        lid_object = mjk.SceneObject(name="box", mjcf_path=str(folder / "lid.xml"))
         lid_object.pos = [1, 0, 0]
         spec.objects = [lid_object]
     return mjk.Env.build(spec)

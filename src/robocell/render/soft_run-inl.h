@@ -285,8 +285,8 @@ HWY_INLINE int RunLength(const SoftBuffer& buffer, size_t block, int bx, int32_t
 
 // Colours a run and returns true, unless it is to be coloured block by block.
 template <class PutBlock>
-HWY_NOINLINE bool ShadeRun(const SoftPicture& picture, const SoftBuffer& buffer, int bx, int by,
-                           int count, SoftFace* face, const PutBlock& put) {
+inline HWY_NOINLINE bool ShadeRun(const SoftPicture& picture, const SoftBuffer& buffer, int bx,
+                                  int by, int count, SoftFace* face, const PutBlock& put) {
   const size_t start = static_cast<size_t>(by) * static_cast<size_t>(buffer.columns);
   const uint32_t id = buffer.ids[start + static_cast<size_t>(bx)].at[0];
   const SoftInstance& instance = picture.instances[picture.instance_of_run[id >> kSoftRunBits]];

@@ -317,8 +317,8 @@ HWY_INLINE Colour ShadeSurfaces(const SoftPicture& picture, const SoftInstance& 
 }
 
 // Pixels that all show one triangle.
-HWY_NOINLINE Colour ShadeOne(const SoftPicture& picture, const SoftInstance& instance,
-                             const Pixels& p, int triangle, SoftFace* face) {
+inline HWY_NOINLINE Colour ShadeOne(const SoftPicture& picture, const SoftInstance& instance,
+                                    const Pixels& p, int triangle, SoftFace* face) {
   const SoftSurface& surface = instance.mesh->surface[triangle];
   if (surface.flat) return ShadeFace(picture, instance, p, triangle, face);
   return ShadeSurfaces(picture, instance, p, hn::Set(kInts, triangle),
@@ -326,8 +326,8 @@ HWY_NOINLINE Colour ShadeOne(const SoftPicture& picture, const SoftInstance& ins
 }
 
 // Pixels that show a triangle of the instance each.
-HWY_NOINLINE Colour ShadeSome(const SoftPicture& picture, const SoftInstance& instance,
-                              const Pixels& p, I triangle) {
+inline HWY_NOINLINE Colour ShadeSome(const SoftPicture& picture, const SoftInstance& instance,
+                                     const Pixels& p, I triangle) {
   return ShadeSurfaces(picture, instance, p, triangle, SomeSurfaces(*instance.mesh, triangle));
 }
 
