@@ -8,8 +8,8 @@
 
 #include <hwy/highway.h>
 
+#include "robocell/render/soft_blocks-inl.h"
 #include "robocell/render/soft_frame.h"
-#include "robocell/render/soft_raster-inl.h"
 #include "robocell/render/soft_vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "robocell/render/soft_raster-inl.h"
+#include "robocell/render/soft_blocks-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace robocell::internal::HWY_NAMESPACE {
