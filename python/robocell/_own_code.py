@@ -16,7 +16,7 @@ from contextlib import contextmanager
 from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
 
-# What a user's code raises. `sys.exit()` in it is an error of the code: it ends no process.
+# The errors that a user's code may raise. `sys.exit()` in it is one: it ends no process.
 RAISED = (Exception, SystemExit)
 
 # Modules that the run in work names, by whose import any class may have been changed.

@@ -201,7 +201,7 @@ class Supervisor:
             self._hear(key.data)
 
     def _find_ended(self) -> None:
-        """Hears workers whose end their pipe does not tell, because a child of theirs has it."""
+        """Buries workers that ended while a child of theirs keeps their pipe open."""
         for worker in list(self._workers.values()):
             if worker.ended:
                 self._hear(worker)
