@@ -6,9 +6,10 @@ foreach(layer base math spec media data)
   file(GLOB layer_sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/robocell/${layer}/*.cc")
   list(APPEND fuzzed_sources ${layer_sources})
 endforeach()
-foreach(file builtin menagerie override resolve roots)  # where models are found; the rest needs the engine
-  list(APPEND fuzzed_sources "${PROJECT_SOURCE_DIR}/src/robocell/assets/${file}.cc")
-endforeach()
+# Where models are found. What reads them, model_files.cc, needs the engine.
+file(GLOB asset_sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/robocell/assets/*.cc")
+list(FILTER asset_sources EXCLUDE REGEX "/model_files\\.cc$")
+list(APPEND fuzzed_sources ${asset_sources})
 list(FILTER fuzzed_sources EXCLUDE REGEX "_test\\.cc$")
 
 set(fuzz_flags -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer -g1 -O1
