@@ -11,6 +11,7 @@ break a rule says so itself: a comment with ``rule-ok:`` and the reason.
 - An actuator may have several inputs and outputs: its id counts neither, so what is per output is
   read by mujoco/actuators.h, and nothing but tests loops to ``nu``.
 - Nothing in the repository names a path of somebody's machine.
+- A header that a comment or a page names is there.
 - A C++ source has a test that one finds by its name, ``scene.cc`` in ``scene_test.cc``, or stands
   in ``tested_elsewhere.txt`` with the test that holds its behaviour. That list only gets shorter.
 """
@@ -20,7 +21,7 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Set
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -59,6 +60,8 @@ BY_ACTUATOR = re.compile(
 )
 BY_ACTUATOR_FILES = re.compile(r"^src/robocell/mujoco/actuators\.h$|_test\.cc$")
 MACHINE_PATH = re.compile(r"(?<![\w.~])/(?:home|root|work|Users|mnt|media)/\w")
+NAMED_HEADER = re.compile(r"(?<![<\w])(?:\w+/)*([\w-]+\.h)\b(?!>)")
+OTHERS_HEADERS = {"mujoco.h"}
 MARKER = "rule-ok:"
 ELSEWHERE = "scripts/tested_elsewhere.txt"
 MOST_ELSEWHERE = 58  # lower it with every test that is written
@@ -147,6 +150,19 @@ def check_text(path: str, text: str) -> Iterator[Finding]:
         yield from (Finding(path, number, reason) for reason in found if reason)
 
 
+def missing_headers(path: str, text: str, known: Set[str]) -> Iterator[Finding]:
+    """Headers that a C++ comment or a page of docs names and that are in no folder of ours."""
+    is_code = path.endswith((".cc", ".h"))
+    is_page = path.endswith(".md") and path.startswith("docs/") and "decisions" not in path
+    if not is_code and not is_page:
+        return
+    for number, line in enumerate(text.splitlines(), start=1):
+        said = line.partition("//")[2] if is_code else line
+        for match in NAMED_HEADER.finditer(said):
+            if match[1] not in known | OTHERS_HEADERS:
+                yield Finding(path, number, f"there is no header '{match[0]}'")
+
+
 def untested(root: Path) -> Iterator[Finding]:
     """Sources without a test of their name that are not listed, and wrong entries of the list."""
     folder = root / "src" / "robocell"
@@ -180,13 +196,16 @@ def check(root: Path) -> list[Finding]:
     command = ["git", "ls-files", "--cached", "--others", "--exclude-standard"]
     listing = subprocess.run(command, cwd=root, check=True, capture_output=True, text=True).stdout
     findings: list[Finding] = []
+    headers = {Path(path).name for path in listing.splitlines() if path.endswith(".h")}
     for path in listing.splitlines():
         file = root / path
         if not file.is_file() or Path(path).stem == "test_check_rules":
             continue
         data = file.read_bytes()
         if b"\0" not in data:
-            findings += check_text(path, data.decode(errors="replace"))
+            text = data.decode(errors="replace")
+            findings += check_text(path, text)
+            findings += missing_headers(path, text, headers)
     return findings + list(untested(root))
 
 

@@ -181,3 +181,18 @@ def test_the_limit_is_the_length_of_the_list():
     lines = (ROOT / check_rules.ELSEWHERE).read_text().splitlines()
     listed = [line for line in lines if not line.startswith("#")]
     assert len(listed) == check_rules.MOST_ELSEWHERE
+
+
+@pytest.mark.parametrize(
+    ("path", "line", "missing"),
+    [
+        ("src/robocell/a/b.cc", "// As in gone.h, and in there.h.", ["gone.h"]),
+        ("src/robocell/a/b.cc", "// See a/soft_gone-inl.h.", ["a/soft_gone-inl.h"]),
+        ("src/robocell/a/b.cc", '#include "elsewhere.h"  // <vector.h> and mujoco.h', []),
+        ("docs/a.md", "| `there.h`, `gone.h` |", ["gone.h"]),
+        ("scripts/a.py", "gone.h", []),
+    ],
+)
+def test_headers_that_are_named_are_there(path: str, line: str, missing: list[str]):
+    found = check_rules.missing_headers(path, line, {"there.h"})
+    assert [finding.reason for finding in found] == [f"there is no header '{n}'" for n in missing]

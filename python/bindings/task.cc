@@ -270,13 +270,14 @@ void BindTaskClass(nb::module_& m) {
           "is no success.")
       .def(
           "base_range", [](const Task&) { return BaseRange(); },
-          "Returns, for runs, where the robot's base may stand around the first of objects().")
+          "Returns where the robot's base may stand around the first of objects(), for what the run "
+          "or the environment leaves open.")
       .def(
           "places", [](const Task&) { return nb::dict(); },
           nb::sig("def places(self) -> collections.abc.Mapping[str, ObjectPlace | dict[str, "
                   "typing.Any]]"),
-          "Returns, for runs, which objects start on top of, inside or next to something: "
-          "{'cube': {'inside': 'tray'}}. start.places of the run comes before it. The others lie "
+          "Returns which objects start on top of, inside or next to something: {'cube': {'inside': "
+          "'tray'}}. The `places` of the run or of the environment come before it. The others lie "
           "on the support.")
       .def(
           "signals", [](const Task&) { return nb::dict(); },

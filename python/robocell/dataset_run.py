@@ -90,6 +90,24 @@ def manifest_of_dataset(source: str | Path) -> dict[str, Any] | None:
     return manifest
 
 
+def run_metadata(dataset: Dataset) -> dict[str, Any]:
+    """Returns what a run noted in its first episode: its seed and its own text, `identity`.
+
+    ArgumentError for a dataset without an episode, and for one that no run made.
+    """
+    folder = dataset.folder
+    if not len(dataset):
+        raise ArgumentError(f"'{folder}' has no episode, so nothing says what its cell is")
+    metadata: Any = dataset[0].metadata
+    if "identity" not in metadata:
+        what = "an environment" if "environment" in metadata else "something else"
+        raise ArgumentError(
+            f"'{folder}' was recorded from {what}, not made by a run, so there is no run to go on "
+            "with; robocell.envs.from_dataset makes the environment of a recorded one"
+        )
+    return metadata  # type: ignore[no-any-return]
+
+
 def run_of_dataset(source: str | Path) -> RunConfig:
     """The cell of a dataset: robot, task, scenes, rates and cameras, with the models that it keeps.
 
@@ -98,16 +116,8 @@ def run_of_dataset(source: str | Path) -> RunConfig:
     """
     folder = Path(source)
     dataset = Dataset(folder)
-    if not len(dataset):
-        raise ArgumentError(f"'{folder}' has no episode, so nothing says what its cell is")
+    metadata = run_metadata(dataset)
     first = dataset[0]
-    metadata: Any = first.metadata
-    if "identity" not in metadata:
-        what = "an environment" if "environment" in metadata else "something else"
-        raise ArgumentError(
-            f"'{folder}' was recorded from {what}, not made by a run, so there is no run to go on "
-            "with; robocell.envs.from_dataset makes the environment of a recorded one"
-        )
     run = _run_of_text(str(metadata["identity"]), str(folder))
     config = recorded_scene(first).robots[0].config
     if config is None:

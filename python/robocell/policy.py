@@ -37,6 +37,7 @@ from robocell._core import (
     SpecError,
 )
 from robocell._own_code import RAISED, calling_module
+from robocell.dataset_run import run_metadata
 from robocell.evaluated import ending_at_errors
 from robocell.tasks import expert_registration
 
@@ -308,14 +309,12 @@ def expert_of_policy(policy: str, source: str | Path) -> str:
 
 def replayed_seed(source: str | Path) -> int:
     """Returns the seed of a dataset's run. ArgumentError when there is nothing to replay."""
-    folder = Path(source)
-    if not (folder / "dataset.json").is_file():
-        raise ArgumentError(f"policy '{REPLAY}' needs a dataset whose actions it takes: '{folder}'")
-    dataset = Dataset(folder)
-    if not len(dataset):
-        raise ArgumentError(f"policy '{REPLAY}': '{folder}' has no episode to replay")
-    metadata: Any = dataset[0].metadata
-    return int(metadata["seed"])
+    if not Path(source).is_dir():
+        raise ArgumentError(
+            f"policy '{REPLAY}' takes the actions of a dataset, and '{source}' is not one: name "
+            "the folder of the dataset instead of its run file"
+        )
+    return int(run_metadata(Dataset(Path(source)))["seed"])
 
 
 class ReplayPolicy(Policy):

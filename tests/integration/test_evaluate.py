@@ -10,9 +10,11 @@ import pytest
 from commands import ROOT, generate, refusal, robocell_command
 
 import robocell as rc
+from robocell.data import EnvRecorder
 from robocell.dataset_run import run_of_dataset
 from robocell.envs import from_dataset
 from robocell.evaluate import default_output, evaluate, wilson_interval
+from robocell.gym import pick_cube_config
 
 DEMO = ROOT / "examples" / "demo.yaml"
 
@@ -231,3 +233,17 @@ def test_other_weights_are_another_evaluation(dataset: Path, tmp_path: Path):
     (tmp_path / "weights.txt").write_text("2")
     with pytest.raises(rc.SpecError, match=r"weights\.txt: changed since then"):
         evaluate(dataset, f"{file}:Weighing", episodes=1, output=out)
+
+
+@pytest.mark.parametrize("policy", ["expert", "random", "replay"])
+def test_what_no_run_made_is_refused_with_the_reason(policy: str, tmp_path: Path):
+    env = rc.Env(pick_cube_config(relative_to="last_step"))
+    with EnvRecorder(env, tmp_path / "recorded"):
+        env.reset(seed=0)
+        env.step({"robot": {"tquat": [0, 0, 0, 0, 0, 0, 1], "gripper": 1}})
+    said = refusal("evaluate", tmp_path / "recorded", "--policy", policy, "-n", "1")
+    assert "recorded from an environment, not made by a run" in said
+    (tmp_path / "empty").mkdir()
+    said = refusal("evaluate", tmp_path / "empty", "--policy", policy, "-n", "1")
+    assert "has no episode" in said or "no dataset" in said
+    assert "Traceback" not in said

@@ -92,7 +92,7 @@ class RunSource:
         if (split := self._split()) is not None:
             made = self._from_python(*split, overrides)
             modules.append(import_module(split[0], Path.cwd()).__name__)
-        elif (Path(self.run) / "dataset.json").is_file():
+        elif Path(self.run).is_dir():
             from robocell.dataset_run import run_of_dataset
 
             made = _overridden(run_of_dataset(self.run), self.run, overrides)

@@ -1,5 +1,5 @@
 // EnvRecorder: records an environment as episodes of a dataset, like those that generation makes:
-// durable, verified, replayable (replay.h, env_replay.h).
+// durable, verified, replayable (replay.h, env_of_episode.h).
 //
 //   Env env(config);
 //   EnvRecorder recorder(env, "out/teleop");

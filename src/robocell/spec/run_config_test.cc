@@ -44,5 +44,10 @@ TEST(RunConfig, CountsAreAboveZero) {
   EXPECT_THAT(ValidationError(run), HasSubstr("3 problems"));
 }
 
+TEST(ImportsOfRunFile, OfWhatIsNoFileAreNone) {
+  EXPECT_THAT(ImportsOfRunFile("."), ::testing::IsEmpty());
+  EXPECT_THAT(ImportsOfRunFile("nowhere.yaml"), ::testing::IsEmpty());
+}
+
 }  // namespace
 }  // namespace robocell

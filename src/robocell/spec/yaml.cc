@@ -119,6 +119,8 @@ RobotConfig RobotConfig::Load(const std::string& path) { return LoadYaml<RobotCo
 SceneSpec SceneSpec::Load(const std::string& path) { return LoadYaml<SceneSpec>(path); }
 std::vector<RunImport> ImportsOfRunFile(const std::string& path) {
   std::vector<RunImport> imports;
+  std::error_code unreadable;
+  if (!std::filesystem::is_regular_file(path, unreadable)) return imports;
   const auto add = [&](const YAML::Node& module) {
     if (!module.IsScalar()) return;
     const YAML::Mark mark = module.Mark();

@@ -85,15 +85,15 @@ class Task : public DeclaresFeatures {
   // Returns the names of the objects whose poses are observed and recorded, the target first.
   virtual std::vector<std::string> objects() const { return {}; }
   // Returns the objects that have to lie still when an episode begins: touching no robot, inside of
-  // nothing and with something under them (scenes/start_check.h).
+  // nothing and with something under them (scenes/start_inspector.h).
   virtual std::vector<std::string> resting_objects() const { return {}; }
   // Returns the names that TaskVerdict::subtask indexes.
   virtual std::vector<std::string> subtasks() const { return {}; }
-  // In runs: returns where the robot's base may stand around the first of objects(), for what
-  // `start` of the run leaves open.
+  // Returns where the robot's base may stand around the first of objects(), for what the run or the
+  // environment leaves open.
   virtual BaseRange base_range() const { return {}; }
-  // In runs: returns the objects that start on, inside or next to another one, by name, for what
-  // `start.places` of the run leaves open. The others lie on the support.
+  // Returns the objects that start on, inside or next to another one, by name, for what the run or
+  // the environment leaves open. The others lie on the support.
   virtual Map<ObjectPlace> places() const { return {}; }
   // Returns why an episode whose expert has finished is no success, in few words for counting. An
   // episode that ran out of steps counts as "timeout".
