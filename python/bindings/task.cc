@@ -270,7 +270,8 @@ void BindTaskClass(nb::module_& m) {
           "is no success.")
       .def(
           "base_range", [](const Task&) { return BaseRange(); },
-          "Returns where the robot's base may stand around the first of objects(), for what the run "
+          "Returns where the robot's base may stand around the first of objects(), for what the "
+          "run "
           "or the environment leaves open.")
       .def(
           "places", [](const Task&) { return nb::dict(); },
