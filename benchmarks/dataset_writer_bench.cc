@@ -1,6 +1,6 @@
 // The cost of writing a dataset beyond encoding its images: EpisodeWriter with two cameras and the
-// rows of a pick, beside bare ffmpeg processes with the same frames and options. Row P14 of
-// RESULTS.md.
+// rows of a pick, beside bare ffmpeg processes with the same frames and options. The frames are
+// converted to YUV on both sides, as H.264 needs them. Row P14 of RESULTS.md.
 //
 // The frames of a swinging arm are rendered before. Each iteration is one episode, from opening to
 // the commit. The bare encoders' files must equal the episode's videos to the byte, otherwise the
@@ -16,6 +16,7 @@
 #include "bench.h"
 #include "robocell/media/child_process.h"
 #include "robocell/media/video_writer.h"
+#include "robocell/media/yuv420.h"
 
 namespace robocell {
 namespace {
@@ -113,7 +114,8 @@ class Writing {
       encoders.push_back(std::make_unique<internal::ChildProcess>(
           command, internal::ChildProcessOptions{.pipe_stdin = true}));
     }
-    for (size_t i = 0; i < frames_.size(); ++i) encoders[i % kCameras]->Write(frames_[i]);
+    for (size_t i = 0; i < frames_.size(); ++i)
+      encoders[i % kCameras]->Write(converter_(frames_[i]));
     for (const auto& encoder : encoders) encoder->CloseStdin();
     for (const auto& encoder : encoders) encoder->Wait();
   }
@@ -136,6 +138,7 @@ class Writing {
   }
 
   Frames frames_;
+  internal::Yuv420Converter converter_{kWidth, kHeight};
   bench::Folder folder_;
   EpisodeSchema schema_;
   std::vector<CameraId> cameras_;

@@ -105,7 +105,10 @@ void BindGroups(nb::module_& m) {
           "joint_pos", [](const MoveGroup& g) { return NewArray(g.joint_pos()); },
           [](MoveGroup& g, nb::handle q) { g.SetJointPos(ToRow(q, "joint_pos")); },
           nb::for_getter(nb::sig("def joint_pos(self) -> numpy.typing.NDArray[numpy.float64]")),
-          "Joint positions (nq,), rad or m. Setting them teleports the joints."
+          "Joint positions (nq,), rad or m. Setting them teleports the joints alone: controls "
+          "stay, "
+          "so servos pull back to their targets. `Robot.set_joint_pos` takes an arm's commands "
+          "with it."
           "\n\nExamples:\n"
           "    >>> robot.arm.joint_pos = [0, 0.25, 0, 1.65, 0, 1.24, 0]")
       .def_prop_rw(

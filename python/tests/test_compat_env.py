@@ -82,7 +82,12 @@ def test_the_number_of_a_keyframe_is_the_models(folder: Path, arm: str):
         mujoco.mj_resetDataKeyframe(model, data, number)
         options = mjk.ResetOptions()
         options.keyframe = number
-        for info in (env.reset(options), env.reset(keyframe=number)):
+        ways = (
+            env.reset(options),
+            env.reset(keyframe=number),
+            env.reset(keyframe=np.int64(number)),
+        )
+        for info in ways:
             assert np.array_equal(env.scene.data.qpos, data.qpos)
             assert env.keyframes()[info.keyframe].endswith(model.key(number).name)
     assert options.keyframe == model.nkey - 1, "options stay as they are"

@@ -21,8 +21,11 @@ constexpr double kPatience = 1;
 
 }  // namespace
 
-ArmWatch::ArmWatch(std::vector<double> tolerances, double timestep)
-    : tolerances_(std::move(tolerances)), timestep_(timestep), window_pos_(tolerances_.size()) {
+ArmWatch::ArmWatch(std::vector<double> tolerances, double timestep, double delay)
+    : tolerances_(std::move(tolerances)),
+      timestep_(timestep),
+      delay_(delay),
+      window_pos_(tolerances_.size()) {
   seen_.fill(window_pos_);
 }
 
@@ -30,6 +33,7 @@ void ArmWatch::Begin(std::span<const double> q, double time) {
   std::ranges::copy(q, seen_[0].begin());
   steps_ = 0;
   at_rest_ = false;
+  moves_from_ = time + delay_;
   StartWindow(time);
 }
 
@@ -42,6 +46,10 @@ void ArmWatch::Look(std::span<const double> q, std::span<const double> wanted, d
   std::rotate(seen_.begin(), seen_.end() - 1, seen_.end());
   std::ranges::copy(q, seen_[0].begin());
   ++steps_;
+  if (time < moves_from_) {
+    StartWindow(time);
+    return;
+  }
   const bool slow = is_slow();
   if (slow && time - window_since_ < kSettling) return;
   at_rest_ = slow && HasHardlyMoved(wanted, time - window_since_);

@@ -20,7 +20,8 @@ namespace robocell {
 class ArmWatch {
  public:
   // `tolerances`: a joint has arrived within its tolerance, rad or m. `timestep`: the engine's, s.
-  ArmWatch(std::vector<double> tolerances, double timestep);
+  // `delay`: after it a joint begins to move, s; until then it is not at rest.
+  ArmWatch(std::vector<double> tolerances, double timestep, double delay = 0);
 
   // The arm is at `q` and begins to move.
   void Begin(std::span<const double> q, double time);
@@ -46,7 +47,8 @@ class ArmWatch {
   bool HasHardlyMoved(std::span<const double> wanted, double window) const;
 
   std::vector<double> tolerances_;
-  double timestep_;
+  double timestep_, delay_;
+  double moves_from_ = 0;  // when the joints begin to move
   // Positions now, and one and two engine steps ago, as far as they were observed.
   std::array<std::vector<double>, 3> seen_;
   size_t steps_ = 0;

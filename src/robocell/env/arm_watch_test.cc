@@ -16,8 +16,8 @@ struct SeenInSteps {
   int slow = 0, near = 0, at_rest = 0, steps = 0;
 };
 
-SeenInSteps LookAtOneJoint(const std::function<double(int)>& q, int steps = 500) {
-  ArmWatch watch({kNearEnoughToWatch}, kWatchStep);
+SeenInSteps LookAtOneJoint(const std::function<double(int)>& q, int steps = 500, double delay = 0) {
+  ArmWatch watch({kNearEnoughToWatch}, kWatchStep, delay);
   const double wanted[] = {0}, start[] = {q(0)};
   watch.Begin(start, 0);
   SeenInSteps seen{.steps = steps};
@@ -36,6 +36,11 @@ TEST(ArmWatch, AJointThatStaysIsAtRestAfterAWindow) {
   EXPECT_EQ(seen.slow, seen.steps - 1) << "one step says nothing of its speed";
   EXPECT_EQ(seen.near, 0);
   EXPECT_NEAR(seen.at_rest, seen.steps - 50, 3);
+}
+
+TEST(ArmWatch, AJointThatHasNotBegunToMoveIsNotAtRest) {
+  const SeenInSteps seen = LookAtOneJoint([](int) { return 0.01; }, 500, 0.3);
+  EXPECT_NEAR(seen.at_rest, seen.steps - 50 - 150, 3);
 }
 
 TEST(ArmWatch, AJointThatMovesIsNeitherSlowNorAtRest) {

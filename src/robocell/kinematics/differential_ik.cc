@@ -178,6 +178,8 @@ void RequireDifferentialIk(const Chain& chain, const Twist& twist,
     refuse(fmt::format("seconds is {}; it must be 0 or more", options.seconds));
   if (!(options.posture_rate >= 0 && std::isfinite(options.posture_rate)))
     refuse(fmt::format("posture_rate is {}; it must be 0 or more", options.posture_rate));
+  if (!(options.length >= 0 && std::isfinite(options.length)))
+    refuse(fmt::format("length is {}; it must be 0 or more", options.length));
   if (!options.posture.empty())
     chain.RequireJointValues("differential inverse kinematics: posture", options.posture);
   if (options.frame == TwistFrame::kWorld) RequireBase(options.base_in_world);
@@ -218,7 +220,7 @@ DifferentialIkResult DifferentialIk(const Chain& chain, std::span<const double> 
                                     const Twist& twist, const DifferentialIkOptions& options) {
   RequireDifferentialIk(chain, twist, options);
   const int n = chain.n_joints();
-  const double per_metre = 1 / chain.model().length;
+  const double per_metre = 1 / (options.length > 0 ? options.length : chain.model().length);
   Jacobian6 jacobian(6, n);
   const Pose tip = chain.Jacobian(q, jacobian);
   const Eigen::Matrix3d axes = AxesOf(options, tip);

@@ -39,22 +39,29 @@ constexpr int kAsides = 2 * std::size(kAside);  // of a joint, to both sides
 // A search that removes less of the pose error than this share is compared with others, until one
 // removes as much and leaves every joint this far from its limits, rad or chain lengths.
 constexpr double kGoodShare = 0.5, kGoodRoom = 0.1;
+// The metres that count as much as one radian are the ratio of what is commanded, within this share
+// of the chain's length and all of it: a rotation alone leaves the tip where it is.
+constexpr double kLeastLengthShare = 0.02;
 constexpr double kNoRoom = 1e-12;  // the speed of a joint that has used up its range
 
 struct Remaining {
   Twist twist;      // to the target, in base axes
-  double size = 0;  // rad and chain lengths
+  double size = 0;  // weighed, rad
+  double way = 0;   // rad and chain lengths
 };
 
-Remaining DifferenceTo(const Chain& chain, std::span<const double> q, const Pose& target) {
+Twist TwistTo(const Chain& chain, std::span<const double> q, const Pose& target) {
   const Pose tip = chain.Fk(q);
   const Pose turn(Eigen::Vector3d::Zero(),
                   QuaternionProduct(target.quaternion(), QuaternionInverse(tip.quaternion())));
-  Remaining out;
-  out.twist.linear = target.translation() - tip.translation();
-  out.twist.angular = turn.rotvec();
-  out.size = std::hypot(out.twist.linear.norm() / chain.model().length, out.twist.angular.norm());
-  return out;
+  return {target.translation() - tip.translation(), turn.rotvec()};
+}
+
+// Returns the metres that count as much as one radian on a way of this twist.
+double LengthFor(const Twist& twist, double chain_length) {
+  const double turn = twist.angular.norm();
+  if (turn == 0) return chain_length;
+  return std::clamp(twist.linear.norm() / turn, kLeastLengthShare * chain_length, chain_length);
 }
 
 // Returns how far the joint that is nearest to a limit may still go, rad or chain lengths.
@@ -75,22 +82,30 @@ class DampedSearch {
         target_(target),
         from_(from),
         most_(LargestJointStep(chain, chain.Fk(from), target)) {
+    options_.length = LengthFor(TwistTo(chain, from, target), chain.model().length);
     options_.seconds = 1;
     options_.max_speed = JointVector(chain.n_joints());
   }
 
+  Remaining LeftAt(std::span<const double> q) const {
+    const Twist twist = TwistTo(chain_, q, target_);
+    const double linear = twist.linear.norm(), angular = twist.angular.norm();
+    return {twist, std::hypot(linear / options_.length, angular),
+            std::hypot(linear / chain_.model().length, angular)};
+  }
+
   // Moves from `q` towards the target as long as the steps come nearer.
   Remaining GoFrom(JointVector& q) {
-    Remaining left = DifferenceTo(chain_, q, target_);
+    Remaining left = LeftAt(q);
     JointVector next = q;
     for (int step = 0; step < kDampedSteps && left.size > 0 && steps_left_ > 0; ++step) {
       --steps_left_;
       LimitSpeeds(q);
-      const double share = std::min(1.0, kDampedStep / left.size);
+      const double share = std::min(1.0, kDampedStep / left.way);
       const Twist part{left.twist.linear * share, left.twist.angular * share};
       const DifferentialIkResult moved = DifferentialIk(chain_, q, part, options_);
       for (int i = 0; i < q.size(); ++i) next[i] = q[i] + moved.velocity[i];
-      const Remaining now = DifferenceTo(chain_, next, target_);
+      const Remaining now = LeftAt(next);
       if (now.size > left.size * (1 - kShareOfStep)) break;
       q = next;
       left = now;
@@ -142,7 +157,7 @@ IkResult IkTowards(const Chain& chain, const Pose& tip_in_base, std::span<const 
   chain.RequireJointValues("inverse kinematics towards a pose", from);
   RequireIkTarget(tip_in_base, "inverse kinematics towards a pose");
   DampedSearch search(chain, tip_in_base, from);
-  const double start = DifferenceTo(chain, from, tip_in_base).size;
+  const double start = search.LeftAt(from).size;
   const double enough = (1 - kShareInAll) * start;
   IkResult result{.q = JointVector(from)};
   Remaining left = search.GoFrom(result.q);

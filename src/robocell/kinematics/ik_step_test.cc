@@ -20,11 +20,20 @@ constexpr const char* kStraightArm = R"(<mujoco><compiler angle="radian"/>
         <body pos=".3 0 0"><joint name="c" axis="0 1 0" range="-2 2"/><geom size=".05"/>
           <site name="tip" pos=".1 0 0"/></body></body></body></body></worldbody></mujoco>)";
 
-double ErrorOf(const Chain& chain, std::span<const double> q, const Pose& target) {
-  const Pose tip = chain.Fk(q);
-  return std::hypot((target.translation() - tip.translation()).norm() / chain.model().length,
-                    robocell::AngleBetween(target.quaternion(), tip.quaternion()));
-}
+// Of a step from `tip` to `target`: rad, with lengths weighed as what is commanded.
+struct StepError {
+  Pose tip, target;
+  double length;
+
+  double operator()(const Chain& chain, std::span<const double> q) const {
+    const double commanded = (target.translation() - tip.translation()).norm() /
+                             robocell::AngleBetween(target.quaternion(), tip.quaternion());
+    const Pose now = chain.Fk(q);
+    return std::hypot((target.translation() - now.translation()).norm() /
+                          std::clamp(commanded, 0.02 * length, length),
+                      robocell::AngleBetween(target.quaternion(), now.quaternion()));
+  }
+};
 
 TEST(IkTowards, ComesNearerAndNoJointSwings) {
   Rng rng = Rng::Stream(3, "ik towards");
@@ -41,7 +50,8 @@ TEST(IkTowards, ComesNearerAndNoJointSwings) {
     const Pose tip = chain.Fk(from);
     const Pose target = tip * Pose::FromRpy({rng.Uniform(-.05, .05), 0.02, 0}, {0, 0.1, 0});
     const IkResult near = IkTowards(chain, target, from);
-    const double before = ErrorOf(chain, from, target), after = ErrorOf(chain, near.q, target);
+    const StepError error{tip, target, chain.model().length};
+    const double before = error(chain, from), after = error(chain, near.q);
     EXPECT_LE(after, before);
     EXPECT_EQ(near.success, after <= 0.98 * before);
     EXPECT_NEAR(near.position_error, (target.translation() - chain.Fk(near.q).translation()).norm(),
@@ -96,6 +106,39 @@ TEST(IkTowards, BendsToTheSideThatHasRoomStepAfterStep) {
       }
       EXPECT_LT(chain.Fk(q).translation().x(), start.translation().x() - 0.12)
           << range << ", elbow at " << elbow;
+    }
+  }
+}
+
+// At the wrist's singular place the tip cannot turn about one axis at once: it stays, and turns as
+// far as the arm can make it.
+TEST(IkTowards, ARotationAloneLeavesTheTipWhereItIs) {
+  const TestModel model = TestModel::FromXml(R"(<mujoco><compiler angle="radian"/>
+    <worldbody><body name="base"><geom size=".1"/>
+      <body pos="0 0 .3"><joint name="a" axis="0 0 1" range="-3 3"/><geom size=".05"/>
+        <body><joint name="b" axis="0 1 0" range="-2 2"/><geom size=".05"/>
+          <body pos="0 0 .4"><joint name="c" axis="0 1 0" range="-2 2"/><geom size=".05"/>
+            <body pos="0 0 .3"><joint name="d" axis="0 0 1" range="-3 3"/><geom size=".05"/>
+              <body><joint name="e" axis="0 1 0" range="-2 2"/><geom size=".05"/>
+                <body><joint name="f" axis="0 0 1" range="-3 3"/><geom size=".05"/>
+                  <site name="tip" pos="0 0 .1"/>
+    </body></body></body></body></body></body></body></worldbody></mujoco>)");
+  const Chain chain(model.model(), "base", ChainTip::Site("tip"));
+  for (const double angle : {0.01, 0.05, -0.05}) {
+    for (const Eigen::Vector3d& axis : {Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX()}) {
+      JointVector q(std::vector<double>{0, 0.3, 0.9, 0, 0, 0});
+      const Eigen::Vector3d start = chain.Fk(q).translation();
+      for (int step = 0; step < 20; ++step) {
+        const Pose tip = chain.Fk(q);
+        const Pose turn = Pose::FromRotvec({0, 0, 0}, angle * axis);
+        const Pose target(tip.translation(),
+                          (turn * Pose({0, 0, 0}, tip.quaternion())).quaternion());
+        IkResult next = IkStep(chain, target, q);
+        if (!next.success) next = IkTowards(chain, target, q);
+        if (next.success) q = next.q;
+        ASSERT_LT((chain.Fk(q).translation() - start).norm(), 0.002)
+            << angle << " about " << axis.transpose() << ", step " << step;
+      }
     }
   }
 }

@@ -2,6 +2,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "robocell/mujoco/names.h"
@@ -17,6 +18,14 @@ std::vector<double> ArrivalTolerances(const Robot& robot, const std::string& gro
     tolerances.push_back(slide ? config.slide_arrival_tolerance() : config.arrival_tolerance);
   }
   return tolerances;
+}
+
+double LargestDelay(const Robot& robot, const std::string& group) {
+  const mjModel* m = robot.scene().model();
+  double delay = 0;
+  for (const std::string& actuator : robot.group(group).actuator_names())
+    delay = std::max<double>(delay, m->actuator_delay[FindId(m, mjOBJ_ACTUATOR, actuator)]);
+  return delay;
 }
 
 bool AreWithin(std::span<const double> q, std::span<const double> target,

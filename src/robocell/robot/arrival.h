@@ -17,6 +17,10 @@ namespace robocell::internal {
 // robot's configuration. Joints of one degree of freedom.
 std::vector<double> ArrivalTolerances(const Robot& robot, const std::string& group);
 
+// Returns the time after which the last of the group's actuators follows its control, s; 0 without
+// delays.
+double LargestDelay(const Robot& robot, const std::string& group);
+
 // Returns true if each joint is within `times` its tolerance of its target. No allocation.
 bool AreWithin(std::span<const double> q, std::span<const double> target,
                std::span<const double> tolerances, double times = 1);

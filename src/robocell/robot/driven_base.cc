@@ -22,10 +22,13 @@ constexpr double kPlannedShare = 0.96;
 // the axes of a turning hand, make the base faster the longer the step is.
 constexpr double kLongTimestep = 0.01;
 constexpr double kFarthestTarget = 1e6;  // m, from the origin; farther is a mistake
-// A base is blocked when its weld pushes with more than so many times what the weight and the fastest
-// motion of the robot and its load ask for, and so many N. What touches the robot may be its load, up
-// to so many times its own mass.
+// A base is blocked when contacts push on the robot with more than so many times what the weight and
+// the fastest motion of the robot and its load ask for, and so many N. What touches the robot may be
+// its load, up to so many times its own mass.
 constexpr double kPushShare = 3, kPushOnTop = 20, kMostLoad = 5;
+// Of the way to the target, translation or rotation is what contacts block when they resist it with
+// at least this share of the work with which they resist the other one.
+constexpr double kBlockedShare = 0.1;
 
 double PlannedShare(double timestep) {
   return kPlannedShare * std::sqrt(std::min(1.0, kLongTimestep / timestep));
@@ -68,13 +71,37 @@ Lead LeadOf(const mjModel* m, int equality) {
   return {2 * root * reference[1], root * root};
 }
 
-// With what the weld pushed in the last evaluation, N; 0 when it was not active.
-double WeldForce(const mjData* d, int equality) {
-  for (int row = 0; row + 2 < d->ne; ++row) {
-    if (d->efc_type[row] != mjCNSTR_EQUALITY || d->efc_id[row] != equality) continue;
-    return mju_norm3(d->efc_force + row);  // its first rows are the translation
+// What contacts do to the robot on this base.
+struct Push {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();   // N
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // N m, about the base's origin
+  double lever = 0;  // m, mean distance of the contacts from there, weighted by their forces
+};
+
+Push PushOn(const mjModel* m, const mjData* d, int base) {
+  const int robot = m->body_rootid[base];
+  const Eigen::Map<const Eigen::Vector3d> origin(d->xpos + 3 * static_cast<ptrdiff_t>(base));
+  Push push;
+  double sum = 0;
+  for (int c = 0; c < d->ncon; ++c) {
+    const mjContact& contact = d->contact[c];
+    if (contact.geom[0] < 0 || contact.geom[1] < 0) continue;
+    const bool is_first = m->body_rootid[m->geom_bodyid[contact.geom[0]]] == robot;
+    const bool is_second = m->body_rootid[m->geom_bodyid[contact.geom[1]]] == robot;
+    if (is_first == is_second) continue;
+    mjtNum in_contact[6];
+    Eigen::Vector3d force;
+    mj_contactForce(m, d, c, in_contact);  // on the second geom, along the contact's axes
+    mju_mulMatTVec3(force.data(), contact.frame, in_contact);
+    if (is_first) force = -force;
+    const Eigen::Vector3d at = Eigen::Map<const Eigen::Vector3d>(contact.pos) - origin;
+    push.force += force;
+    push.moment += at.cross(force);
+    push.lever += force.norm() * at.norm();
+    sum += force.norm();
   }
-  return 0;
+  if (sum > 0) push.lever /= sum;
+  return push;
 }
 
 // The mass of the free bodies, with all that hangs on them, that touch the robot on this base, kg.
@@ -204,19 +231,31 @@ void DrivenBase::SetMaxSpeeds(const BaseSpeeds& speeds) {
   speeds_ = speeds;
 }
 
-// The weld is much stiffer than contacts: the base would push through whatever is in its way. The
-// force that this takes shows it.
-bool DrivenBase::IsBlocked(const BaseSpeeds& planned) const {
+// The weld is much stiffer than contacts: the base would push through whatever is in its way. What
+// the contacts push back shows it. Forces that cancel out, as those of a grip, do not.
+DrivenBase::Blocked DrivenBase::FindBlocked(const Pose& goal, const BaseSpeeds& planned) const {
   const mjModel* m = core().model();
   const mjData* d = core().data();
+  if (d->ncon == 0) return {};
   const int base = m->eq_obj2id[equality_];
   const double arm = mju_dist3(d->subtree_com + 3 * base, d->xpos + 3 * base);
   const double turning = (planned.angular / kRampTime + planned.angular * planned.angular) * arm;
   const double acceleration = mju_norm3(m->opt.gravity) + planned.linear / kRampTime + turning;
-  const double over = WeldForce(d, equality_) - kPushOnTop, share = kPushShare * acceleration;
+  const Push push = PushOn(m, d, base);
+  const auto pushes_more = [&](double mass) {
+    const double most = kPushShare * acceleration * mass + kPushOnTop;
+    return push.force.norm() > most || push.moment.norm() > most * push.lever;
+  };
   const double mass = m->body_subtreemass[base];
-  return over > share * mass &&
-         over > share * (mass + std::min(LoadOf(m, d, base), kMostLoad * mass));
+  if (!pushes_more(mass)) return {};
+  if (!pushes_more(mass + std::min(LoadOf(m, d, base), kMostLoad * mass))) return {};
+  const Pose here = pose();
+  const double along = -push.force.dot(goal.translation() - here.translation());
+  const double around = -push.moment.dot(
+      (Pose({0, 0, 0}, goal.quaternion()) * Pose({0, 0, 0}, here.quaternion()).inverse()).rotvec());
+  if (along + around <= 0) return {};  // it leaves them
+  return {.translation = along > 0 && along >= kBlockedShare * around,
+          .rotation = around > 0 && around >= kBlockedShare * along};
 }
 
 void DrivenBase::Advance() {
@@ -231,8 +270,14 @@ void DrivenBase::Advance() {
   if (seconds <= 0) return;
   const double share = PlannedShare(core().model()->opt.timestep);
   const double linear = share * speeds_.linear, angular = share * speeds_.angular;
-  if (IsBlocked({linear, angular})) {
-    ramp_.Start(pose());
+  const Blocked blocked = FindBlocked(goal, {linear, angular});
+  if (blocked.translation || blocked.rotation) {
+    // Where only one of them is blocked, the other one is held: a base that gave way in both would
+    // slip round the obstacle.
+    const Pose at = pose();
+    const Pose& held = ramp_.pose();
+    ramp_.Start(Pose(blocked.translation ? at.translation() : held.translation(),
+                     blocked.rotation ? at.quaternion() : held.quaternion()));
     WriteMocap(ramp_.pose());
     return;
   }

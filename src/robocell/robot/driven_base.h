@@ -57,7 +57,11 @@ class DrivenBase : public JointGroupOf<BaseGroup> {
   void FollowOthers() const;
   void HoldAt(const Pose& pose) const;
   void WriteMocap(const Pose& pose) const;
-  bool IsBlocked(const BaseSpeeds& planned) const;
+  // Whether contacts keep the base from getting on to its goal.
+  struct Blocked {
+    bool translation = false, rotation = false;
+  };
+  Blocked FindBlocked(const Pose& goal, const BaseSpeeds& planned) const;
   void RequireTarget(const Pose& pose) const;  // throws ArgumentError for a pose at no valid place
 
   std::string target_body_, weld_;

@@ -511,6 +511,57 @@ TEST(DrivenArm, IsStoppedByFloorsAndWalls) {
   }
 }
 
+// A hand of boxes, which are given as in MJCF, and fixed boxes around it.
+Robot HandAmong(ModelFolder& folder, const std::string& geoms, std::vector<SceneObject> fixed) {
+  const std::string file =
+      folder.Write("hand", "<worldbody><body name='palm'>" + geoms + "</body></worldbody>");
+  RobotConfig config{.name = "hand", .model = file, .root_body = "palm"};
+  config.base = kDriven;
+  config.gravcomp = true;
+  SceneSpec spec =
+      SceneWith({.name = "hand", .config = config, .prefix = "h_", .pos = Vec3{0, 0, 0.5}});
+  for (SceneObject& object : fixed) {
+    object.fixed = true;
+    spec.objects.push_back(object);
+  }
+  return Robot::Of(Scene::Build(spec), "hand");
+}
+
+SceneObject FixedBox(const std::string& name, const Vec3& pos, const Vec3& size) {
+  SceneObject box = BoxObject(name, pos);
+  box.size = size;
+  return box;
+}
+
+TEST(DrivenTool, DoesNotTurnThroughWallsWhoseForcesCancelOut) {
+  ModelFolder folder;
+  Robot robot = HandAmong(folder,
+                          "<geom type='box' size='.04 .04 .03' mass='.8' pos='0 0 .1'/>"
+                          "<geom type='box' size='.03 .03 .06' mass='.2'/>",
+                          {FixedBox("a", {0.042, 0, 0.5}, {0.01, 0.06, 0.04}),
+                           FixedBox("b", {-0.042, 0, 0.5}, {0.01, 0.06, 0.04}),
+                           FixedBox("c", {0, 0.042, 0.5}, {0.06, 0.01, 0.04}),
+                           FixedBox("d", {0, -0.042, 0.5}, {0.06, 0.01, 0.04})});
+  const Pose start = robot.base().pose();
+  robot.base().SetTarget(start * Pose::FromRotvec({0, 0, 0}, {0, 0, 0.785}));
+  EXPECT_LT(DeepestContact(robot, 3), 0.004);
+  EXPECT_LT(robot.base().pose().rotvec().norm(), 0.3);
+  robot.base().SetTarget(start);
+  DeepestContact(robot, 1);
+  EXPECT_TRUE(robot.base().pose().is_close(start, 1e-3, 2e-3));
+}
+
+TEST(DrivenTool, DoesNotSlipRoundWhatBlocksIt) {
+  ModelFolder folder;
+  Robot robot = HandAmong(folder, "<geom type='box' size='.3 .02 .02' mass='1'/>",
+                          {FixedBox("post", {0.28, 0.1, 0.5}, {0.02, 0.02, 0.5})});
+  const Pose start = robot.base().pose();
+  robot.base().SetTarget(Pose(Eigen::Vector3d(0, 0.5, 0)) * start);
+  EXPECT_LT(DeepestContact(robot, 10), 0.008);
+  EXPECT_NEAR(robot.base().pose().translation().y(), 0.06, 0.015);
+  EXPECT_LT(robot.base().pose().rotvec().norm(), 0.1);
+}
+
 TEST(DrivenArm, HoldsAnArmOnItsPedestal) {
   RobotConfig config = Rc7();
   config.base = {.kind = BaseKind::kDriven, .size = Vec3{0.2, 0.2, 0.2}};

@@ -1,5 +1,5 @@
-// Tests that position servos with a filtered control begin at their target when the arm is switched
-// to them, moved elsewhere, or reset.
+// Tests that position servos with a filtered or delayed control begin at their target when the arm is
+// switched to them, moved elsewhere, or reset.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -20,7 +20,9 @@ constexpr const char* kServos[] = {
     R"(<position name="s" joint="q" kp="100" kv="10" timeconst="0.5"/>)",
     R"(<position name="s" joint="q" kp="25" kv="2.5" gear="-2" timeconst="0.3"/>)",
     R"(<general name="s" joint="q" dyntype="filter" dynprm="0.2" gainprm="50" biastype="affine"
-        biasprm="3 -100 -10"/>)"};
+        biasprm="3 -100 -10"/>)",
+    R"(<position name="s" joint="q" kp="100" kv="10" delay="0.05" nsample="30"/>)",
+    R"(<position name="s" joint="q" kp="100" kv="10" timeconst="0.2" delay="0.02" nsample="12"/>)"};
 
 class FilteredServo : public ::testing::TestWithParam<const char*> {
  protected:
@@ -54,6 +56,10 @@ class FilteredServo : public ::testing::TestWithParam<const char*> {
     const mjtNum* bias = m->actuator_biasprm;
     d->ctrl[0] = -(bias[1] * m->actuator_gear[0] * q + bias[0]) / m->actuator_gainprm[0];
     if (m->na > 0) d->act[0] = d->ctrl[0];
+    if (m->nhistory > 0) {
+      const std::vector<mjtNum> past(m->actuator_history[0], d->ctrl[0]);
+      mj_initCtrlHistory(m, d.get(), 0, nullptr, past.data());
+    }
     for (int i = 0; i < steps; ++i) mj_step(m, d.get());
     return d->qpos[0];
   }
@@ -113,6 +119,26 @@ TEST_P(FilteredServo, HoldsAnArmThatAResetHookPutsSomewhere) {
   scene.AddResetHook([&](ResetContext&) { scene.data()->qpos[0] = -0.4; });
   scene.Reset();
   ExpectHeldAsByTheEngine(robot, -0.4);
+}
+
+TEST(IntegratingServo, HoldsAnArmThatIsPutSomewhereElse) {
+  ModelFolder folder;
+  const RobotSpec spec{.path = folder.Write("arm", R"(
+      <worldbody><body name="base"><body name="link" pos="0 0 1" gravcomp="1">
+        <joint name="q" axis="0 1 0" damping="1"/>
+        <geom type="capsule" size="0.02" fromto="0 0 0 0.3 0 0" mass="1"/>
+      </body></body></worldbody>
+      <actuator><intvelocity joint="q" kp="100" actrange="-3 3"/></actuator>)")};
+  Robot robot = Robot::FromScene(Scene::Build(SceneWith(spec)), "base", "link");
+  for (const double q : {0.5, -0.4}) {
+    robot.SetJointPos(std::vector<double>{q});
+    robot.arm().SetJointVel(std::vector<double>{0});
+    for (int i = 0; i < 300; ++i) {
+      robot.Update();
+      ASSERT_TRUE(robot.Step().ok());
+    }
+    EXPECT_NEAR(robot.arm().joint_pos()[0], q, 1e-9);
+  }
 }
 
 }  // namespace

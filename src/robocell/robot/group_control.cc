@@ -65,15 +65,15 @@ ServoGroup* GroupControl::PositionServos() const {
   return dynamic_cast<ServoGroup*>(drive);
 }
 
-void GroupControl::SettleFilters(std::span<const double> q) {
-  if (ServoGroup* servos = PositionServos()) servos->SettleFilters(q);
+void GroupControl::SettleLags(std::span<const double> q) {
+  if (ServoGroup* servos = PositionServos()) servos->SettleLags(q);
 }
 
 void GroupControl::Reset() {
   placed_at_.reset();
   controller->Reset();
   ports.Reseed(*of->group);
-  if (ServoGroup* servos = PositionServos()) servos->SettleFilters(drive->joint_pos());
+  if (ServoGroup* servos = PositionServos()) servos->SettleLags(drive->joint_pos());
 }
 
 void GroupControl::PlaceAt(double time) {

@@ -67,9 +67,9 @@ struct GroupControl : SceneObserver {
     controller->Compute(ctrl);
     drive->SetCtrl(ctrl);
   }
-  // Makes filtered position servos begin as if their target had been `q` for long: otherwise they
+  // Makes filtered and delayed position servos begin as if their target had been `q` for long: otherwise they
   // would begin at their last target, in another mode or at another place.
-  void SettleFilters(std::span<const double> q);
+  void SettleLags(std::span<const double> q);
   // Forgets the command, and holds the group in place.
   void Reset();
   // The group was teleported at this time of the scene: its actuators hold it there from now on.

@@ -258,7 +258,7 @@ void GroupCore::CtrlForJointPos(std::span<const double> q, std::span<double> ctr
   }
 }
 
-void GroupCore::SettleFilters(std::span<const double> q) const {
+void GroupCore::SettleLags(std::span<const double> q) const {
   Bind();
   RequireSize(q.size(), nq(), "joint");
   const mjModel* m = model();
@@ -266,7 +266,7 @@ void GroupCore::SettleFilters(std::span<const double> q) const {
     const int id = actuator_ids_[i], joint = driven_[i];
     if (joint < 0) continue;
     if (const auto ctrl = internal::RestingCtrl(m, id, internal::Gear(m, id) * q[joint]))
-      internal::SettleFilter(m, data(), id, *ctrl);
+      internal::SettleLag(m, data(), id, *ctrl);
   }
 }
 

@@ -80,8 +80,8 @@ class GroupCore {
   std::vector<Interval> ctrl_limits() const;
   void NoopCtrl(std::span<double> out) const;
   void CtrlForJointPos(std::span<const double> q, std::span<double> ctrl) const;
-  // Makes filtered servos begin as if their target had been `q` for long.
-  void SettleFilters(std::span<const double> q) const;
+  // Makes filtered and delayed servos begin as if their target had been `q` for long.
+  void SettleLags(std::span<const double> q) const;
   // Returns the first control, from the actuator `from` on, that CtrlForJointPos clipped when it
   // made `ctrl` for `q`. No allocation.
   std::optional<CutCtrl> FindCutCtrl(std::span<const double> q, std::span<const double> ctrl,

@@ -21,7 +21,7 @@ class ServoGroup {
   virtual void GetJointPosLimits(std::span<Interval> out) const = 0;
   virtual std::optional<CutCtrl> FindCutCtrl(std::span<const double> q,
                                              std::span<const double> ctrl, size_t from) const = 0;
-  virtual void SettleFilters(std::span<const double> q) = 0;
+  virtual void SettleLags(std::span<const double> q) = 0;
 
  protected:
   ~ServoGroup() = default;
@@ -63,7 +63,7 @@ class JointGroupOf : public Interface, public ServoGroup {
                                      size_t from) const override {
     return core_.FindCutCtrl(q, ctrl, from);
   }
-  void SettleFilters(std::span<const double> q) override { core_.SettleFilters(q); }
+  void SettleLags(std::span<const double> q) override { core_.SettleLags(q); }
   void Integrate(std::span<double> q, std::span<const double> v) const override {
     core_.Integrate(q, v);
   }

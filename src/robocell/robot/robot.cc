@@ -11,8 +11,10 @@
 #include "robocell/base/suggestions.h"
 #include "robocell/kinematics/reach.h"
 #include "robocell/mujoco/gravity.h"
+#include "robocell/mujoco/names.h"
 #include "robocell/robot/measurement_cache.h"
 #include "robocell/robot/robot_state.h"
+#include "robocell/scene/hold_ctrl.h"
 
 namespace robocell {
 namespace {
@@ -41,6 +43,16 @@ JointVector Positions(const MoveGroup& group) {
   JointVector q(group.nq());
   group.GetJointPos(std::span<double>(q.begin(), q.end()));
   return q;
+}
+
+// An arm that nothing drives still has actuators, which would pull it back.
+void HoldWithoutController(Scene& scene, const MoveGroup& arm, const std::string& place) {
+  scene.SyncPoses();
+  const mjModel* m = scene.model();
+  std::vector<bool> dofs(static_cast<size_t>(m->nv));
+  for (const std::string& joint : arm.joint_names())
+    dofs[m->jnt_dofadr[FindId(m, mjOBJ_JOINT, joint)]] = true;
+  internal::HoldMoved(m, scene.data(), dofs, place);
 }
 
 }  // namespace
@@ -258,7 +270,11 @@ void Robot::SetJointPos(std::span<const double> q, bool call_forward) {
   } else {
     slot.own->group->SetJointPos(q);
   }
-  if (slot.control->controller) slot.control->PlaceAt(scene_.time());
+  if (slot.control->controller) {
+    slot.control->PlaceAt(scene_.time());
+  } else {
+    HoldWithoutController(scene_, *slot.own->group, open().place(slot));
+  }
   if (call_forward) scene_.Forward();
   open().ReadPorts();
 }

@@ -501,7 +501,7 @@ void Robot::State::Use(internal::GroupSlot& slot, std::shared_ptr<Controller> co
     control.Put(std::move(controller), slot.own, drive);
     // Runs at once, so that nothing falls in a step before the next Update().
     if (switched) control.Guarded([](internal::GroupControl& c) { c.Run(); });
-    if (!servos.empty()) control.SettleFilters(servos);
+    if (!servos.empty()) control.SettleLags(servos);
   } catch (...) {
     control.PutBack(before);
     switches.PutBack(scene);

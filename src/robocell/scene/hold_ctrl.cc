@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <vector>
 
+#include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/actuator_kind.h"
 
@@ -36,6 +38,16 @@ bool IsIntegrated(const mjModel* model, int actuator) {
          ActuatorForceKind(model, actuator) == CtrlMode::kPosition;
 }
 
+// Fills what the engine remembers of a delayed actuator's controls.
+void ForgetPastCtrl(const mjModel* model, mjData* data, int actuator, const mjtNum* ctrl) {
+  if (model->actuator_historyadr[actuator] < 0) return;
+  const int samples = model->actuator_history[2 * static_cast<ptrdiff_t>(actuator)];
+  std::vector<mjtNum> past;
+  for (int i = 0; i < samples; ++i)
+    past.insert(past.end(), ctrl, ctrl + model->actuator_ctrlnum[actuator]);
+  mj_initCtrlHistory(model, data, actuator, nullptr, past.data());
+}
+
 }  // namespace
 
 std::optional<double> FreeRestingCtrl(const mjModel* model, int actuator, double length) {
@@ -58,10 +70,16 @@ bool IsFiltered(const mjModel* model, int actuator) {
          model->actuator_dyntype[actuator] == mjDYN_FILTEREXACT;
 }
 
-void SettleFilter(const mjModel* model, mjData* data, int actuator, double ctrl) {
-  if (!IsFiltered(model, actuator) || !IsPositionServo(model, actuator)) return;
+void SettleLag(const mjModel* model, mjData* data, int actuator, double ctrl) {
+  if (!IsPositionServo(model, actuator)) return;
+  ForgetPastCtrl(model, data, actuator, &ctrl);
   const int activation = model->actuator_actadr[actuator];
-  if (activation >= 0) data->act[activation] = ctrl;
+  if (IsFiltered(model, actuator) && activation >= 0) data->act[activation] = ctrl;
+}
+
+void ForgetPastCtrl(const mjModel* model, mjData* data) {
+  for (int actuator = 0; actuator < model->nactuator; ++actuator)
+    ForgetPastCtrl(model, data, actuator, data->ctrl + model->actuator_ctrladr[actuator]);
 }
 
 std::optional<HoldingInputs> FindHoldingInputs(const mjModel* model, const mjData* data,
@@ -90,6 +108,7 @@ void Hold(const mjModel* model, mjData* data, int actuator) {
   const auto inputs = FindHoldingInputs(model, data, actuator);
   if (!inputs) return;
   data->ctrl[model->actuator_ctrladr[actuator]] = inputs->ctrl;
+  ForgetPastCtrl(model, data, actuator, &inputs->ctrl);
   if (inputs->act) data->act[model->actuator_actadr[actuator]] = *inputs->act;
 }
 
@@ -112,6 +131,19 @@ bool ActsOn(const mjModel* model, const mjData* data, int actuator, const std::v
     }
   }
   return false;
+}
+
+void HoldMoved(const mjModel* model, mjData* data, const std::vector<bool>& moved,
+               const std::string& context) {
+  if (std::find(moved.begin(), moved.end(), true) == moved.end()) return;
+  // Computes all that the length of an actuator depends on, which excludes contacts and masses.
+  Guarded(context, data, [&] {
+    mj_tendon(model, data);
+    mj_transmission(model, data);
+  });
+  for (int actuator = 0; actuator < model->nactuator; ++actuator) {
+    if (ActsOn(model, data, actuator, moved)) Hold(model, data, actuator);
+  }
 }
 
 }  // namespace robocell::internal

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "robocell/mujoco/forward.h"
@@ -26,9 +27,13 @@ std::optional<double> RestingCtrl(const mjModel* model, int actuator, double len
 // The same for the state of `data`: its length must be up to date (position stage).
 std::optional<double> HoldingCtrl(const mjModel* model, const mjData* data, int actuator);
 
-// Sets the activation of a filtered position servo to the value that `ctrl` leads to. Leaves other
-// actuators alone.
-void SettleFilter(const mjModel* model, mjData* data, int actuator, double ctrl);
+// Sets what lags behind the control of a position servo, its filter or its delay, to the value that
+// `ctrl` leads to. Leaves other actuators alone.
+void SettleLag(const mjModel* model, mjData* data, int actuator, double ctrl);
+
+// Makes actuators with a delay see their present controls at once, as after a long rest. A keyframe
+// has no past controls: the engine would pull the joints to those of its default, 0.
+void ForgetPastCtrl(const mjModel* model, mjData* data);
 
 // Control and activation that keep an actuator at rest. A servo that integrates its control
 // (intvelocity) holds by its activation, at control 0; a filtered one has the same number in both.
@@ -56,5 +61,10 @@ void MarkDofs(const mjModel* model, const RobotRecord& robot, const MoveGroupCon
 // Returns true if an actuator pulls at one of the marked degrees of freedom: directly, through a
 // tendon or at a site. Moments must be up to date (position stage).
 bool ActsOn(const mjModel* model, const mjData* data, int actuator, const std::vector<bool>& dofs);
+
+// Makes every servo that acts on the marked degrees of freedom hold their new positions, whether a
+// robot lists it or not. Poses have to agree with the positions. Throws EngineError with `context`.
+void HoldMoved(const mjModel* model, mjData* data, const std::vector<bool>& moved,
+               const std::string& context);
 
 }  // namespace robocell::internal

@@ -200,21 +200,6 @@ void ApplyHomeNoise(const CompiledScene& compiled, mjData* data, uint64_t seed,
   }
 }
 
-// Makes every servo that moves with the noise hold the new positions, whether the robot lists it or
-// not. Poses have to agree with the positions.
-void HoldNewPositions(const mjModel* model, mjData* data, const std::vector<bool>& moved,
-                      const std::string& context) {
-  if (std::find(moved.begin(), moved.end(), true) == moved.end()) return;
-  // Computes all that the length of an actuator depends on, which excludes contacts and masses.
-  internal::Guarded(context, data, [&] {
-    mj_tendon(model, data);
-    mj_transmission(model, data);
-  });
-  for (int actuator = 0; actuator < model->nactuator; ++actuator) {
-    if (internal::ActsOn(model, data, actuator, moved)) internal::Hold(model, data, actuator);
-  }
-}
-
 void Forget(const mjModel* model, mjData* data) {
   std::fill_n(data->qacc_warmstart, model->nv, 0.0);
   std::fill_n(data->qfrc_applied, model->nv, 0.0);
@@ -282,7 +267,7 @@ ResetInfo Scene::State::RestoreStart(Scene& scene, const ResetOptions& options) 
   PutBodies(options.body_poses);
   poses_at = -1;
   scene.SyncPoses();
-  HoldNewPositions(model(), data.data, moved, context);
+  internal::HoldMoved(model(), data.data, moved, context);
   return info;
 }
 
@@ -315,6 +300,7 @@ void Scene::State::FinishReset(Scene& scene) {
       scene.open();
     }
   };
+  internal::ForgetPastCtrl(model(), data.data);  // controllers know better of theirs
   tell(&SceneObserver::OnReset);
   Forget(model(), data.data);
   scene.Forward();

@@ -94,9 +94,12 @@ double SuitableSimHz(double hz, double now_hz) {
     return count;
   };
   const double times = now_hz / hz;
-  const int middle = std::max(1, static_cast<int>(std::lround(std::min(times, 1e6))));
+  const double fewest = std::min(std::ceil(1 / (internal::kLongestTimestep * hz)), 1e6);
+  const int least = std::max(1, static_cast<int>(fewest));
+  const int middle = std::max(least, static_cast<int>(std::lround(std::min(times, 1e6))));
   int best = middle;
-  for (int n = std::max(1, static_cast<int>(std::ceil(0.8 * middle))); n <= 1.25 * middle; ++n) {
+  for (int n = std::max(least, static_cast<int>(std::ceil(0.8 * middle))); n <= 1.25 * middle;
+       ++n) {
     const bool nearer = std::abs(n - times) < std::abs(best - times);
     if (twos(n) > twos(best) || (twos(n) == twos(best) && nearer)) best = n;
   }
@@ -106,7 +109,7 @@ double SuitableSimHz(double hz, double now_hz) {
 // Returns true if these rates are valid: advice must be.
 bool IsTaken(const Rates& rates) {
   constexpr int64_t kMost = std::numeric_limits<int>::max();
-  if (SimOf(rates).period_ms() < internal::kShortestTimestep * 1000) return false;
+  if (!internal::TimestepProblem(SimOf(rates).period_ms(), 1000).empty()) return false;
   if (rates.sim_steps() <= 0 || rates.control_ticks() <= 0) return false;
   try {
     const Ratio rate = rates.policy_rate();

@@ -144,6 +144,17 @@ TEST(Rates, AreAdvisedOnlyWhereTheAdviceIsTaken) {
     EXPECT_EQ(ValidationError(rates), "") << text;
   }
   EXPECT_GE(advised, 4);
+  for (const double hz : {3.0, 7.0, 10.0}) {  // with a timestep that is nearly too long, or is
+    for (const double sim_hz : {hz, 1.5 * hz, 9.0, 12.0}) {
+      const std::string text =
+          ValidationError(Rates{.policy_ms = 1000 / hz + 0.3, .sim_hz = sim_hz});
+      const size_t at = text.find("set policy_hz: ");
+      if (at == std::string::npos) continue;
+      const Rates rates{.policy_hz = NumberAt(text, at + 15),
+                        .sim_hz = NumberAt(text, text.find("sim_hz: ", at) + 8)};
+      EXPECT_EQ(ValidationError(rates), "") << text;
+    }
+  }
   EXPECT_THAT(ValidationError(Rates{.policy_hz = 1e9}), Not(HasSubstr("For exactly")));
 }
 

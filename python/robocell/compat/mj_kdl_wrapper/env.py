@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Callable
+from numbers import Integral
 from typing import Any
 
 from robocell import ClosedError, Scene, SceneSpec
@@ -101,9 +102,9 @@ class Env(Forwarding):
         number = fields.get("keyframe")
         if isinstance(number, bool):
             raise TypeError(f"keyframe: expected a number, a name or {{part: name}}; got {number}")
-        if not isinstance(number, int) or not fields.get("use_keyframe", True):
+        if not isinstance(number, Integral) or not fields.get("use_keyframe", True):
             return fields
-        return fields | {"keyframe": scene_number(self.scene, number)}
+        return fields | {"keyframe": scene_number(self.scene, int(number))}
 
     @property
     def on_reset(self) -> Hook | None:
