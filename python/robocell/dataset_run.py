@@ -116,8 +116,8 @@ def run_of_dataset(source: str | Path) -> RunConfig:
         raise ArgumentError(f"'{folder}': the scene of '{first.id}' has no robot configuration")
     run.robot = config
     known = feature_names()
-    if missing := [name for name in run.features if name not in known]:
-        names = ", ".join(f"'{name}'" for name in missing)
+    if unknown := [name for name in run.features if name not in known]:
+        names = ", ".join(f"'{name}'" for name in unknown)
         raise SpecError(
             f"the run that made '{folder}': features: no registered feature {names}. "
             f"A feature {BY_NAME}"

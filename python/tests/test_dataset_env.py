@@ -170,7 +170,13 @@ def test_vectors_are_the_rows_of_the_dataset(dataset: rc.Dataset):
     [
         ({"observations": ["robots/rc7/arm/qpso"]}, rc.NotFoundError, "arm/qpos'"),
         ({"actions": ["robots/rc7/action/amr"]}, rc.NotFoundError, "action/arm'"),
-        ({"observations": ["reward"]}, rc.NotFoundError, "no observation 'reward'"),
+        (
+            {"observations": ["reward"]},
+            rc.NotFoundError,
+            r"no observation 'reward' .* the role 'label'",
+        ),
+        ({"observations": [ARM]}, rc.NotFoundError, "role 'action'"),
+        ({"observations": ARM}, rc.ArgumentError, "`observations` is a list of names, got '"),
     ],
 )
 def test_names_that_are_not_there_are_refused(dataset: rc.Dataset, options, error, text):

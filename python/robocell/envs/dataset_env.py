@@ -345,8 +345,9 @@ def _names_of(
                 "flat=True and cameras=False"
             )
         if name not in known:
+            other = f" It has the role '{features[name].role}'." if name in features else ""
             raise NotFoundError(
                 f"{place}: no {kind} '{name}' in all of its episodes."
-                f"{did_you_mean(name, known)} There are: {', '.join(known)}"
+                f"{other or did_you_mean(name, known)} There are: {', '.join(known)}"
             )
     return chosen
