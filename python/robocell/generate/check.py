@@ -26,7 +26,7 @@ from robocell._own_code import RAISED
 from robocell.diagnose import check_run, describe_gl
 from robocell.generate.own_process import ask_process, end_with_asker
 from robocell.generate.protocol import Failure
-from robocell.generate.run_source import RunSource, is_of_users
+from robocell.generate.run_source import RunSource, is_of_own_code
 from robocell.generate.supervisor import Limits
 from robocell.generate.worker_process import describe_exit
 
@@ -133,7 +133,7 @@ def main() -> int:
             run = RunSource.of(arguments).load(arguments.set)
         found = check_run(run) + graphics_warnings(run)
     except RAISED as error:
-        if not isinstance(error, Error | OSError) and not is_of_users(error):
+        if not isinstance(error, Error | OSError) and not is_of_own_code(error):
             traceback.print_exc()  # a defect: the message alone does not say where
         print(json.dumps({"failed": Failure.of(error).to_json()}))
         return 1

@@ -12,6 +12,7 @@ import argparse
 import contextlib
 import importlib
 import importlib.util
+import re
 import sys
 import sysconfig
 import traceback
@@ -293,8 +294,21 @@ def is_of_users(error: BaseException) -> bool:
 
 def is_of_own_code(error: BaseException) -> bool:
     """Whether it went through somebody's own sources, not only through installed packages."""
-    frames = traceback.extract_tb(error.__traceback__)
-    return any(not f.filename.startswith("<") and is_own(Path(f.filename)) for f in frames)
+    return bool(_own_frames(error))
+
+
+def own_trace(error: BaseException) -> str:
+    """Returns the traceback of an error, or of its cause, through somebody's own sources alone."""
+    frames = _own_frames(error)
+    while not frames and error.__cause__ is not None:
+        error = error.__cause__
+        frames = _own_frames(error)
+    return "".join(traceback.format_list(frames)).rstrip()
+
+
+def ends_with_place(text: str) -> bool:
+    """Whether a message ends with the place of somebody's code: '(tasks.py:12, in judge)'."""
+    return re.search(r" \([^()]+:\d+, in [^()]+\)$", text) is not None
 
 
 def told_with_place(error: Exception) -> str:
@@ -346,10 +360,18 @@ def _frames_of_users(error: BaseException) -> list[traceback.FrameSummary]:
 
     Code of a user is often in the middle: robocell calls it, and it calls NumPy, which raises.
     """
+    own = _own_frames(error)
+    return own or [f for f in _frames(error) if _is_of_installed_package(Path(f.filename))]
+
+
+def _own_frames(error: BaseException) -> list[traceback.FrameSummary]:
+    return [frame for frame in _frames(error) if is_own(Path(frame.filename))]
+
+
+def _frames(error: BaseException) -> list[traceback.FrameSummary]:
+    """Returns the frames that are in files."""
     frames = traceback.extract_tb(error.__traceback__)
-    in_files = [frame for frame in frames if not frame.filename.startswith("<")]
-    own = [frame for frame in in_files if is_own(Path(frame.filename))]
-    return own or [frame for frame in in_files if _is_of_installed_package(Path(frame.filename))]
+    return [frame for frame in frames if not frame.filename.startswith("<")]
 
 
 def _is_of_installed_package(file: Path) -> bool:
