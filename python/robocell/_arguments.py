@@ -7,15 +7,17 @@ as text.
 from __future__ import annotations
 
 import ast
-import difflib
+import functools
+import inspect
 import os
 import re
 import reprlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, ParamSpec, Protocol, TypeVar
 
 from robocell import _core
+from robocell._suggestions import did_you_mean
 
 MOST_REPR = 60  # characters of a value that a message shows
 MOST_TYPED = 6  # parameters that are shown with their types
@@ -39,6 +41,8 @@ SYNONYMS = (
     {"rpy", "euler"},
 )
 CALLABLE = "collections.abc.Callable"
+P = ParamSpec("P")
+T = TypeVar("T")
 LISTS = ("list", "collections.abc.Sequence", "collections.abc.Iterable")
 MAPS = ("dict", "collections.abc.Mapping")
 
@@ -249,10 +253,8 @@ def number_problem(form: Form, given: int) -> str:
 def name_problem(form: Form, name: str) -> str:
     names = [parameter.name for parameter in form.all]
     meant = set().union(*(group for group in SYNONYMS if name in group))
-    close = [other for other in names if other in meant] or difflib.get_close_matches(
-        name, names, 1
-    )
-    hint = f" Did you mean '{close[0]}'?" if close else ""
+    same = [other for other in names if other in meant]
+    hint = f" Did you mean '{same[0]}'?" if same else did_you_mean(name, names)
     known = f" Its arguments: {', '.join(names)}." if names else " It takes none."
     return f"no argument '{name}'.{known}{hint}"
 
@@ -330,8 +332,7 @@ def makes(member: object, wanted: type) -> bool:
 def no_attribute(kind: type, name: str, wrapped: type = object) -> str:
     """The message for setting what a class, or one that it wraps, does not have."""
     names = [each for each in sorted({*dir(kind), *dir(wrapped)}) if not each.startswith("_")]
-    close = difflib.get_close_matches(name, names, 1)
-    hint = f" Did you mean '{close[0]}'?" if close else ""
+    hint = did_you_mean(name, names)
     article = "an" if kind.__name__[0] in "AEIOU" else "a"
     return f"{article} {kind.__name__} has no '{name}'.{hint or ' It has ' + ', '.join(names)}"
 
@@ -357,3 +358,21 @@ def explain(
     number = any(isinstance(value, int) for value in (*args, *kwargs.values()))
     hint = "; is a whole number out of range?" if number else "."
     return f"{name}(): cannot be called with ({', '.join(given)}){hint} {usage}"
+
+
+def with_hints(function: Callable[P, T]) -> Callable[P, T]:
+    """Returns a function of Python that answers a misspelt argument with the nearest one.
+
+    Python itself names only the wrong one, in a TypeError.
+    """
+    known = [name for name in inspect.signature(function).parameters if name not in ("self", "cls")]
+    form = Form([Parameter(name, None, None) for name in known], [], False, False)
+
+    @functools.wraps(function)
+    def call(*args: P.args, **kwargs: P.kwargs) -> T:
+        for name in kwargs:
+            if name not in known:
+                raise TypeError(f"{function.__qualname__}(): {name_problem(form, name)}")
+        return function(*args, **kwargs)
+
+    return call

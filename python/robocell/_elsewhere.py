@@ -36,6 +36,8 @@ OF_EXTRAS = {
     "Policy": "robocell.policy",
     "VecEnv": "robocell.sb3",
 }
+# Modules beside the topics: programs import them by name.
+BESIDE = {"compat", "evaluate", "gym", "lerobot", "policy", "sb3"}
 
 
 def not_at_the_top(name: str) -> str:
@@ -66,17 +68,26 @@ def not_in(module: str, name: str, names: Sequence[str]) -> str:
 def add_hints() -> None:
     """Lets each topic without a `__getattr__` of its own say `not_in` of names that it lacks.
 
-    Set from outside, so that type checkers still report such names.
+    `dir()` of topics and of robocell lists what is public, not what they import. Set from outside,
+    so that type checkers still report such names.
     """
     for topic in TOPICS:
         module = sys.modules[f"robocell.{topic}"]
         if "__getattr__" not in vars(module):
             vars(module)["__getattr__"] = functools.partial(_refuse, module)
+    for name in ("robocell", *(f"robocell.{topic}" for topic in TOPICS)):
+        vars(sys.modules[name])["__dir__"] = functools.partial(_public_names, sys.modules[name])
 
 
 def no_such(message: str, name: str) -> AttributeError:
     """The error of a name that is not there; Python adds no suggestion of its own to the text."""
     return AttributeError(message, name=name, obj=None)
+
+
+def _public_names(module: ModuleType) -> list[str]:
+    """Returns the names of `__all__`, of robocell those of modules that were imported, too."""
+    imported = BESIDE & set(vars(module)) if module.__name__ == "robocell" else set()
+    return sorted({*module.__all__, *imported})
 
 
 def _refuse(module: ModuleType, name: str) -> NoReturn:

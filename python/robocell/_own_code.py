@@ -15,6 +15,9 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
+from types import FrameType
+
+from robocell._arguments import with_hints
 
 # The errors that a user's code may raise. `sys.exit()` in it is one: it ends no process.
 RAISED = (Exception, SystemExit)
@@ -41,7 +44,10 @@ def modules_of_one_run() -> Iterator[None]:
 
 def calling_module() -> str:
     """Returns the name of the module that calls the function which calls this one."""
-    return str(sys._getframe(2).f_globals.get("__name__", ""))
+    frame: FrameType | None = sys._getframe(2)
+    while frame is not None and frame.f_globals.get("__name__") == with_hints.__module__:
+        frame = frame.f_back  # the function is decorated
+    return str(frame.f_globals.get("__name__", "")) if frame is not None else ""
 
 
 def code_of(

@@ -17,12 +17,14 @@ from robocell._core import (
     RunConfig,
     SpecError,
     changed_code,
+    feature_names,
     json_damage,
     recorded_scene,
 )
 
 # The remedy in the message about an unregistered kind, and the one for the run of a dataset.
 OWN_KIND = re.compile(r"of your own is registered before: .*")
+OWN_FEATURE = re.compile(r"no feature '")
 BY_NAME = (
     "of your own is in a module, and a dataset imports none by itself: name it with --import "
     "my_tasks.py on the command line, or with imports=['my_tasks.py'] in Python"
@@ -123,6 +125,13 @@ def run_of_dataset(source: str | Path) -> RunConfig:
     if config is None:
         raise ArgumentError(f"'{folder}': the scene of '{first.id}' has no robot configuration")
     run.robot = config
+    known = feature_names()
+    if unknown := [name for name in run.features if name not in known]:
+        names = ", ".join(f"'{name}'" for name in unknown)
+        raise SpecError(
+            f"the run that made '{folder}': features: no registered feature {names}. "
+            f"A feature {BY_NAME}"
+        )
     if changed := changed_code(str(folder), run):
         raise SpecError(
             f"'{folder}' was made with other code: {', '.join(changed)} changed since then, so "
@@ -150,7 +159,23 @@ def _run_of_text(text: str, dataset: str) -> RunConfig:
     try:
         return RunConfig.from_yaml(text, dataset, overrides=['output="unset"'])
     except SpecError as error:
-        said = re.sub(rf"{re.escape(dataset)}:\d+:\d+: ", "", str(error))
-        said = re.sub(rf"^{re.escape(dataset)} is not valid(: |, )", "", said)
-        said = OWN_KIND.sub(BY_NAME, said)
+        said = OWN_KIND.sub(BY_NAME, _without_places(error, dataset))
         raise SpecError(f"the run that made '{dataset}': {said}") from error
+
+
+def unregistered_kinds(error: Exception, source: str) -> str:
+    """Returns what an error says of kinds and features that nobody registered; "" without any.
+
+    `source` names the text that was read, in which nobody can look up a line.
+    """
+    said = _without_places(error, source)
+    if OWN_FEATURE.match(said):
+        return f"{said} A feature {BY_NAME}"
+    lines = [OWN_KIND.subn(BY_NAME, line) for line in said.splitlines()]
+    return "; ".join(line.strip() for line, count in lines if count)
+
+
+def _without_places(error: Exception, source: str) -> str:
+    """Returns the text of an error without lines and columns of `source`."""
+    said = re.sub(rf"{re.escape(source)}:\d+:\d+: ", "", str(error))
+    return re.sub(rf"^{re.escape(source)} is not valid(: |, )", "", said)

@@ -203,14 +203,15 @@ def _reason(error: BaseException, who: object) -> str:
 
     The traceback is printed once for each reason.
     """
-    from robocell.generate.run_source import text_of, where
+    from robocell.generate.run_source import ends_with_place, text_of, where
 
     kind = "" if isinstance(error, Error) else f"{type(error).__name__}: "
     said = " ".join(f"{kind}{text_of(error)}".split())
     if len(said) > LONGEST_MESSAGE:
         said = said[:LONGEST_MESSAGE] + " ..."
     # Without a place the code did not raise, but what it returned is wrong.
-    reason = POLICY_ERROR + said + (where(error) or _home_of(who))
+    place = "" if ends_with_place(said) else where(error) or _home_of(who)
+    reason = POLICY_ERROR + said + place
     if reason not in _printed:
         _printed.add(reason)
         traceback.print_exception(error, file=sys.stderr)

@@ -13,8 +13,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
+from robocell._arguments import with_hints
 from robocell._core import (
-    ArgumentError,
     CellFeatures,
     Feature,
     Scene,
@@ -22,12 +22,15 @@ from robocell._core import (
     feature_names,
 )
 from robocell._own_code import calling_module, code_of
+from robocell._quantities import require_frame, require_unit
+from robocell._registering import require_name, require_takes
 
 __all__ = ["CellFeatures", "Feature", "feature_names", "register_feature"]
 
 FeatureFunction = TypeVar("FeatureFunction", bound=Callable[[Scene], Any])
 
 
+@with_hints
 def register_feature(
     name: str,
     *,
@@ -47,8 +50,9 @@ def register_feature(
     Args:
         name: Name for `features: [...]` of a run; one part of a path.
         shape: Shape of the values, () for a single number.
-        unit: Unit, such as "m/s"; "1" without a unit.
-        frame: Frame that the values are expressed in, such as "world".
+        unit: Unit, such as "m/s", of SI symbols; "m, 1" if components differ, "1" without a unit.
+        frame: Frame that the values are expressed in: "world", "base of rc7", "TCP of rc7",
+            "shared base frame", or "body 'cup'" (or site, geom, camera, object).
         names: Names of the values along the last axis.
         privileged: Whether only simulation knows the values, unlike a sensor.
         lower: Smallest value of each number, row-major; requires `upper`.
@@ -66,15 +70,15 @@ def register_feature(
         True
     """
     registering = calling_module()
-    if not isinstance(name, str) or not name:
-        raise ArgumentError("register_feature: `name` must be a name that is not empty")
+    require_name("register_feature", name, "name")
+    call = f"register_feature({name!r})"
+    require_unit(call, unit)
+    require_frame(call, frame)
 
     def register(function: FeatureFunction) -> FeatureFunction:
         if not callable(function):
-            raise TypeError(
-                f"register_feature({name!r}): expected a function (scene) -> numbers, "
-                f"got {function!r}"
-            )
+            raise TypeError(f"{call}: expected a function (scene) -> numbers, got {function!r}")
+        require_takes(call, function, ["scene"])
         _register_feature(
             name,
             function,

@@ -16,11 +16,13 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robocell._arguments import with_hints
 from robocell._core import (
     ArgumentError,
     CellFeatures,
@@ -37,6 +39,8 @@ from robocell._core import (
     SpecError,
 )
 from robocell._own_code import RAISED, calling_module
+from robocell._registering import arguments_of, require_name, require_takes, takes
+from robocell._suggestions import did_you_mean
 from robocell.dataset_run import run_metadata
 from robocell.evaluated import ending_at_errors
 from robocell.tasks import expert_registration
@@ -179,8 +183,9 @@ class PolicyExpert(Expert):
     def _size(self, name: str) -> int:
         if name not in self._sizes:
             raise NotFoundError(
-                f"{type(self.policy).__name__}.act(): no action '{name}'. "
-                f"The actions of this cell: {', '.join(self._sizes)}"
+                f"{type(self.policy).__name__}.act(): no action '{name}'."
+                f"{did_you_mean(name, self._sizes)} The actions of this cell: "
+                f"{', '.join(self._sizes)}"
             )
         return self._sizes[name]
 
@@ -212,6 +217,7 @@ def _real(who: str, name: str, values: ArrayLike) -> NDArray[np.float64]:
     return np.asarray(values, dtype=np.float64)
 
 
+@with_hints
 def register_policy(
     name: str, make: Callable[[RunConfig], Policy], files: Sequence[str | Path] = ()
 ) -> None:
@@ -222,6 +228,11 @@ def register_policy(
     one of `make` leaves nobody to act, and is raised for each rollout.
     """
     registering = calling_module()
+    require_name("register_policy", name, "name")
+    call = f"register_policy({name!r})"
+    if not callable(make):
+        raise TypeError(f"{call}: expected a function (run) -> Policy, got {make!r}")
+    require_takes(call, make, ["run"])
     made: list[Policy] = []
     errors: list[BaseException] = []
     acting = ending_at_errors(lambda run, start: PolicyExpert(run, start, made[0]))
@@ -256,7 +267,13 @@ def register_named_policy(name: str, folder: Path) -> None:
     maker = getattr(module, attribute, None)
     if not callable(maker):
         raise SpecError(
-            f"policy '{name}': module '{module_name}' has no class or function '{attribute}'"
+            f"policy '{name}': module '{module_name}' has no class or function '{attribute}'."
+            f"{did_you_mean(attribute, _policies_of(module))}"
+        )
+    if takes(maker, 0) is False and takes(maker, 1) is False:
+        raise SpecError(
+            f"policy '{name}': it is made as {attribute}() or {attribute}(run), which does not fit "
+            f"its arguments {arguments_of(maker)}"
         )
 
     def make(run: RunConfig) -> Policy:
@@ -279,6 +296,15 @@ def register_named_policy(name: str, folder: Path) -> None:
         if not file.is_file():
             raise SpecError(f"policy '{name}': its `files` name '{file}', where there is no file")
     register_policy(name, make, files)
+
+
+def _policies_of(module: ModuleType) -> list[str]:
+    """Returns the names of a module that may be a policy: its own classes and functions."""
+    return [
+        name
+        for name, value in vars(module).items()
+        if callable(value) and getattr(value, "__module__", None) == module.__name__
+    ]
 
 
 EXPERT, RANDOM, REPLAY = "expert", "random", "replay"

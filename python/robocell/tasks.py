@@ -28,13 +28,15 @@ They work in run files, environments and on all workers.
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import functools
 import inspect
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
+from robocell._arguments import with_hints
 from robocell._core import (
     ArgumentError,
     BasePlacement,
@@ -68,6 +70,7 @@ from robocell._core import (
     task_kinds,
 )
 from robocell._own_code import calling_module, code_of
+from robocell._registering import require_maker, require_name, require_takes
 
 __all__ = [
     "BasePlacement",
@@ -105,6 +108,7 @@ SourceClass = TypeVar("SourceClass", bound=Callable[..., SceneSource])
 SamplerClass = TypeVar("SamplerClass", bound=Callable[..., TaskSampler])
 
 
+@with_hints
 def register_task(
     kind: str, *, fields: type[Any] | None = None
 ) -> Callable[[TaskClass], TaskClass]:
@@ -133,18 +137,21 @@ def register_task(
     """
     call = f"register_task({kind!r})"
     registering = calling_module()
-    _require_name("register_task", kind)
+    require_name("register_task", kind)
 
     def register(maker: TaskClass) -> TaskClass:
-        _require_maker(call, maker, "Task")
+        require_maker(call, maker, Task)
         described = fields if fields is not None else getattr(maker, "Fields", None)
+        require_takes(call, maker, *_given(described))
         code = code_of(maker, registering=registering)
-        _register_task(kind, _maker(maker, described), _defaults(call, described), code)
+        with _naming_fields(call):
+            _register_task(kind, _maker(maker, described), _defaults(call, described), code)
         return maker
 
     return register
 
 
+@with_hints
 def register_expert(
     kind: str, *, files: Sequence[str | Path] = ()
 ) -> Callable[[ExpertClass], ExpertClass]:
@@ -155,6 +162,7 @@ def register_expert(
     ArgumentError. `files`: files that the expert uses beside its code, such as weights; a dataset
     records their content.
     """
+    require_name("register_expert", kind)
     return expert_registration(kind, files, calling_module())
 
 
@@ -162,16 +170,18 @@ def expert_registration(
     kind: str, files: Sequence[str | Path], registering: str
 ) -> Callable[[ExpertClass], ExpertClass]:
     """Registers an expert as `register_expert` does, for the module that asks for it."""
-    _require_name("register_expert", kind)
+    call = f"register_expert({kind!r})"
 
     def register(maker: ExpertClass) -> ExpertClass:
-        _require_maker(f"register_expert({kind!r})", maker, "Expert")
+        require_maker(call, maker, Expert)
+        require_takes(call, maker, ["run", "start"])
         _register_expert(kind, maker, code_of(maker, files, registering))
         return maker
 
     return register
 
 
+@with_hints
 def register_scene_source(
     kind: str, *, fields: type[Any] | None = None, files: Sequence[str | Path] = ()
 ) -> Callable[[SourceClass], SourceClass]:
@@ -187,19 +197,23 @@ def register_scene_source(
     """
     call = f"register_scene_source({kind!r})"
     registering = calling_module()
-    _require_name("register_scene_source", kind)
+    require_name("register_scene_source", kind)
 
     def register(maker: SourceClass) -> SourceClass:
-        _require_maker(call, maker, "SceneSource")
+        require_maker(call, maker, SceneSource)
         described = fields if fields is not None else getattr(maker, "Fields", None)
+        given, why = _given(described)
+        require_takes(call, maker, given, why, ["directory"] if _takes_directory(maker) else [])
         defaults = _defaults(call, described, ("source", "houses"))
         code = code_of(maker, files, registering)
-        _register_scene_source(kind, _source_maker(maker, described), defaults, code)
+        with _naming_fields(call):
+            _register_scene_source(kind, _source_maker(maker, described), defaults, code)
         return maker
 
     return register
 
 
+@with_hints
 def register_sampler(
     kind: str, *, files: Sequence[str | Path] = ()
 ) -> Callable[[SamplerClass], SamplerClass]:
@@ -209,29 +223,17 @@ def register_sampler(
     Registering a name again replaces it (ArgumentError for one of C++). `files` are what it acts
     from beside its code: a dataset remembers what they hold.
     """
+    call = f"register_sampler({kind!r})"
     registering = calling_module()
-    _require_name("register_sampler", kind)
+    require_name("register_sampler", kind)
 
     def register(maker: SamplerClass) -> SamplerClass:
-        _require_maker(f"register_sampler({kind!r})", maker, "TaskSampler")
+        require_maker(call, maker, TaskSampler)
+        require_takes(call, maker, ["run"])
         _register_sampler(kind, maker, code_of(maker, files, registering))
         return maker
 
     return register
-
-
-def _require_name(function: str, kind: object) -> None:
-    if not isinstance(kind, str) or not kind:
-        raise ArgumentError(f"{function}: `kind` must be a name that is not empty")
-
-
-def _require_maker(call: str, maker: object, base: str) -> None:
-    if not callable(maker):
-        article = "an" if base[0] in "AEIOU" else "a"
-        raise TypeError(
-            f"{call}: expected a class derived from {base} or a function that makes {article} "
-            f"{base}, got {maker!r}"
-        )
 
 
 def _maker(maker: Callable[..., Any], fields: type[Any] | None) -> Callable[[dict[str, Any]], Any]:
@@ -248,16 +250,36 @@ def _source_maker(
     maker: Callable[..., Any], fields: type[Any] | None
 ) -> Callable[[dict[str, Any], str], Any]:
     """Like `_maker`, with the folder where relative paths start for those who take it."""
-    try:
-        takes_directory = "directory" in inspect.signature(maker).parameters
-    except (TypeError, ValueError):  # of a callable that has no signature
-        takes_directory = False
-    if not takes_directory:
+    if not _takes_directory(maker):
         make = _maker(maker, fields)
         return lambda values, _directory: make(values)
     return lambda values, directory: _maker(functools.partial(maker, directory=directory), fields)(
         values
     )
+
+
+@contextlib.contextmanager
+def _naming_fields(call: str) -> Iterator[None]:
+    """Around a registration: errors of the core about defaults name the call and the field."""
+    try:
+        yield
+    except (TypeError, ArgumentError) as error:
+        said = str(error).replace("fields of a kind.", f"{call}: Fields.")
+        raise type(error)(said) from None
+
+
+def _takes_directory(maker: Callable[..., Any]) -> bool:
+    try:
+        return "directory" in inspect.signature(maker).parameters
+    except (TypeError, ValueError):  # of a callable that has no signature
+        return False
+
+
+def _given(fields: type[Any] | None) -> tuple[list[str], str]:
+    """Returns the arguments that a maker gets, and why."""
+    if fields is None:
+        return [], ", without fields since it has no class Fields"
+    return ["fields"], f" with its {getattr(fields, '__name__', 'Fields')}"
 
 
 def _defaults(

@@ -170,7 +170,13 @@ def test_vectors_are_the_rows_of_the_dataset(dataset: rc.Dataset):
     [
         ({"observations": ["robots/rc7/arm/qpso"]}, rc.NotFoundError, "arm/qpos'"),
         ({"actions": ["robots/rc7/action/amr"]}, rc.NotFoundError, "action/arm'"),
-        ({"observations": ["reward"]}, rc.NotFoundError, "no observation 'reward'"),
+        (
+            {"observations": ["reward"]},
+            rc.NotFoundError,
+            r"no observation 'reward' .* the role 'label'",
+        ),
+        ({"observations": [ARM]}, rc.NotFoundError, "role 'action'"),
+        ({"observations": ARM}, rc.ArgumentError, "`observations` is a list of names, got '"),
     ],
 )
 def test_names_that_are_not_there_are_refused(dataset: rc.Dataset, options, error, text):
@@ -215,16 +221,78 @@ def test_actions_that_cannot_be_are_refused(dataset: rc.Dataset):
     env = from_dataset(dataset, cameras=False)
     env.reset(seed=0)
     with pytest.raises(rc.ArgumentError, match="has 7 numbers, got 3"):
-        env.step({ARM: [1, 2, 3]})
-    env.step({GRIPPER: 0.5})
-    with pytest.raises(rc.ArgumentError, match="both move group 'arm'"):
-        env.step({ARM: [0] * 7, "robots/rc7/action/tcp_twist": [0] * 6})
+        env.step({ARM: [1, 2, 3], GRIPPER: 0.5})
     with pytest.raises(rc.ArgumentError, match="takes no options here"):
         env.reset(options={"keyframe": 1})
     flat = from_dataset(dataset, flat=True)
     flat.reset(seed=0)
     with pytest.raises(rc.ArgumentError, match="an action has 8 numbers"):
         flat.step(np.zeros(3))
+
+
+def test_an_action_has_all_chosen_columns_and_no_other(dataset: rc.Dataset):
+    twist = "robots/rc7/action/tcp_twist"
+    env = from_dataset(dataset, cameras=False)
+    env.reset(seed=0)
+    columns = f"has the columns '{ARM}', '{GRIPPER}'; got one with"
+    with pytest.raises(rc.ArgumentError, match=f"{columns} no '{ARM}'. from_dataset"):
+        env.step({GRIPPER: 0.5})
+    with pytest.raises(rc.ArgumentError, match=f"{columns} '{twist}', which is not among them"):
+        env.step({ARM: [0] * 7, GRIPPER: 1, twist: [0] * 6})
+    with pytest.raises(rc.ArgumentError, match=rf"no '{ARM}' and .*amr'.* Did you mean '{ARM}'\?"):
+        env.step({"robots/rc7/action/amr": [0] * 7, GRIPPER: 1})
+    alone = from_dataset(dataset, actions=[GRIPPER], cameras=False)  # the arm stays
+    alone.reset(seed=0)
+    alone.step({GRIPPER: 0.5})
+    both = from_dataset(dataset, actions=[ARM, twist], cameras=False)
+    both.reset(seed=0)
+    with pytest.raises(rc.ArgumentError, match="both move group 'arm'"):
+        both.step({ARM: [0] * 7, twist: [0] * 6})
+
+
+def test_a_star_stands_for_any_part_of_a_name(dataset: rc.Dataset):
+    names = ["robots/*/qpos", "exo"]
+    env = from_dataset(dataset, names, ["robots/rc7/action/tcp_*"])
+    assert env.observations == ["robots/rc7/arm/qpos", "robots/rc7/gripper/qpos", "exo"]
+    assert env.actions == ["robots/rc7/action/tcp_pose", "robots/rc7/action/tcp_twist"]
+    flat = from_dataset(dataset, names[:1], flat=True)
+    vector, _ = flat.reset(seed=0)
+    assert np.array_equal(vector, rc.data.rows(dataset, names[:1])[0])
+    with pytest.raises(rc.NotFoundError, match="nothing fits 'sensors/\\*'"):
+        from_dataset(dataset, ["sensors/*"])
+    with pytest.raises(rc.ArgumentError, match="'exo' is an image, and this environment draws"):
+        from_dataset(dataset, names, flat=True)
+
+
+# Action of the arm, and the largest difference of its joints (rad) and TCP (m) in a replay. The
+# page docs/environments.md has these numbers.
+REPLAYED = [
+    ("arm", 0, 0),
+    ("arm_relative", 1e-4, 1e-4),
+    ("tcp_pose", np.inf, 1e-3),  # the joints of a redundant arm do not follow from the pose
+    ("tcp_twist", np.inf, 5e-3),
+]
+
+
+@pytest.mark.parametrize(("arm", "joints", "tcp"), REPLAYED)
+def test_absolute_targets_replay_to_the_bit_and_other_actions_nearly(
+    dataset: rc.Dataset, arm: str, joints: float, tcp: float
+):
+    seen = ["robots/rc7/arm/qpos", "robots/rc7/tcp_pose_in_base"]
+    done = [f"robots/rc7/action/{arm}", GRIPPER]
+    env = from_dataset(dataset, seen, done, flat=True)
+    for index in range(len(dataset)):
+        rows = rc.data.rows(dataset[index : index + 1], seen)
+        actions = rc.data.rows(dataset[index : index + 1], done)
+        observation, _ = env.reset(seed=index)
+        for row, action in zip(rows, actions, strict=True):
+            difference = abs(observation - row)
+            assert difference[:7].max() <= joints
+            assert difference[7:10].max() <= tcp
+            observation, _, terminated, _, info = env.step(action)
+            if terminated:
+                break
+        assert info["is_success"]
 
 
 def test_random_acts_whatever_the_groups_are_called(dataset: rc.Dataset, tmp_path: Path):

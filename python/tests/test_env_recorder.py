@@ -17,6 +17,7 @@ import pytest
 
 import robocell as rc
 import robocell.gym
+from command_line import robocell_command
 from robocell.data import EnvRecorder, env_of_episode, replay_actions
 from robocell.dataset_run import run_of_dataset
 from robocell.gym import VectorGymEnv, pick_cube_config
@@ -425,3 +426,64 @@ def test_a_fork_leaves_the_episode_of_its_parent_alone(tmp_path: Path):
     assert "in a fork of process" in ended.stdout
     assert rc.data.verify(out).good == ["episode-000000"]
     assert len(rc.Dataset(out)[0]["reward"]) == 2
+
+
+OWN_CODE = """
+from pathlib import Path
+import robocell as rc
+
+@rc.register_task("own_wait")
+class Wait(rc.tasks.Task):
+    def judge(self, scene):
+        if Path(__file__).with_name("broken").exists():
+            raise KeyError("start")
+        if Path(__file__).with_name("misspelt").exists():
+            scene.body_pose("cubee")
+        return rc.tasks.TaskVerdict(reward=1.0)
+
+    def instruction(self):
+        return "wait"
+
+@rc.register_feature("own_number")
+def own_number(scene):
+    return 1.0
+"""
+
+
+def test_replay_of_own_code_names_its_import_and_the_line_of_its_errors(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    source = tmp_path / "own_wait.py"
+    source.write_text(OWN_CODE)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    importlib.import_module("own_wait")
+    made = {"task": config(task={"kind": "own_wait"}), "f": config(features=["own_number"])}
+    folders = {name: tmp_path / name for name in made}
+    for name in made:
+        env = rc.Env(made[name])
+        with EnvRecorder(env, folders[name]):
+            env.reset(seed=1)
+            env.step(DOWN)
+        env.close()
+    for name, missing in (("task", "no task 'own_wait'"), ("f", "no feature 'own_number'")):
+        result = robocell_command("replay", folders[name], "--actions")
+        assert result.returncode == 2, result.stderr
+        assert "the environment that recorded" in result.stderr
+        assert missing in result.stderr
+        assert "a dataset imports none by itself: name it with --import" in result.stderr
+        assert "edited" not in result.stderr
+        replayed = ("replay", folders[name], "--actions", "--import", source)
+        assert robocell_command(*replayed).returncode == 0
+    (tmp_path / "misspelt").touch()
+    result = robocell_command("replay", folders["task"], "--actions", "--import", source)
+    assert result.returncode == 2
+    assert "no body 'cubee'" in result.stderr
+    assert f"({source}:11, in judge)" in result.stderr
+    (tmp_path / "broken").touch()
+    result = robocell_command("replay", folders["task"], "--actions", "--import", source)
+    assert result.returncode == 2
+    assert f"cannot be replayed: KeyError: 'start' ({source}:9, in judge)" in result.stderr
+    assert "Traceback" not in result.stderr
+    result = robocell_command("evaluate", folders["task"], "--policy", "expert")
+    assert result.returncode == 2
+    assert "was recorded from an environment, not made by a run" in result.stderr

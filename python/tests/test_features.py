@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import robocell as rc
+from command_line import robocell_command
 from robocell.envs import from_dataset
 from test_dataset_env import make
 
@@ -26,6 +27,10 @@ def test_features_of_a_users_own_are_recorded_and_seen(tmp_path: Path):
     assert np.allclose(made[0][name], np.asarray(made[0]["robots/rc7/tcp_pose"])[:, 2])
     row, _ = from_dataset(made, cameras=False).reset(seed=0)
     assert row[name] == made[0][name][0]
+    result = robocell_command("evaluate", made.folder, "--policy", "expert", "-n", 1)
+    assert result.returncode == 2
+    assert "features: no registered feature 'tcp_height_of_test'. A feature of" in result.stderr
+    assert "a dataset imports none by itself: name it with --import" in result.stderr
 
 
 def test_features_that_are_not_right_are_refused(tmp_path: Path):

@@ -89,6 +89,21 @@ def test_modules_that_are_nowhere_are_told_with_the_next_step(tmp_path):
         import_named("nothing.so", tmp_path)
 
 
+def test_the_nearest_file_or_module_is_suggested(tmp_path):
+    (tmp_path / "upright.py").write_text("")
+    (tmp_path / "libstack.so").write_text("")
+    with pytest.raises(rc.SpecError, match=r"no such file\. Did you mean 'upright\.py'\?$"):
+        import_named("uprigt.py", tmp_path)
+    with pytest.raises(rc.SpecError, match=r"no such file\. There are: upright\.py$"):
+        import_named("stack.py", tmp_path)
+    with pytest.raises(rc.SpecError, match=r"there is no folder '.*/tasks'$"):
+        import_named("tasks/stack.py", tmp_path)
+    with pytest.raises(rc.SpecError, match=r"or install it\. Did you mean 'upright'\?$"):
+        import_named("uprigt", tmp_path)
+    with pytest.raises(rc.SpecError, match=r"no such file\. Did you mean 'libstack\.so'\?$"):
+        import_named("libstak.so", tmp_path)
+
+
 def test_folders_are_no_modules(tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "path", list(sys.path))
     folder = tmp_path / "folder_of_tasks"

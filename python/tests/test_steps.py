@@ -164,3 +164,19 @@ def test_the_module_is_there_and_loads_nothing_large():
     assert done.returncode == 0, done.stderr
     with pytest.raises(AttributeError, match="no attribute 'Stepz'"):
         robocell.data.Stepz  # noqa: B018
+
+
+def test_a_star_stands_for_any_part_of_a_name(dataset: robocell.Dataset):
+    first = dataset[0]
+    groups = [name for name in first.columns if name.startswith("robots/") and "/qpos" in name]
+    assert len(groups) > 1
+    steps = Steps(dataset, {"robots/*/qpos": [-1, 0], "reward": 0})
+    assert [key.name for key in steps.keys] == [*groups, "reward"]
+    assert steps[0][ARM].shape == (2, 7)
+    table = robocell.data.rows(dataset, ["reward", "robots/*/qpos", ARM])
+    assert np.array_equal(table, robocell.data.rows(dataset, ["reward", *groups]))
+    for read in (lambda names: Steps(dataset, names), lambda n: robocell.data.rows(dataset, n)):
+        with pytest.raises(
+            robocell.NotFoundError, match=r"nothing fits 'sensrs/\*'\. There are: c"
+        ):
+            read(["sensrs/*"])

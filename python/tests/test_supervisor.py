@@ -239,6 +239,15 @@ def test_an_exception_costs_a_try_and_the_worker(tmp_path: Path):
     assert "Traceback" in (tmp_path / "worker-0.log").read_text(), "for whoever looks into it"
 
 
+def test_an_exception_of_a_users_code_is_shown_without_robocells_own_lines(tmp_path: Path):
+    outcome = supervise(tmp_path, {"e0": ["raise"]}, workers=1).run()
+    (unmade,) = outcome.totals.unmade
+    first, *lines = unmade.reason.splitlines()
+    assert first.startswith("ValueError: a bug (")
+    assert any("fake_worker.py" in line for line in lines), "the lines that lead there"
+    assert not any("Traceback" in line or "generate/worker.py" in line for line in lines)
+
+
 def test_an_exit_in_a_users_code_is_an_error_with_file_and_line(tmp_path: Path):
     recorder = Recorder()
     outcome = supervise(tmp_path, {"e0": ["exit", "make"]}, workers=1, observer=recorder).run()

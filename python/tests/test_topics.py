@@ -195,3 +195,10 @@ def test_a_class_of_an_extra_is_where_the_message_says(name):
         elif isinstance(node, ast.ImportFrom):
             names |= {alias.asname or alias.name for alias in node.names}
     assert name in names
+
+
+def test_dir_lists_what_is_public_and_not_what_modules_import():
+    for topic in TOPICS:
+        assert dir(topic) == sorted(topic.__all__)
+    assert set(rc.__all__) <= set(dir(rc))
+    assert set(dir(rc)) <= {*rc.__all__, *_elsewhere.BESIDE}

@@ -83,10 +83,23 @@ def main(app: typer.Typer | None = None) -> None:
             if sys.stdout is not None:
                 sys.stdout.flush()  # here a full disk is still reported
     except OSError as error:
-        print_error(str(error))
+        print_error(_text_of(error))
         sys.exit(ExitCode.OUTPUT)
     except Error as error:
-        print_error(str(error))
+        print_error(_text_of(error))
+        sys.exit(ExitCode.USAGE)
+    except Exception as error:
+        from robocell.generate.run_source import is_of_own_code
+
+        if not is_of_own_code(error):
+            raise  # a defect of robocell
+        print_error(_text_of(error))
         sys.exit(ExitCode.USAGE)
     except KeyboardInterrupt:
         sys.exit(ExitCode.INTERRUPTED)
+
+
+def _text_of(error: Exception) -> str:
+    from robocell.generate.run_source import told_with_place  # not needed by most commands
+
+    return told_with_place(error)

@@ -12,7 +12,7 @@ from robocell import _core, data
 from robocell._cells import load_cell
 from robocell.cli.common import ExitCode, fail, print_error, print_warning, require_folder
 from robocell.dataset_run import manifest_of_dataset, run_of_dataset
-from robocell.generate.run_source import import_named
+from robocell.generate.run_source import import_named, is_of_own_code, told_with_place
 from robocell.generate.totals import counted
 
 
@@ -84,8 +84,10 @@ def replay(
         except robocell.IoError as error:
             print_error(str(error))
             unread += 1
-        except robocell.Error as error:
-            print_error(f"{name} cannot be replayed: {error}")
+        except Exception as error:
+            if not isinstance(error, robocell.Error) and not is_of_own_code(error):
+                raise
+            print_error(f"{name} cannot be replayed: {told_with_place(error)}")
             unplayed += 1
         else:
             print(result, flush=True)

@@ -33,7 +33,6 @@ from robocell._core import (
     SegmentLabel,
     VerifyProblem,
     VerifyResult,
-    env_of_episode,
     recorded_scene,
     release_idle_files,
     remove_leftovers,
@@ -43,6 +42,7 @@ from robocell._core import (
     verify_replay,
 )
 from robocell._elsewhere import no_such, not_in
+from robocell.data._environments import env_of_episode
 from robocell.data._recorder import EnvRecorder
 
 if TYPE_CHECKING:
@@ -86,8 +86,3 @@ def __getattr__(name: str) -> Any:
     value = getattr(importlib.import_module(f"robocell.data.{module}"), name)
     globals()[name] = value
     return value
-
-
-def __dir__() -> list[str]:
-    """Lists the names that are not loaded yet, too."""
-    return sorted(__all__)

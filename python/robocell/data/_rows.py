@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robocell._core import ArgumentError, Dataset
+from robocell._suggestions import fitting, is_pattern
 
 
 def rows(
@@ -23,7 +24,8 @@ def rows(
 
     Args:
         dataset: A dataset, one of its slices, or a folder.
-        names: Columns of the table `steps`.
+        names: Columns of the table `steps`. "*" stands for any part of a name: "sensors/*" is every
+            sensor that all episodes have, in the order of the first.
         horizon: Number of rows per item, each row with those that follow it, for learning chunks
             of actions; the last row of an episode stands in for rows beyond it.
 
@@ -47,6 +49,8 @@ def rows(
         raise ArgumentError(f"rows: `horizon` is at least 1, got {horizon}")
     if not len(opened):
         raise ArgumentError(f"dataset '{opened.folder}' has no episodes")
+    if any(is_pattern(name) for name in names):
+        names = fitting(f"dataset '{opened.folder}'", names, _shared_columns(opened))
     parts = []
     for episode in opened:
         for name in names:
@@ -61,3 +65,13 @@ def rows(
             part = part[ahead.clip(max=len(part) - 1)]
         parts.append(part)
     return np.concatenate(parts)
+
+
+def _shared_columns(dataset: Dataset) -> list[str]:
+    """Returns the columns of the table `steps` that all episodes have."""
+    first = dataset[0]
+    shared = [name for name in first.columns if first.column(name).table == "steps"]
+    for episode in dataset:
+        here = set(episode.columns)
+        shared = [name for name in shared if name in here]
+    return shared

@@ -11,7 +11,6 @@ Arrays are numpy arrays; ``torch_dataset`` returns the same items as tensors.
 from __future__ import annotations
 
 import bisect
-import difflib
 import functools
 import operator
 import os
@@ -24,6 +23,7 @@ from numpy.typing import NDArray
 
 from robocell._core import ArgumentError, Dataset, Episode, NotFoundError
 from robocell._extras import needed_by
+from robocell._suggestions import did_you_mean, fitting, is_pattern
 
 if TYPE_CHECKING:
     from robocell.data._torch import TorchSteps
@@ -79,7 +79,8 @@ class Steps:
         dataset: A dataset, one of its slices, or a folder.
         keys: The columns of the table ``steps``, constants and image streams, with the rows of each
             as offsets from the item's own row: 0, ``[-1, 0]`` for the row before as well,
-            ``range(16)`` for a chunk of actions. A list of names means offset 0.
+            ``range(16)`` for a chunk of actions. A list of names means offset 0. "*" stands for any
+            part of the name of a column of ``steps``, as in ``rows``.
         open_episodes: Number of episodes that stay open between items.
 
     Raises:
@@ -102,7 +103,8 @@ class Steps:
         self.dataset = dataset if isinstance(dataset, Dataset) else Dataset(os.fspath(dataset))
         if len(self.dataset) == 0:
             raise ArgumentError(f"dataset '{self.dataset.folder}' has no episodes")
-        wanted = keys if isinstance(keys, Mapping) else dict.fromkeys(_names(keys), 0)
+        given = keys if isinstance(keys, Mapping) else dict.fromkeys(_names(keys), 0)
+        wanted = _named(self.dataset[0], given)
         self.keys = [_key(self.dataset[0], name, offsets) for name, offsets in wanted.items()]
         _require_own_names(self.keys)
         self._open_episodes = open_episodes
@@ -217,6 +219,17 @@ def _names(keys: Iterable[str]) -> list[str]:
     return list(keys)
 
 
+def _named(episode: Episode, wanted: Mapping[str, Offsets]) -> dict[str, Offsets]:
+    """Returns the keys with the columns of the first episode that fit in the place of patterns."""
+    if not any(is_pattern(name) for name in wanted):
+        return dict(wanted)
+    known = [name for name in episode.columns if episode.column(name).table == "steps"]
+    named: dict[str, Offsets] = {}
+    for name, offsets in wanted.items():
+        named |= dict.fromkeys(fitting(f"episode '{episode.folder}'", [name], known), offsets)
+    return named
+
+
 def _key(episode: Episode, name: str, offsets: Offsets) -> Key:
     is_single = not isinstance(offsets, Sequence | np.ndarray)
     several: Any = [offsets] if is_single else offsets
@@ -244,11 +257,10 @@ def _require_known(episode: Episode, name: str) -> None:
     known = [*episode.columns, *episode.streams]
     if name in known:
         return
-    near = difflib.get_close_matches(name, known, 1)
-    hint = f" Did you mean '{near[0]}'?" if near else ""
     raise NotFoundError(
-        f"episode '{episode.folder}': no column or image stream '{name}'.{hint} Its `columns` and "
-        f"`streams` list them; the streams: {', '.join(episode.streams) or 'none'}"
+        f"episode '{episode.folder}': no column or image stream '{name}'."
+        f"{did_you_mean(name, known)} Its `columns` and `streams` list them; the streams: "
+        f"{', '.join(episode.streams) or 'none'}"
     )
 
 

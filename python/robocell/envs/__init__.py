@@ -66,8 +66,3 @@ def __getattr__(name: str) -> Any:
     value = getattr(dataset_env, name)
     globals()[name] = value
     return value
-
-
-def __dir__() -> list[str]:
-    """Lists the names that are not loaded yet, too."""
-    return sorted(__all__)

@@ -30,6 +30,7 @@ from robocell._core import (
     RunEnv,
     make_plan,
 )
+from robocell._suggestions import did_you_mean, fitting
 from robocell.dataset_run import plan_numbers, run_of_dataset
 from robocell.envs.recorded_env import RecordedEnv, is_recorded
 from robocell.generate.run_source import import_named
@@ -54,11 +55,13 @@ def from_dataset(
 
     Args:
         dataset: A dataset, or its folder.
-        observations: Names of columns and image streams to observe. Default: all columns that
-            every episode has and that exist outside of simulation too, and all streams; of a
-            recorded environment those that it showed.
-        actions: Names of the action columns that a step takes. Default: the absolute target of each
-            group; of a recorded environment those that it took.
+        observations: Names of columns and image streams to observe; "*" stands for any part of a
+            name, as in `robocell.data.rows`. Default: all columns that every episode has and that
+            exist outside of simulation too, and all streams; of a recorded environment those that
+            it showed.
+        actions: Names of the action columns that each step takes, all of them. A group without one
+            keeps its target. Default: the absolute target of each group; of a recorded environment
+            those that it took.
         privileged: Whether the default includes columns that only simulation knows, such as poses
             of objects.
         cameras: False renders no images.
@@ -89,10 +92,9 @@ def from_dataset(
         observations = [*_default_observations(core, shared, privileged), *streams]
     if actions is None:
         actions = _default_actions(core, shared)
-    for kind, names in (("observation", observations), ("action", actions)):
-        for name in names:
-            _require(opened, shared, streams, kind, name)
-    return DatasetEnv(core, shared, list(observations), list(actions), flat)
+    seen = _names_of("observation", observations, opened, shared, streams)
+    done = _names_of("action", actions, opened, shared, streams)
+    return DatasetEnv(core, shared, seen, done, flat)
 
 
 def _image_names(dataset: Dataset, core: _RunCell | RecordedEnv) -> list[str]:
@@ -266,8 +268,24 @@ class DatasetEnv(gymnasium.Env[Any, Any]):
                 f"an action here is a dictionary of {', '.join(map(repr, self.actions))}, got "
                 f"{type(action).__name__}; from_dataset(..., flat=True) takes one vector"
             )
+        else:
+            self._require_all(action)
         reward, terminated, truncated, info = self.core.act(dict(action))
         return self._observe(), reward, terminated, truncated, info
+
+    def _require_all(self, action: Mapping[str, Any]) -> None:
+        """Raises ArgumentError for a column that is missing, or that was not chosen."""
+        missing = [name for name in self.actions if name not in action]
+        more = [str(name) for name in action if name not in self.actions]
+        if not missing and not more:
+            return
+        said = [f"no {', '.join(map(repr, missing))}"] if missing else []
+        said += [f"{', '.join(map(repr, more))}, which is not among them"] if more else []
+        raise ArgumentError(
+            f"an action here has the columns {', '.join(map(repr, self.actions))}; got one with "
+            f"{' and '.join(said)}.{did_you_mean(more[0], missing) if more else ''} "
+            "from_dataset(..., actions=[...]) chooses others; a group without one keeps its target"
+        )
 
     def _split(self, action: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
         sizes = [int(np.prod(self.features[name].shape)) for name in self.actions]
@@ -305,25 +323,31 @@ def _shared_features(dataset: Dataset) -> dict[str, Feature]:
     return shared
 
 
-def _require(
+def _names_of(
+    kind: str,
+    names: Sequence[str],
     dataset: Dataset,
     features: Mapping[str, Feature],
     streams: list[str],
-    kind: str,
-    name: str,
-) -> None:
-    if kind == "observation" and name in streams:
-        return
+) -> list[str]:
+    """Returns chosen names, which all have to be there; patterns become the names that fit."""
+    if isinstance(names, str):
+        raise ArgumentError(f"from_dataset: `{kind}s` is a list of names, got {names!r}")
     wanted = ("action",) if kind == "action" else ("observation", "privileged")
-    known = [n for n, feature in features.items() if feature.role in wanted]
-    if name in known:
-        return
-    import difflib
-
+    known = [name for name, feature in features.items() if feature.role in wanted]
     known += streams if kind == "observation" else []
-    near = difflib.get_close_matches(name, known, 1)
-    hint = f" Did you mean '{near[0]}'?" if near else ""
-    raise NotFoundError(
-        f"dataset '{dataset.folder}': no {kind} '{name}' in all of its episodes.{hint} "
-        f"There are: {', '.join(known)}"
-    )
+    place = f"dataset '{dataset.folder}'"
+    chosen = fitting(place, names, known)
+    for name in chosen:
+        if name not in known and kind == "observation" and name in dataset[0].streams:
+            raise ArgumentError(
+                f"{place}: '{name}' is an image, and this environment draws none; leave out "
+                "flat=True and cameras=False"
+            )
+        if name not in known:
+            other = f" It has the role '{features[name].role}'." if name in features else ""
+            raise NotFoundError(
+                f"{place}: no {kind} '{name}' in all of its episodes."
+                f"{other or did_you_mean(name, known)} There are: {', '.join(known)}"
+            )
+    return chosen

@@ -14,8 +14,8 @@ from robocell._core import (
     Env,
     Feature,
     _recorded_features,
-    env_of_episode,
 )
+from robocell.data import env_of_episode
 
 
 def is_recorded(dataset: Dataset) -> bool:

@@ -16,6 +16,7 @@ import signal
 import subprocess
 import sys
 import traceback
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -25,7 +26,7 @@ from robocell._own_code import RAISED
 from robocell.diagnose import check_run, describe_gl
 from robocell.generate.own_process import ask_process, end_with_asker
 from robocell.generate.protocol import Failure
-from robocell.generate.run_source import RunSource
+from robocell.generate.run_source import RunSource, is_of_own_code
 from robocell.generate.supervisor import Limits
 from robocell.generate.worker_process import describe_exit
 
@@ -127,14 +128,16 @@ def main() -> int:
     arguments = parser.parse_args()
     end_with_asker()
     try:
-        run = RunSource.of(arguments).load(arguments.set)
-        warnings = check_run(run) + graphics_warnings(run)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # the process that asks has imported the modules, too
+            run = RunSource.of(arguments).load(arguments.set)
+        found = check_run(run) + graphics_warnings(run)
     except RAISED as error:
-        if not isinstance(error, Error | OSError):
+        if not isinstance(error, Error | OSError) and not is_of_own_code(error):
             traceback.print_exc()  # a defect: the message alone does not say where
         print(json.dumps({"failed": Failure.of(error).to_json()}))
         return 1
-    print(json.dumps({"warnings": warnings, "ffmpeg": _core.ffmpeg_answer()}))
+    print(json.dumps({"warnings": found, "ffmpeg": _core.ffmpeg_answer()}))
     return 0
 
 

@@ -33,10 +33,13 @@ class Failure:
     Attributes:
         kind: 'spec' when what the user wrote is wrong, 'io' for the disk and child processes.
         message: What to tell the user.
+        trace: The lines of a user's own code that lead to the place in the message, which are shown
+            in place of the worker's log; None when the log is to be shown.
     """
 
     kind: FailureKind
     message: str
+    trace: str | None = None
 
     @classmethod
     def of(cls, error: BaseException, *, loading: bool = False) -> Failure:
@@ -45,7 +48,13 @@ class Failure:
         What is raised while a run is loaded says itself where in the run it is.
         """
         from robocell import ArgumentError, Error, NotFoundError, SpecError
-        from robocell.generate.run_source import is_of_users, place_of, text_of
+        from robocell.generate.run_source import (
+            ends_with_place,
+            is_of_users,
+            own_trace,
+            place_of,
+            text_of,
+        )
 
         kind: FailureKind = "io" if isinstance(error, OSError) else "other"
         if isinstance(error, (SpecError, NotFoundError, ArgumentError)):
@@ -53,7 +62,8 @@ class Failure:
         # Whatever its class: robocell raises in a user's code too.
         in_code = kind != "io" and not loading and is_of_users(error)
         told = in_code or not isinstance(error, Error | OSError)
-        return cls(kind, place_of(error) if told else text_of(error))
+        message = place_of(error) if told else text_of(error)
+        return cls(kind, message, own_trace(error) if ends_with_place(message) else None)
 
     def error(self) -> Exception:
         """An exception to raise in its stead: SpecError, IoError or Error."""

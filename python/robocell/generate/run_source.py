@@ -12,6 +12,7 @@ import argparse
 import contextlib
 import importlib
 import importlib.util
+import re
 import sys
 import sysconfig
 import traceback
@@ -26,6 +27,7 @@ from robocell import Error, NotFoundError, RunConfig, SpecError
 from robocell._core import imports_of_run_file, load_plugin
 from robocell._extras import needed_modules
 from robocell._own_code import RAISED, is_own, set_modules_of_run
+from robocell._suggestions import did_you_mean, shortened
 from robocell.generate import Keep
 
 
@@ -118,7 +120,8 @@ class RunSource:
         if not hasattr(loaded, name):
             known = [key for key, value in vars(loaded).items() if isinstance(value, RunConfig)]
             here = f" Its configurations: {', '.join(known)}." if known else ""
-            raise NotFoundError(f"{self.run}: module '{module}' has no '{name}'.{here}")
+            near = did_you_mean(name, [key for key in vars(loaded) if not key.startswith("_")])
+            raise NotFoundError(f"{self.run}: module '{module}' has no '{name}'.{here}{near}")
         made = getattr(loaded, name)
         if callable(made):
             try:
@@ -156,6 +159,8 @@ def import_named(name: str, folder: Path) -> str:
     """
     if not name.endswith(".so"):
         return import_module(name, folder).__name__
+    if not (folder / name).exists():
+        raise SpecError(_no_file(folder / name))
     try:
         with _in_the_same_folder():
             load_plugin(folder / name)
@@ -184,7 +189,8 @@ def import_module(name: str, folder: Path) -> ModuleType:
         if error.name == name.split(".")[0]:
             raise SpecError(
                 f"cannot import '{name}': no such module in '{folder}' or among the installed "
-                f"ones; name a file (--import path/to/{name}.py) or install it"
+                f"ones; name a file (--import path/to/{name}.py) or install it."
+                f"{did_you_mean(name, _modules_in(folder))}"
             ) from error
         raise SpecError(f"cannot import '{name}': {place_of(error)}") from error
     except RAISED as error:
@@ -225,6 +231,24 @@ def _require_code(module: ModuleType) -> ModuleType:
     return module
 
 
+def _no_file(path: Path) -> str:
+    """Says that there is no such file, and which is near, in its folder or elsewhere."""
+    folder = path.parent
+    start = f"cannot import '{path}': there is no such file"
+    if not folder.is_dir():
+        return f"{start}: there is no folder '{folder}'"
+    files = sorted(file.name for file in folder.glob(f"*{path.suffix}") if file.is_file())
+    if not files:
+        return start
+    near = did_you_mean(path.name, files)
+    return f"{start}.{near or f' There are: {shortened(files)}'}"
+
+
+def _modules_in(folder: Path) -> list[str]:
+    """Returns the names of the modules in a folder."""
+    return sorted(file.stem for file in folder.glob("*.py"))
+
+
 def _what_to_name(folder: Path) -> str:
     if (folder / "__init__.py").is_file():
         return f"'{folder}' is a folder; import the package by its name: {folder.name}"
@@ -238,7 +262,7 @@ def _import_file(path: Path) -> ModuleType:
     if path.is_dir():
         raise SpecError(f"cannot import '{path}': {_what_to_name(path)}")
     if not path.is_file():
-        raise SpecError(f"cannot import '{path}': there is no such file")
+        raise SpecError(_no_file(path))
     name = path.stem
     loaded = sys.modules.get(name)
     if loaded is not None and Path(getattr(loaded, "__file__", "") or "").resolve() == path:
@@ -266,6 +290,35 @@ def _import_file(path: Path) -> ModuleType:
 def is_of_users(error: BaseException) -> bool:
     """Whether it went through somebody's own code."""
     return bool(_frames_of_users(error))
+
+
+def is_of_own_code(error: BaseException) -> bool:
+    """Whether it went through somebody's own sources, not only through installed packages."""
+    return bool(_own_frames(error))
+
+
+def own_trace(error: BaseException) -> str:
+    """Returns the traceback of an error, or of its cause, through somebody's own sources alone."""
+    frames = _own_frames(error)
+    while not frames and error.__cause__ is not None:
+        error = error.__cause__
+        frames = _own_frames(error)
+    return "".join(traceback.format_list(frames)).rstrip()
+
+
+def ends_with_place(text: str) -> bool:
+    """Whether a message ends with the place of somebody's code: '(tasks.py:12, in judge)'."""
+    return re.search(r" \([^()]+:\d+, in [^()]+\)$", text) is not None
+
+
+def told_with_place(error: Exception) -> str:
+    """The text for a user of what a command raised, with the place of their own code, if any."""
+    if not is_of_own_code(error):
+        return text_of(error)
+    if not isinstance(error, Error):
+        return place_of(error)
+    place = where(error)
+    return text_of(error) if place in text_of(error) else f"{text_of(error)}{place}"
 
 
 def place_of(error: BaseException) -> str:
@@ -307,10 +360,18 @@ def _frames_of_users(error: BaseException) -> list[traceback.FrameSummary]:
 
     Code of a user is often in the middle: robocell calls it, and it calls NumPy, which raises.
     """
+    own = _own_frames(error)
+    return own or [f for f in _frames(error) if _is_of_installed_package(Path(f.filename))]
+
+
+def _own_frames(error: BaseException) -> list[traceback.FrameSummary]:
+    return [frame for frame in _frames(error) if is_own(Path(frame.filename))]
+
+
+def _frames(error: BaseException) -> list[traceback.FrameSummary]:
+    """Returns the frames that are in files."""
     frames = traceback.extract_tb(error.__traceback__)
-    in_files = [frame for frame in frames if not frame.filename.startswith("<")]
-    own = [frame for frame in in_files if is_own(Path(frame.filename))]
-    return own or [frame for frame in in_files if _is_of_installed_package(Path(frame.filename))]
+    return [frame for frame in frames if not frame.filename.startswith("<")]
 
 
 def _is_of_installed_package(file: Path) -> bool:

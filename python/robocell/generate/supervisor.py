@@ -314,12 +314,21 @@ class Supervisor:
             self._give_up_run("io", with_trouble(failure.message, trouble))
         elif failure.kind == "io" and item and self._tries[item.id] + 1 >= self._limits.tries:
             self._give_up_run("io", failure.message)
-        self._drop_item(worker, failure.message, failure.kind)
+        self._drop_item(worker, failure.message, failure.kind, failure.trace)
 
     # Items that a worker did not finish.
 
-    def _drop_item(self, worker: WorkerProcess, reason: str, kind: FailureKind = "other") -> None:
-        """Takes the item from a worker that did not finish it."""
+    def _drop_item(
+        self,
+        worker: WorkerProcess,
+        reason: str,
+        kind: FailureKind = "other",
+        trace: str | None = None,
+    ) -> None:
+        """Takes the item from a worker that did not finish it.
+
+        `trace` is shown in the place of the worker's log.
+        """
         item, worker.item = worker.item, None
         if item is None:
             return
@@ -333,7 +342,8 @@ class Supervisor:
             self._lose(item, reason, kind)  # what the user wrote stays as it is
         else:
             once = kind == "other" and item.id in self._tried_once
-            self._try_again(item, worker, reason, 1 if once else self._limits.tries)
+            log = worker.log_tail() if trace is None else trace
+            self._try_again(item, reason, log, 1 if once else self._limits.tries)
 
     def _is_safe(self, item: Item, reason: str, kind: FailureKind) -> bool:
         """Whether an episode that is there stays there.
@@ -351,14 +361,14 @@ class Supervisor:
         self._observer.warning(f"{item.id} is there, and was brought to the disk again: {reason}")
         return True
 
-    def _try_again(self, item: Item, worker: WorkerProcess, reason: str, most: int) -> None:
+    def _try_again(self, item: Item, reason: str, log: str, most: int) -> None:
         self._tries[item.id] += 1
         if self._tries[item.id] < most:
             self._totals.again.append(Again(item.id, reason))
             self._pending.appendleft(item)
             self._observer.retry(item.id, reason, self._totals)
             return
-        self._lose(item, reason, "other", log=worker.log_tail())
+        self._lose(item, reason, "other", log)
 
     def _lose(self, item: Item, reason: str, kind: FailureKind, log: str = "") -> None:
         """Gives an item up for an error; this may be the end of the run.

@@ -1,32 +1,14 @@
-"""Calls as the guide describes them: errors for misspelt arguments and for what was closed."""
+"""Calls as the guide describes them: errors for what was closed."""
 
 from __future__ import annotations
 
 import functools
-import inspect
 from collections.abc import Callable
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, TypeVar
 
 from robocell import ClosedError
-from robocell._arguments import Form, Parameter, name_problem
 
-P = ParamSpec("P")
 T = TypeVar("T")
-
-
-def told(function: Callable[P, T]) -> Callable[P, T]:
-    """The same function; a misspelt name is a TypeError with the nearest that there is."""
-    known = [name for name in inspect.signature(function).parameters if name not in ("self", "cls")]
-    form = Form([Parameter(name, None, None) for name in known], [], False, False)
-
-    @functools.wraps(function)
-    def call(*args: P.args, **kwargs: P.kwargs) -> T:
-        for name in kwargs:
-            if name not in known:
-                raise TypeError(f"{function.__qualname__}(): {name_problem(form, name)}")
-        return function(*args, **kwargs)
-
-    return call
 
 
 def closed_as(kind: str, base: type) -> Callable[[type[T]], type[T]]:

@@ -8,7 +8,7 @@ from numbers import Integral
 from typing import Any
 
 from robocell import ClosedError, Scene, SceneSpec
-from robocell.compat.mj_kdl_wrapper.calls import told
+from robocell._arguments import with_hints
 from robocell.compat.mj_kdl_wrapper.forward import Forwarding
 from robocell.compat.mj_kdl_wrapper.keyframes import scene_number
 from robocell.compat.mj_kdl_wrapper.robot import Robot
@@ -53,7 +53,7 @@ class Env(Forwarding):
         self._call_id = 0
 
     @classmethod
-    @told
+    @with_hints
     def build(cls, spec: SceneSpec) -> Env:
         """Compiles the scene."""
         return cls(Scene.build(spec))
@@ -70,7 +70,7 @@ class Env(Forwarding):
         if self.scene.closed and name not in ("name", "close", "closed"):
             raise ClosedError(f"env is closed: scene '{self.scene.name}' was closed")
 
-    @told
+    @with_hints
     def create_robot(
         self, base_body: str, tip_body: str, prefix: str = "", tool: ToolFrameSpec | None = None
     ) -> Robot:

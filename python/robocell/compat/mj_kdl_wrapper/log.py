@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 
 import robocell
-from robocell.compat.mj_kdl_wrapper.calls import told
+from robocell._arguments import with_hints
 
 
 class LogLevel(enum.Enum):
@@ -17,7 +17,7 @@ class LogLevel(enum.Enum):
     NONE = "none"
 
 
-@told
+@with_hints
 def set_log_level(level: LogLevel) -> None:
     """How much is logged, of the whole process."""
     if not isinstance(level, LogLevel):

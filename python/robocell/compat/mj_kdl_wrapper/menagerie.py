@@ -17,8 +17,8 @@ import shutil
 from pathlib import Path
 
 from robocell import NotFoundError, fetching, menagerie, models
+from robocell._arguments import with_hints
 from robocell._core import override_file
-from robocell.compat.mj_kdl_wrapper.calls import told
 
 ARM, GRIPPER = "kinova_gen3", "robotiq_2f85"
 # Asset -> built-in model, and the variable that puts a file in its place.
@@ -33,7 +33,7 @@ ASSETS = {
 GRIPPER_ASSET = "robotiq_2f85/2f85.xml"
 
 
-@told
+@with_hints
 def model_path(name: str, *, env_var: str | None = None) -> str:
     """Main model file of a robot of the Menagerie; NotFoundError says what to do without it.
 
@@ -57,7 +57,7 @@ def model_path(name: str, *, env_var: str | None = None) -> str:
     )
 
 
-@told
+@with_hints
 def asset_path(rel: str, *, env_var: str | None = None) -> str:
     """An asset of the examples, such as ``"cabinet/cabinet.xml"``; NotFoundError lists them.
 
@@ -89,7 +89,7 @@ def cache_dir() -> Path:
     return (Path(root) if root else Path.home() / ".cache") / "mj_kdl_wrapper"
 
 
-@told
+@with_hints
 def fetch(dest: str | Path | None = None) -> dict[str, str]:
     """Fetches the examples' robots, unless they are here, and fills the guide's cache.
 

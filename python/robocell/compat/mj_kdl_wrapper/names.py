@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import robocell
-from robocell.compat.mj_kdl_wrapper.calls import told
+from robocell._arguments import with_hints
 
 
 class Condim:
@@ -14,7 +14,7 @@ class Condim:
     Rolling = robocell.scene.Condim.ROLLING
 
 
-@told
+@with_hints
 def scene_object_site_name(scene_object: robocell.SceneObject, site: str) -> str:
     """What a site of an object's model is called in a scene."""
     if not isinstance(scene_object, robocell.SceneObject):

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import robocell
-from robocell._arguments import no_attribute
-from robocell.compat.mj_kdl_wrapper.calls import closed_as, told
+from robocell._arguments import no_attribute, with_hints
+from robocell.compat.mj_kdl_wrapper.calls import closed_as
 
 
 @closed_as("robot", robocell.Robot)
@@ -28,13 +28,13 @@ class Robot(robocell.Robot):
         attribute.__set__(self, value)  # as Python itself does; C++'s own refuses subclasses
 
     @staticmethod
-    @told
+    @with_hints
     def of(scene: robocell.Scene, name: str) -> Robot:
         """A configured robot by its name in the scene."""
         return Robot(robocell.Robot.of(scene, name))
 
     @staticmethod
-    @told
+    @with_hints
     def from_scene(
         scene: robocell.Scene,
         base_body: str,
@@ -45,7 +45,7 @@ class Robot(robocell.Robot):
         """A robot without configuration: the chain between two bodies."""
         return Robot(robocell.Robot.from_scene(scene, base_body, tip_body, prefix, tool))
 
-    @told
+    @with_hints
     def fk_frame(self, q: Any = None) -> Any:
         """The TCP in the robot base frame, a PyKDL.Frame; with joint values in any form or now."""
         return super().fk_frame(q).to_kdl()
@@ -55,7 +55,7 @@ class Robot(robocell.Robot):
         """The TCP in the tip body, a PyKDL.Frame."""
         return super().tip_to_tcp.to_kdl()
 
-    @told
+    @with_hints
     def ft_sensor_frame(self, name: str) -> Any:
         """The site in the world that a sensor's reading is expressed in, a PyKDL.Frame."""
         return super().ft_sensor_frame(name).to_kdl()

@@ -6,7 +6,7 @@ from numbers import Integral
 from pathlib import Path
 
 import robocell
-from robocell.compat.mj_kdl_wrapper.calls import told
+from robocell._arguments import with_hints
 from robocell.compat.mj_kdl_wrapper.env import Env
 from robocell.compat.mj_kdl_wrapper.forward import Forwarding
 
@@ -32,7 +32,7 @@ class VideoRecorder(Forwarding):
         self._closed = False
 
     @classmethod
-    @told
+    @with_hints
     def open(
         cls,
         target: robocell.Scene | Env,
@@ -46,7 +46,7 @@ class VideoRecorder(Forwarding):
         return cls(robocell.VideoRecorder(_scene(target), path, *size, fps))
 
     @classmethod
-    @told
+    @with_hints
     def open_preset(
         cls,
         target: robocell.Scene | Env,
@@ -70,7 +70,7 @@ class VideoRecorder(Forwarding):
             self._closed = True
             self.recorder.finish()
 
-    @told
+    @with_hints
     def use_camera(self, name: str = "") -> bool:
         """Chooses one of camera_names(), or the free one: False, and no change, without such one.
 

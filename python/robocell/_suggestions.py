@@ -1,0 +1,46 @@
+"""Texts about names that are not there: the nearest one, and names by pattern."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Sequence
+from fnmatch import fnmatchcase
+
+from robocell._core import NotFoundError
+
+MOST_LISTED = 12
+
+
+def did_you_mean(name: str, known: Iterable[str], cutoff: float = 0.6) -> str:
+    """Returns " Did you mean 'joint7'?", or "" if no name is near.
+
+    `cutoff`: how alike the names must be, from 0 to 1.
+    """
+    near = difflib.get_close_matches(name, list(known), 1, cutoff)
+    return f" Did you mean '{near[0]}'?" if near else ""
+
+
+def shortened(names: Sequence[str]) -> str:
+    """Returns "a, b, c and 5 more"."""
+    more = len(names) - MOST_LISTED
+    return ", ".join(names[:MOST_LISTED]) + (f" and {more} more" if more > 0 else "")
+
+
+def is_pattern(name: str) -> bool:
+    """Whether a name stands for all that fit it: "sensors/*"."""
+    return "*" in name
+
+
+def fitting(place: str, names: Iterable[str], known: Sequence[str]) -> list[str]:
+    """Returns names, each once, with those that fit in the place of a pattern, in their order.
+
+    Names that are no patterns stay, known or not. NotFoundError for a pattern that nothing fits;
+    `place` begins its message.
+    """
+    found: dict[str, None] = {}
+    for name in names:
+        fit = [each for each in known if fnmatchcase(each, name)] if is_pattern(name) else [name]
+        if not fit:
+            raise NotFoundError(f"{place}: nothing fits '{name}'. There are: {', '.join(known)}")
+        found.update(dict.fromkeys(fit))
+    return list(found)
