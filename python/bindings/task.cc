@@ -9,6 +9,7 @@
 #include "bindings.h"
 #include "body_poses.h"
 #include "features.h"
+#include "number_like.h"
 #include "rng.h"
 #include "spec_fields.h"
 #include "task_trampolines.h"
@@ -97,10 +98,13 @@ void PutSignals(nb::handle self, nb::handle made, const std::vector<Feature>& si
       const std::string& name = signal.column.name;
       if (!values.contains(name.c_str()))
         ThrowValue(path, fmt::format("has no '{}', which signals() names", name));
-      const nb::object value = Ravel(values[name.c_str()]);
-      const Numbers numbers(value, FieldPath(path, name), static_cast<size_t>(signal.size()));
-      std::copy(numbers.span().begin(), numbers.span().end(), out.begin());
-      out = out.subspan(numbers.size());
+      const nb::object value = values[name.c_str()];
+      const auto size = static_cast<size_t>(signal.size());
+      // A pair (lower, upper) declares a row, even of one number.
+      const bool is_one = size == 1 && (IsNumber(value) || IsBool(value));
+      PutValues(value, is_one ? std::vector<int64_t>() : signal.column.shape, FieldPath(path, name),
+                out.first(size));
+      out = out.subspan(size);
     }
   });
 }
@@ -121,6 +125,32 @@ BodyPoses ToStarts(nb::handle self, nb::handle made) {
 }
 
 nb::object MemoryArray(std::span<const double> memory) { return NumberCopy(memory); }
+
+namespace {
+
+nb::object TaskMemory(const char* function) {
+  return nb::module_::import_("robocell._task_memory").attr(function);
+}
+
+}  // namespace
+
+void RememberBound(nb::handle self) { TaskMemory("remember_bound")(self); }
+
+void AddMemoryOfAttributes(nb::handle self, std::vector<double>& memory) {
+  const nb::object made = TaskMemory("memory_of")(self);
+  const Numbers numbers(made, FieldPath("memory"));
+  memory.insert(memory.end(), numbers.span().begin(), numbers.span().end());
+}
+
+void RecallAttributes(nb::handle self, std::span<const double> memory) {
+  const nb::gil_scoped_acquire acquire;
+  TaskMemory("recall")(self, MemoryArray(memory));
+}
+
+bool HasAttributes(std::span<const double> memory) {
+  const nb::gil_scoped_acquire acquire;
+  return nb::cast<bool>(TaskMemory("has_attributes")(MemoryArray(memory)));
+}
 
 namespace {
 

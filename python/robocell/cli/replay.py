@@ -10,9 +10,10 @@ import typer
 import robocell
 from robocell import _core, data
 from robocell._cells import load_cell
+from robocell._own_code import RAISED
 from robocell.cli.common import ExitCode, fail, print_error, print_warning, require_folder
 from robocell.dataset_run import manifest_of_dataset, run_of_dataset
-from robocell.generate.run_source import import_named
+from robocell.generate.run_source import import_named, message_of
 from robocell.generate.totals import counted
 
 
@@ -84,8 +85,8 @@ def replay(
         except robocell.IoError as error:
             print_error(str(error))
             unread += 1
-        except robocell.Error as error:
-            print_error(f"{name} cannot be replayed: {error}")
+        except RAISED as error:  # of robocell, or of the code of a task or feature
+            print_error(f"{name} cannot be replayed: {message_of(error)}")
             unplayed += 1
         else:
             print(result, flush=True)
@@ -122,8 +123,8 @@ def _environment(name: str) -> robocell.Env:
         config.sim.realtime = False
         config.cameras.streams.clear()
         return robocell.Env(config)
-    except robocell.Error as error:
-        fail(str(error))
+    except RAISED as error:
+        fail(message_of(error))
 
 
 def _result(

@@ -274,6 +274,14 @@ def place_of(error: BaseException) -> str:
     return f"{type(error).__name__}: {text}{where(error)}"
 
 
+def message_of(error: BaseException) -> str:
+    """The text of an error for a command's user, with the place in somebody's own code."""
+    if not isinstance(error, Error):
+        return place_of(error)
+    text, place = text_of(error), where(error)
+    return text if place and place in text else text + place
+
+
 def text_of(error: BaseException) -> str:
     """The error's text, also of a class that cannot make it."""
     try:
