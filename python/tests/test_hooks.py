@@ -95,7 +95,7 @@ class NamesTwice(Touch):
 
 class SignalsNoPath(Touch):
     def signals(self) -> Any:
-        return {"..": (0, 1)}
+        return {"..": ([0], [1])}
 
 
 class SignalsInsideEachOther(Touch):
@@ -187,11 +187,6 @@ def place(function: Callable[..., Any]) -> str:
         (RangesBackwards, "base_range", "the distance of a base range is [0.5, 0.3]"),
         (RangesBehind, "base_range", "the distance of a base range is [-1, -0.5]"),
         (RangesNan, "base_range", "the height_offset of a base range is nan"),
-        (
-            PreparesTimestep,
-            "prepare",
-            "prepare() changed the timestep of scene 'task' from 0.002 s to 0.01 s",
-        ),
         (Prepares, "prepare", "prepare added object 'cube', which is not valid"),
     ],
 )
@@ -287,8 +282,9 @@ def test_a_feature_of_another_shape_than_declared_ends_the_attempt(tmp_path: Pat
 @pytest.mark.parametrize("value", [True, np.True_, np.array(True)])
 def test_a_feature_may_be_true_or_false(tmp_path: Path, value: Any):
     rc.register_feature("flag_of_hooks")(lambda scene: value)
-    run = run_of(tmp_path / "run", Touch, features=["flag_of_hooks"], max_attempts=1)
-    run.keep = "all"
+    run = run_of(
+        tmp_path / "run", Touch, features=["flag_of_hooks"], max_attempts=1, keep="all"
+    )
     rc.generate.Runner(run, expert=lambda *_: Idle()).run(rc.generate.make_plan(run)[0])
     assert rc.Dataset(run.output)[0]["features/flag_of_hooks"].tolist() == [1, 1, 1]
 
@@ -297,6 +293,15 @@ def test_a_feature_of_one_number_keeps_its_declared_shape(tmp_path: Path):
     rc.register_feature("row_of_hooks")(lambda scene: [1.0])
     said = failure_of(tmp_path, Touch, lambda *_: Idle(), features=["row_of_hooks"])
     assert "feature 'row_of_hooks' has shape (1), and () was declared" in said
+
+
+def test_a_task_that_changes_the_timestep_is_refused_before_the_first_episode(tmp_path: Path):
+    with pytest.raises(rc.ArgumentError) as caught:
+        run_of(tmp_path / "run", PreparesTimestep)
+    assert "prepare() changed the timestep of scene 'scene' from unset to 0.01 s" in str(
+        caught.value
+    )
+    assert str(caught.value).endswith(place(PreparesTimestep.prepare))
 
 
 def test_sys_exit_in_a_hook_ends_the_attempt(tmp_path: Path):

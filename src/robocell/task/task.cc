@@ -34,10 +34,12 @@ void Task::PrepareIn(const KnownScene& known, SceneSpec& spec, Rng& rng) {
   const auto seconds = [](const std::optional<double>& value) {
     return value ? fmt::format("{} s", *value) : std::string("unset");
   };
-  throw ArgumentError(fmt::format(
-      "prepare() changed the timestep of scene '{}' from {} to {}; leave it: `rates` of a run "
-      "(sim_ms) and `sim.timestep` of an environment set it, and rows are timed by them",
-      spec.name, seconds(timestep), seconds(spec.timestep)));
+  throw HookError(
+      fmt::format("prepare() changed the timestep of scene '{}' from {} to {}; leave it: `rates` "
+                  "of a run (sim_ms) and `sim.timestep` of an environment set it, and rows are "
+                  "timed by them",
+                  spec.name, seconds(timestep), seconds(spec.timestep)),
+      PlaceOfHook("prepare"));
 }
 
 BaseRange SoundBaseRange(const Task& task) {
