@@ -68,9 +68,9 @@ std::optional<std::vector<int64_t>> ShapeOf(nb::handle value) {
 void PutValues(nb::handle value, const std::vector<int64_t>& shape, const FieldPath& path,
                std::span<double> out) {
   const std::optional<std::vector<int64_t>> found = ShapeOf(value);
+  // Of a row and a single number only the count may be wrong.
   const bool is_flat = shape.size() <= 1 && (!found || found->size() <= 1);
-  const bool counts = found && RowValues(*found) == static_cast<int64_t>(out.size());
-  if (found && *found != shape && (counts || !is_flat)) {  // else the count below says it
+  if (found && *found != shape && !is_flat) {
     ThrowValue(path, fmt::format("has shape {}, and {} was declared; return that shape, or declare "
                                  "the other one",
                                  robocell::ShapeText(*found), robocell::ShapeText(shape)));

@@ -19,7 +19,7 @@ std::map<std::string, std::vector<double>> ToNumbersByName(const nanobind::dict&
 // Flattens numbers of any shape, including a single one. Returns other values unchanged.
 nanobind::object Ravel(nanobind::handle value);
 // Writes the numbers of a value into `out`, which has those of `shape`; True and False are 1 and 0.
-// Throws ArgumentError with both shapes for a value of another one.
+// A single number may be a row of one. Throws ArgumentError with both shapes for another one.
 void PutValues(nanobind::handle value, const std::vector<int64_t>& shape, const FieldPath& path,
                std::span<double> out);
 // A list of Feature objects.

@@ -9,7 +9,6 @@
 #include "bindings.h"
 #include "body_poses.h"
 #include "features.h"
-#include "number_like.h"
 #include "rng.h"
 #include "spec_fields.h"
 #include "task_trampolines.h"
@@ -98,12 +97,8 @@ void PutSignals(nb::handle self, nb::handle made, const std::vector<Feature>& si
       const std::string& name = signal.column.name;
       if (!values.contains(name.c_str()))
         ThrowValue(path, fmt::format("has no '{}', which signals() names", name));
-      const nb::object value = values[name.c_str()];
       const auto size = static_cast<size_t>(signal.size());
-      // A pair (lower, upper) declares a row, even of one number.
-      const bool is_one = size == 1 && (IsNumber(value) || IsBool(value));
-      PutValues(value, is_one ? std::vector<int64_t>() : signal.column.shape, FieldPath(path, name),
-                out.first(size));
+      PutValues(values[name.c_str()], signal.column.shape, FieldPath(path, name), out.first(size));
       out = out.subspan(size);
     }
   });

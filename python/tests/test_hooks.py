@@ -267,7 +267,9 @@ def test_the_function_that_makes_a_task_is_named(tmp_path: Path):
     assert str(caught.value).endswith(place(nothing))
 
 
-@pytest.mark.parametrize("values", [np.zeros(6), np.zeros((3, 2)), [[0.0, 0.0]] * 3, 1.0])
+@pytest.mark.parametrize(
+    "values", [np.zeros(6), np.zeros((3, 2)), [[0.0, 0.0]] * 3, 1.0, np.zeros((1, 2, 3))]
+)
 def test_a_feature_of_another_shape_than_declared_ends_the_attempt(tmp_path: Path, values: Any):
     @rc.register_feature("table_of_hooks", shape=[2, 3])
     def table(scene: rc.Scene) -> Any:
@@ -282,17 +284,17 @@ def test_a_feature_of_another_shape_than_declared_ends_the_attempt(tmp_path: Pat
 @pytest.mark.parametrize("value", [True, np.True_, np.array(True)])
 def test_a_feature_may_be_true_or_false(tmp_path: Path, value: Any):
     rc.register_feature("flag_of_hooks")(lambda scene: value)
-    run = run_of(
-        tmp_path / "run", Touch, features=["flag_of_hooks"], max_attempts=1, keep="all"
-    )
+    run = run_of(tmp_path / "run", Touch, features=["flag_of_hooks"], max_attempts=1, keep="all")
     rc.generate.Runner(run, expert=lambda *_: Idle()).run(rc.generate.make_plan(run)[0])
     assert rc.Dataset(run.output)[0]["features/flag_of_hooks"].tolist() == [1, 1, 1]
 
 
-def test_a_feature_of_one_number_keeps_its_declared_shape(tmp_path: Path):
-    rc.register_feature("row_of_hooks")(lambda scene: [1.0])
-    said = failure_of(tmp_path, Touch, lambda *_: Idle(), features=["row_of_hooks"])
-    assert "feature 'row_of_hooks' has shape (1), and () was declared" in said
+@pytest.mark.parametrize(("shape", "value"), [((), [1.0]), ((1,), 1.0), ((1,), np.ones(1))])
+def test_a_single_number_may_be_a_row_of_one(tmp_path: Path, shape: Any, value: Any):
+    rc.register_feature("one_of_hooks", shape=shape)(lambda scene: value)
+    run = run_of(tmp_path / "run", Touch, features=["one_of_hooks"], max_attempts=1, keep="all")
+    rc.generate.Runner(run, expert=lambda *_: Idle()).run(rc.generate.make_plan(run)[0])
+    assert rc.Dataset(run.output)[0]["features/one_of_hooks"].shape == (3, *shape)
 
 
 def test_a_task_that_changes_the_timestep_is_refused_before_the_first_episode(tmp_path: Path):
