@@ -35,7 +35,7 @@ _BOUND = "_robocell_bound"
 _BYTES_PER_NUMBER = 6  # doubles hold 48-bit integers exactly
 
 
-class _Unknown(Exception):
+class _UnknownError(Exception):
     """A value that cannot be kept; its text is the reason."""
 
 
@@ -45,7 +45,7 @@ def remember_bound(task: Any) -> None:
     for name, value in _attributes(task):
         try:
             bound[name] = _Encoder(task).text(value)
-        except _Unknown:  # refused when a state is saved
+        except _UnknownError:  # refused when a state is saved
             continue
     setattr(task, _BOUND, bound)
 
@@ -65,8 +65,8 @@ def memory_of(task: Any) -> npt.NDArray[np.float64]:
             if bound.get(name) == text or _is_handle(value):
                 continue
             if encoder.has_objects_in_containers:
-                raise _Unknown("holds a container of objects, which robocell cannot keep")
-        except _Unknown as error:
+                raise _UnknownError("holds a container of objects, which robocell cannot keep")
+        except _UnknownError as error:
             raise ArgumentError(
                 f"{_called(task)}: its state cannot be saved, because attribute '{name}' {error}. "
                 f"{_NEXT_STEP}"
@@ -94,10 +94,15 @@ def recall(task: Any, memory: npt.NDArray[np.float64]) -> None:
             if name in present and _text_of(task, present[name]) == text:
                 continue
             _set(task, name, _from_json(json.loads(text), present.get(name)))
-        except _Unknown as error:
+        except _UnknownError as error:
             raise ArgumentError(
                 f"{_called(task)}: attribute '{name}' of the state cannot be restored: {error}. "
                 f"{_NEXT_STEP}"
+            ) from None
+        except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+            raise ArgumentError(
+                f"{_called(task)}: attribute '{name}' of the state cannot be restored: the state "
+                f"is damaged, or of another task ({error})"
             ) from None
 
 
@@ -114,7 +119,7 @@ def _called(task: Any) -> str:
 def _text_of(task: Any, value: Any) -> str | None:
     try:
         return _Encoder(task).text(value)
-    except _Unknown:
+    except _UnknownError:
         return None
 
 
@@ -190,12 +195,12 @@ class _Encoder:
         if type(value) in _CONTAINERS:
             return self._container(value)
         if type(value) in _VALUES:
-            tag, content = _VALUES[type(value)]
-            return [tag, content(value)]
+            tag, encode = _VALUES[type(value)]
+            return [tag, encode(value)]
         if isinstance(value, enum.Enum):
             content = [type(value).__module__, type(value).__qualname__, value.name]
             if _enum(*content) is not value:
-                raise _Unknown(f"holds {value}, whose class is not found in its module")
+                raise _UnknownError(f"holds {value}, whose class is not found in its module")
             return ["enum", *content]
         if isinstance(value, np.generic) and not value.dtype.hasobject:
             return ["number", value.dtype.str, value.tobytes().hex()]
@@ -211,7 +216,7 @@ class _Encoder:
             return ["handle"]
         if not _is_own_object(value):
             kind = type(value)
-            raise _Unknown(
+            raise _UnknownError(
                 f"holds a {kind.__module__}.{kind.__qualname__}, which robocell cannot keep"
             )
         self._outer.add(id(value))
@@ -219,7 +224,7 @@ class _Encoder:
 
     def _container(self, value: Any) -> Any:
         if id(value) in self._outer:
-            raise _Unknown("holds a container that contains itself")
+            raise _UnknownError("holds a container that contains itself")
         self._outer.add(id(value))
         self._depth += 1
         if isinstance(value, dict):
@@ -245,7 +250,7 @@ def _name_of(value: Any) -> str:
 
 def _array(value: npt.NDArray[Any]) -> Any:
     if value.dtype.hasobject or value.dtype.names:
-        raise _Unknown(f"holds an array of {value.dtype}, which robocell cannot keep")
+        raise _UnknownError(f"holds an array of {value.dtype}, which robocell cannot keep")
     return [value.dtype.str, list(value.shape), np.ascontiguousarray(value).tobytes().hex()]
 
 
@@ -265,7 +270,7 @@ def _from_json(value: Any, present: Any) -> Any:
         return present
     if tag == "constant":
         if content[0] != _name_of(present):
-            raise _Unknown(f"it is {content[0]}, and here {_name_of(present)}")
+            raise _UnknownError(f"it is {content[0]}, and here {_name_of(present)}")
         return present
     if tag == "object":
         return _restored(present, content[0])
@@ -276,7 +281,7 @@ def _from_json(value: Any, present: Any) -> Any:
 
 def _restored(present: Any, attributes: Mapping[str, Any]) -> Any:
     if not _is_own_object(present):
-        raise _Unknown("there is no such object here; make it in bind() or begin()")
+        raise _UnknownError("there is no such object here; make it in bind() or begin()")
     now = dict(_attributes(present))
     for name in now.keys() - attributes.keys():
         delattr(present, name)
@@ -297,7 +302,7 @@ def _enum(module: str, qualname: str, name: str) -> Any:
             return kind[name]
     except (KeyError, AttributeError):
         pass
-    raise _Unknown(f"there is no {module}.{qualname}.{name}")
+    raise _UnknownError(f"there is no {module}.{qualname}.{name}")
 
 
 def _pose(numbers: list[float]) -> Pose:
