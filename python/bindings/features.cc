@@ -68,9 +68,9 @@ std::optional<std::vector<int64_t>> ShapeOf(nb::handle value) {
 void PutValues(nb::handle value, const std::vector<int64_t>& shape, const FieldPath& path,
                std::span<double> out) {
   const std::optional<std::vector<int64_t>> found = ShapeOf(value);
-  // Of a row and a single number only the count may be wrong.
-  const bool is_flat = shape.size() <= 1 && (!found || found->size() <= 1);
-  if (found && *found != shape && !is_flat) {
+  const bool is_one = found && found->size() <= 1 && shape.size() <= 1 && out.size() == 1 &&
+                      RowValues(*found) == 1;  // a number, or a row of one
+  if (found && *found != shape && !is_one) {
     ThrowValue(path, fmt::format("has shape {}, and {} was declared; return that shape, or declare "
                                  "the other one",
                                  robocell::ShapeText(*found), robocell::ShapeText(shape)));
