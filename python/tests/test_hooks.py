@@ -351,3 +351,22 @@ def test_a_scene_source_with_another_timestep_is_refused(tmp_path: Path):
     assert "sim_ms: 3" in str(caught.value)
     Slow.timestep = 0.002
     rc.generate.prepare_dataset(run)
+
+
+def test_a_fixed_base_is_refused_before_the_first_episode(tmp_path: Path):
+    rc.register_task("fixed_of_hooks")(Touch)
+    rc.register_expert("fixed_of_hooks")(lambda run, start: Idle())
+    run = load(tmp_path)
+    run.task, run.output = {"kind": "fixed_of_hooks"}, str(tmp_path / "fixed")
+    run.robot.base = {"kind": "fixed"}
+    with pytest.raises(rc.SpecError) as caught:
+        rc.generate.prepare_dataset(run)
+    assert (
+        "robot.base.kind: the robot stands where `start` or base_range() of the task puts it"
+        in (str(caught.value))
+    )
+
+
+def test_a_slip_between_two_fields_names_both():
+    with pytest.raises(rc.SpecError, match=r"'goalz'.* Did you mean 'goal' or 'goals'\?"):
+        rc.RunConfig.from_yaml("run: a\ntask: {kind: pick_and_place, goalz: [tray]}\n", "a.yaml")
