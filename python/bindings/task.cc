@@ -317,7 +317,8 @@ void BindTaskClass(nb::module_& m) {
       .def(
           "memory", [](const Task&) { return std::vector<double>(); },
           nb::sig("def memory(self) -> numpy.typing.ArrayLike"),
-          "Returns the task's memory of the episode, for saved states.")
+          "Returns the task's memory of the episode, for saved states. A task without it keeps the "
+          "attributes that the episode has set.")
       .def(
           "recall", [](Task&, nb::handle) {}, "memory"_a,
           nb::sig("def recall(self, memory: numpy.typing.NDArray[numpy.float64]) -> None"),
