@@ -212,6 +212,19 @@ void BindEpisode(nb::module_& m) {
           "name"_a, nb::sig("def __getitem__(self, name: str) -> numpy.typing.NDArray[typing.Any]"),
           "Reads a whole column as an array (rows, ...). NotFoundError has the nearest names.")
       .def(
+          "__contains__",
+          [](const Episode& e, nb::handle name) {
+            std::string text;
+            if (!nb::try_cast(name, text)) return false;
+            const std::vector<std::string> names = ColumnNames(e);
+            return std::ranges::find(names, text) != names.end();
+          },
+          "name"_a.none(), nb::sig("def __contains__(self, name: object) -> bool"),
+          "Returns True for the name of a column or constant."
+          "\n\nExamples:\n"
+          "    >>> \"reward\" in episode, \"rewards\" in episode\n"
+          "    (True, False)")
+      .def(
           "read",
           [](const Episode& e, const std::string& name, int64_t first,
              std::optional<int64_t> count) {

@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 #include <nanobind/nanobind.h>
 
+#include <optional>
 #include <utility>
 
 #include "arrays.h"
 #include "bindings.h"
 #include "features.h"
+#include "number_like.h"
 #include "task_trampolines.h"
 #include "values.h"
 #include "robocell/features/cell_features.h"
@@ -43,6 +45,44 @@ nb::dict ToArrays(const FeatureSchema& schema, std::span<const double> numbers) 
 }
 
 }  // namespace
+
+namespace {
+
+// Returns the shape of a value, () for a number; unset for an iterable that only its reader knows.
+std::optional<std::vector<int64_t>> ShapeOf(nb::handle value) {
+  if (IsNumber(value) || IsBool(value)) return std::vector<int64_t>();
+  const bool is_list = nb::isinstance<nb::list>(value) || nb::isinstance<nb::tuple>(value);
+  if (!is_list && !nb::hasattr(value, "__array__")) return std::nullopt;
+  try {
+    std::vector<int64_t> shape;
+    for (nb::handle axis : nb::module_::import_("numpy").attr("shape")(value))
+      shape.push_back(nb::cast<int64_t>(axis));
+    return shape;
+  } catch (const nb::python_error&) {
+    return std::nullopt;  // for example rows of different lengths
+  }
+}
+
+}  // namespace
+
+void PutValues(nb::handle value, const std::vector<int64_t>& shape, const FieldPath& path,
+               std::span<double> out) {
+  const std::optional<std::vector<int64_t>> found = ShapeOf(value);
+  const bool is_one = found && found->size() <= 1 && shape.size() <= 1 && out.size() == 1 &&
+                      RowValues(*found) == 1;  // a number, or a row of one
+  if (found && *found != shape && !is_one) {
+    ThrowValue(path, fmt::format("has shape {}, and {} was declared; return that shape, or declare "
+                                 "the other one",
+                                 robocell::ShapeText(*found), robocell::ShapeText(shape)));
+  }
+  if (IsBool(value)) {
+    out[0] = ToBool(value, path) ? 1 : 0;
+    return;
+  }
+  const nb::object row = Ravel(value);
+  const Numbers numbers(row, path, out.size());
+  std::copy(numbers.span().begin(), numbers.span().end(), out.begin());
+}
 
 nb::object Ravel(nb::handle value) {
   const auto is_row = [](nb::handle item) {
@@ -86,15 +126,15 @@ void RegisterPythonFeature(const std::string& name, nb::object function, Feature
   nb::dict functions = FeatureFunctions();
   // Python's own may be replaced, for example when a notebook's cell is run again.
   const bool replace = functions.contains(name.c_str());
+  const std::vector<int64_t> shape = feature.column.shape;
   RegisterFeature(name, std::move(feature),
-                  [name](const Scene& scene, std::span<double> out) {
+                  [name, shape](const Scene& scene, std::span<double> out) {
                     const nb::gil_scoped_acquire acquire;
                     const nb::object read = FeatureFunctions()[name.c_str()];
-                    const nb::object made = Ravel(read(nb::cast(scene)));
+                    const nb::object made = read(nb::cast(scene));
                     try {
                       const std::string text = "feature '" + name + "'";
-                      const Numbers numbers(made, FieldPath(text), out.size());
-                      std::copy(numbers.span().begin(), numbers.span().end(), out.begin());
+                      PutValues(made, shape, FieldPath(text), out);
                     } catch (nb::python_error&) {
                       throw;
                     } catch (...) {

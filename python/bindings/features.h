@@ -3,10 +3,13 @@
 
 #include <nanobind/nanobind.h>
 
+#include <cstdint>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "values.h"
 #include "robocell/data/feature_schema.h"
 
 namespace robocell::python {
@@ -15,6 +18,10 @@ namespace robocell::python {
 std::map<std::string, std::vector<double>> ToNumbersByName(const nanobind::dict& values);
 // Flattens numbers of any shape, including a single one. Returns other values unchanged.
 nanobind::object Ravel(nanobind::handle value);
+// Writes the numbers of a value into `out`, which has those of `shape`; True and False are 1 and 0.
+// A single number may be a row of one. Throws ArgumentError with both shapes for another one.
+void PutValues(nanobind::handle value, const std::vector<int64_t>& shape, const FieldPath& path,
+               std::span<double> out);
 // A list of Feature objects.
 nanobind::list FeatureList(const FeatureSchema& schema);
 

@@ -134,13 +134,13 @@ std::function<std::shared_ptr<Expert>(const RunConfig&, const EpisodeStart&)> Ma
 }
 
 // Describes the exception being handled if Python code raised it: class, text, file and line.
-// Exceptions that end a process do not count.
+// sys.exit() in a user's code counts: it ends no process. Ctrl-C does not.
 std::string TellPythonError() {
   try {
     throw;
   } catch (nb::python_error& error) {
     const nb::gil_scoped_acquire acquire;
-    if (!error.matches(PyExc_Exception)) return "";
+    if (!error.matches(PyExc_Exception) && !error.matches(PyExc_SystemExit)) return "";
     const nb::object place = nb::module_::import_("robocell.generate.run_source").attr("place_of");
     return nb::cast<std::string>(place(error.value()));
   } catch (...) {

@@ -97,10 +97,9 @@ void PutSignals(nb::handle self, nb::handle made, const std::vector<Feature>& si
       const std::string& name = signal.column.name;
       if (!values.contains(name.c_str()))
         ThrowValue(path, fmt::format("has no '{}', which signals() names", name));
-      const nb::object value = Ravel(values[name.c_str()]);
-      const Numbers numbers(value, FieldPath(path, name), static_cast<size_t>(signal.size()));
-      std::copy(numbers.span().begin(), numbers.span().end(), out.begin());
-      out = out.subspan(numbers.size());
+      const auto size = static_cast<size_t>(signal.size());
+      PutValues(values[name.c_str()], signal.column.shape, FieldPath(path, name), out.first(size));
+      out = out.subspan(size);
     }
   });
 }
@@ -121,6 +120,32 @@ BodyPoses ToStarts(nb::handle self, nb::handle made) {
 }
 
 nb::object MemoryArray(std::span<const double> memory) { return NumberCopy(memory); }
+
+namespace {
+
+nb::object TaskMemory(const char* function) {
+  return nb::module_::import_("robocell._task_memory").attr(function);
+}
+
+}  // namespace
+
+void RememberBound(nb::handle self) { TaskMemory("remember_bound")(self); }
+
+void AddMemoryOfAttributes(nb::handle self, std::vector<double>& memory) {
+  const nb::object made = TaskMemory("memory_of")(self);
+  const Numbers numbers(made, FieldPath("memory"));
+  memory.insert(memory.end(), numbers.span().begin(), numbers.span().end());
+}
+
+void RecallAttributes(nb::handle self, std::span<const double> memory) {
+  const nb::gil_scoped_acquire acquire;
+  TaskMemory("recall")(self, MemoryArray(memory));
+}
+
+bool HasAttributes(std::span<const double> memory) {
+  const nb::gil_scoped_acquire acquire;
+  return nb::cast<bool>(TaskMemory("has_attributes")(MemoryArray(memory)));
+}
 
 namespace {
 
@@ -294,7 +319,8 @@ void BindTaskClass(nb::module_& m) {
       .def(
           "memory", [](const Task&) { return std::vector<double>(); },
           nb::sig("def memory(self) -> numpy.typing.ArrayLike"),
-          "Returns the task's memory of the episode, for saved states.")
+          "Returns the task's memory of the episode, for saved states. A task without it keeps the "
+          "attributes that the episode has set.")
       .def(
           "recall", [](Task&, nb::handle) {}, "memory"_a,
           nb::sig("def recall(self, memory: numpy.typing.NDArray[numpy.float64]) -> None"),

@@ -72,6 +72,13 @@ std::vector<double> ToMemory(nb::handle self, nb::handle made);
 BodyPoses ToStarts(nb::handle self, nb::handle made);
 nb::object MemoryArray(std::span<const double> memory);
 
+// The memory of a task that does not define memory(): its attributes (robocell/_task_memory.py).
+// The last two take the GIL.
+void RememberBound(nb::handle self);
+void AddMemoryOfAttributes(nb::handle self, std::vector<double>& memory);
+void RecallAttributes(nb::handle self, std::span<const double> memory);
+bool HasAttributes(std::span<const double> memory);
+
 template <class Base>
 class PyTaskOf : public Base {
  public:
@@ -90,9 +97,10 @@ class PyTaskOf : public Base {
     spec = nb::cast<SceneSpec&>(own);
   }
   void Bind(const Scene& scene, const TaskSetting& setting) override {
-    if (!Defines(nb_trampoline, "bind")) return Base::Bind(scene, setting);
+    if (!Defines(nb_trampoline, "bind")) Base::Bind(scene, setting);
     const nb::gil_scoped_acquire acquire;
-    self().attr("bind")(Scene(scene), setting);
+    if (Defines(nb_trampoline, "bind")) self().attr("bind")(Scene(scene), setting);
+    RememberBound(self());
   }
   BodyPoses Starts(Rng& rng) override {
     if (!Defines(nb_trampoline, "starts")) return Base::Starts(rng);
@@ -108,6 +116,7 @@ class PyTaskOf : public Base {
                                             self().attr("arrange")(Scene(scene), loan.rng()));
   }
   void Begin(const Scene& scene) override {
+    has_begun_ = true;
     if (!Defines(nb_trampoline, "begin")) return Base::Begin(scene);
     const nb::gil_scoped_acquire acquire;
     self().attr("begin")(Scene(scene));
@@ -183,14 +192,28 @@ class PyTaskOf : public Base {
     PutSignals(self(), self().attr("observe")(Scene(scene)), signals_, out);
   }
   std::vector<double> memory() const override {
-    if (!Defines(nb_trampoline, "memory")) return Base::memory();
     const nb::gil_scoped_acquire acquire;
-    return ToMemory(self(), self().attr("memory")());
+    if (has_memory()) return ToMemory(self(), self().attr("memory")());
+    std::vector<double> memory = Base::memory();
+    AddMemoryOfAttributes(self(), memory);
+    return memory;
   }
   void Recall(std::span<const double> memory) override {
-    if (!Defines(nb_trampoline, "recall")) return Base::Recall(memory);
+    if (!has_memory()) {
+      const size_t own = Base::memory().size();
+      Base::Recall(memory.first(own));
+      return RecallAttributes(self(), memory.subspan(own));
+    }
     const nb::gil_scoped_acquire acquire;
     self().attr("recall")(MemoryArray(memory));
+  }
+  bool CanRecall(std::span<const double> memory) const override {
+    // Its own memory() may need what begin() sets.
+    if (has_memory()) return !has_begun_ || Base::CanRecall(memory);
+    return memory.size() >= Base::memory().size();
+  }
+  bool HoldsElsewhere(std::span<const double> memory) const override {
+    return has_memory() || !HasAttributes(memory.subspan(Base::memory().size()));
   }
 
  private:
@@ -199,7 +222,16 @@ class PyTaskOf : public Base {
     return Returned<std::vector<std::string>>(self(), name, self().attr(name)());
   }
 
+  // Returns true if Python defines memory() and recall(). Raises TypeError for one without the
+  // other.
+  bool has_memory() const {
+    const bool remembers = Defines(nb_trampoline, "memory");
+    if (remembers == Defines(nb_trampoline, "recall")) return remembers;
+    ThrowMissing(self(), remembers ? "recall" : "memory");
+  }
+
   mutable std::vector<Feature> signals_;
+  bool has_begun_ = false;
 };
 
 // Returns the recorded values of a state: {name: array}, images by the names of their streams;

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import enum
 import pickle
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -133,3 +135,140 @@ def test_a_saved_state_needs_a_name():
     with pytest.raises(rc.ArgumentError, match="'pick_cube': a saved state needs a name"):
         env.save("")
     env.close()
+
+
+class Pushed(rc.tasks.Task):
+    """Remembers in attributes what is drawn, and where the cube was; it defines no memory()."""
+
+    class Phase(enum.Enum):
+        FAR = 1
+        NEAR = 2
+
+    class Tracker:
+        def __init__(self) -> None:
+            self.best = np.inf
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.gain = 2.0
+        self.tracker = self.Tracker()
+
+    def bind(self, scene, setting):
+        self.robot = scene.robot("robot")
+
+    def arrange(self, scene, rng):
+        self.point = [rng.uniform(), rng.uniform()]
+
+    def begin(self, scene):
+        self.start = scene.body_pose("cube_green_cube")
+        self.phase = self.Phase.FAR
+        self.seen = {"steps": 0, "poses": (np.zeros(2), None)}
+        self.tracker.best = np.inf
+
+    def judge(self, scene):
+        self.seen["steps"] += 1
+        tcp = self.robot.tcp_in_world.translation
+        near = np.linalg.norm(tcp - self.start.translation)
+        self.tracker.best = min(self.tracker.best, near)
+        self.phase = self.Phase.NEAR
+        reward = self.gain * self.tracker.best + sum(self.point) + 0.1 * self.seen["steps"]
+        return rc.tasks.TaskVerdict(reward=reward + self.phase.value)
+
+    def instruction(self):
+        return "push it"
+
+
+def rewards_after(env: rc.Env, count: int = 3) -> list[float]:
+    return [env.step(STAY_HERE)[1] for _ in range(count)]
+
+
+STAY_HERE = {"robot": {"tquat": [0.02, 0.01, -0.02, 0, 0, 0, 1], "gripper": 1}}
+
+
+def pushed_config(task: type[rc.tasks.Task] = Pushed, **fields) -> rc.EnvConfig:
+    kind = task.__name__.lower() + "_of_states"
+    rc.register_task(kind)(task)
+    return pick_cube_config(task={"kind": kind}, relative_to="last_step", **fields)
+
+
+@pytest.mark.parametrize("steps", [0, 2])
+def test_a_task_without_memory_keeps_its_attributes(steps):
+    env = rc.Env(pushed_config())
+    env.reset(seed=1)
+    rewards_after(env, steps)
+    env.save("here")
+    state = pickle.loads(pickle.dumps(env.get_state()))
+    expected = rewards_after(env)
+    env.reset(seed=5)
+    rewards_after(env, 1)
+    env.restore("here")
+    assert rewards_after(env) == expected
+    fresh = rc.Env(pushed_config())
+    fresh.set_state(state)
+    assert rewards_after(fresh) == expected
+    env.close()
+    fresh.close()
+
+
+def test_fields_of_the_configuration_are_not_part_of_a_state():
+    class Graded(Pushed):
+        @dataclass
+        class Fields:
+            gain: float = 2.0
+
+        def __init__(self, fields):
+            super().__init__()
+            self.gain = fields.gain
+
+    config = pushed_config(Graded)
+    env = rc.Env(config)
+    env.reset(seed=1)
+    state = env.get_state()
+    config.task.gain = 0.0
+    other = rc.Env(config)
+    other.set_state(state)
+    assert rewards_after(env, 1)[0] > rewards_after(other, 1)[0]
+    env.close()
+    other.close()
+
+
+def test_what_cannot_be_kept_is_refused_when_a_state_is_saved():
+    class Draws(Pushed):
+        def begin(self, scene):
+            super().begin(scene)
+            self.rng = np.random.default_rng(1)
+
+    env = rc.Env(pushed_config(Draws))
+    env.reset(seed=1)
+    with pytest.raises(rc.ArgumentError) as caught:
+        env.save("here")
+    said = str(caught.value)
+    assert "task 'Draws': its state cannot be saved, because attribute 'rng' holds a" in said
+    assert said.endswith(
+        "Define memory(), which returns what the episode has set as numbers, and recall(memory), "
+        "which restores it"
+    )
+    env.close()
+
+
+def test_memory_without_recall_is_refused():
+    class Half(Pushed):
+        def memory(self):
+            return [1.0]
+
+    env = rc.Env(pushed_config(Half))
+    env.reset(seed=1)
+    with pytest.raises(TypeError, match=r"Half must define recall\(\)"):
+        env.save("here")
+    env.close()
+
+
+def test_attributes_are_not_taken_to_a_rig_that_stands_elsewhere():
+    env = rc.Env(pushed_config())
+    env.reset(seed=1)
+    state = env.get_state()
+    moved = rc.Env(pushed_config(root_frame_to_world=rc.Pose(translation=[1, 0, 0])))
+    with pytest.raises(rc.ArgumentError, match=r"has no memory\(\) of its own"):
+        moved.set_state(state, frame="root")
+    env.close()
+    moved.close()

@@ -209,3 +209,11 @@ def test_rows_have_the_frame_of_their_number(dataset: robocell.Dataset):
     np.testing.assert_array_equal(of_ticks, expected)
     with pytest.raises(robocell.NotFoundError, match="Did you mean 'control'"):
         episode.frames_of_rows("exo", "contrl")
+
+
+def test_names_are_found_as_in_a_mapping(dataset: robocell.Dataset):
+    episode = dataset[0]
+    assert all(name in episode for name in episode.columns)
+    assert "no such column" not in episode
+    assert 3 not in episode
+    assert None not in episode

@@ -88,6 +88,50 @@ class Names(Touch):
         return ["cubee"]
 
 
+class NamesTwice(Touch):
+    def objects(self) -> list[str]:
+        return ["cube", "cube"]
+
+
+class SignalsNoPath(Touch):
+    def signals(self) -> Any:
+        return {"..": ([0], [1])}
+
+
+class SignalsInsideEachOther(Touch):
+    def signals(self) -> Any:
+        return {"a": ([0], [1]), "a/b": ([0], [1])}
+
+
+class Exits(Touch):
+    def judge(self, scene: rc.Scene) -> Any:
+        raise SystemExit(3)
+
+
+class RangesBackwards(Touch):
+    def base_range(self) -> rc.tasks.BaseRange:
+        return rc.tasks.BaseRange(distance=[0.5, 0.3])
+
+
+class RangesNan(Touch):
+    def base_range(self) -> rc.tasks.BaseRange:
+        return rc.tasks.BaseRange(height_offset=float("nan"))
+
+
+class RangesBehind(Touch):
+    def base_range(self) -> rc.tasks.BaseRange:
+        return rc.tasks.BaseRange(distance=[-1, -0.5])
+
+
+class PreparesTimestep(Cube):
+    def prepare(self, spec: rc.SceneSpec, rng: rc.tasks.Rng) -> None:
+        super().prepare(spec, rng)
+        spec.timestep = 0.01
+
+    def judge(self, scene: rc.Scene) -> Any:
+        return rc.tasks.TaskVerdict()
+
+
 class Prepares(Touch):
     def prepare(self, spec: rc.SceneSpec, rng: rc.tasks.Rng) -> None:
         spec.objects.append(rc.SceneObject(name="cube", shape=rc.Shape.BOX, size=[-1, 1, 1]))
@@ -134,9 +178,15 @@ def place(function: Callable[..., Any]) -> str:
         (Rewards, "reward", "Rewards.reward() must return a number, got 'much'"),
         (Counts, "judge", "the task's subtask is 3; it must be 0 to 0"),
         (Arranges, "arrange", "Arranges.arrange() must return a Refusal or None, got 'no'"),
-        (Observes, "observe", "Observes.observe().a must be 2 numbers, got 1"),
+        (Observes, "observe", "Observes.observe().a has shape (1), and (2) was declared"),
         (Starts, "starts", "no body 'cubee'"),
         (Names, "objects", "no object 'cubee'"),
+        (NamesTwice, "objects", "objects() names 'cube' twice"),
+        (SignalsNoPath, "signals", "'..' is no valid part of a path"),
+        (SignalsInsideEachOther, "signals", "one name is a folder of the other"),
+        (RangesBackwards, "base_range", "the distance of a base range is [0.5, 0.3]"),
+        (RangesBehind, "base_range", "the distance of a base range is [-1, -0.5]"),
+        (RangesNan, "base_range", "the height_offset of a base range is nan"),
         (Prepares, "prepare", "prepare added object 'cube', which is not valid"),
     ],
 )
@@ -175,7 +225,7 @@ def test_what_a_feature_returns_wrongly_ends_the_attempt(tmp_path: Path, numbers
         return numbers
 
     said = failure_of(tmp_path, Touch, lambda *_: Idle(), features=["pair_of_hooks"])
-    assert "pair_of_hooks'" in said
+    assert "feature 'pair_of_hooks'" in said or "feature 'features/pair_of_hooks' is nan" in said
     assert said.endswith(place(pair))
 
 
@@ -215,3 +265,108 @@ def test_the_function_that_makes_a_task_is_named(tmp_path: Path):
     with pytest.raises(TypeError, match="must return a Task, got 7") as caught:
         rc.generate.Runner(run, expert=lambda *_: Idle())
     assert str(caught.value).endswith(place(nothing))
+
+
+@pytest.mark.parametrize(
+    "values", [np.zeros(6), np.zeros((3, 2)), [[0.0, 0.0]] * 3, 1.0, [1.0], np.zeros((1, 2, 3))]
+)
+def test_a_feature_of_another_shape_than_declared_ends_the_attempt(tmp_path: Path, values: Any):
+    @rc.register_feature("table_of_hooks", shape=[2, 3])
+    def table(scene: rc.Scene) -> Any:
+        return values
+
+    said = failure_of(tmp_path, Touch, lambda *_: Idle(), features=["table_of_hooks"])
+    found = "(" + ", ".join(map(str, np.shape(values))) + ")"
+    assert f"feature 'table_of_hooks' has shape {found}, and (2, 3) was declared" in said
+    assert said.endswith(place(table))
+
+
+@pytest.mark.parametrize("value", [True, np.True_, np.array(True)])
+def test_a_feature_may_be_true_or_false(tmp_path: Path, value: Any):
+    rc.register_feature("flag_of_hooks")(lambda scene: value)
+    run = run_of(tmp_path / "run", Touch, features=["flag_of_hooks"], max_attempts=1, keep="all")
+    rc.generate.Runner(run, expert=lambda *_: Idle()).run(rc.generate.make_plan(run)[0])
+    assert rc.Dataset(run.output)[0]["features/flag_of_hooks"].tolist() == [1, 1, 1]
+
+
+@pytest.mark.parametrize(("shape", "value"), [((), [1.0]), ((1,), 1.0), ((1,), np.ones(1))])
+def test_a_single_number_may_be_a_row_of_one(tmp_path: Path, shape: Any, value: Any):
+    rc.register_feature("one_of_hooks", shape=shape)(lambda scene: value)
+    run = run_of(tmp_path / "run", Touch, features=["one_of_hooks"], max_attempts=1, keep="all")
+    rc.generate.Runner(run, expert=lambda *_: Idle()).run(rc.generate.make_plan(run)[0])
+    assert rc.Dataset(run.output)[0]["features/one_of_hooks"].shape == (3, *shape)
+
+
+def test_a_task_that_changes_the_timestep_is_refused_before_the_first_episode(tmp_path: Path):
+    with pytest.raises(rc.ArgumentError) as caught:
+        run_of(tmp_path / "run", PreparesTimestep)
+    assert "prepare() changed the timestep of scene 'scene' from unset to 0.01 s" in str(
+        caught.value
+    )
+    assert str(caught.value).endswith(place(PreparesTimestep.prepare))
+
+
+def test_sys_exit_in_a_hook_ends_the_attempt(tmp_path: Path):
+    run = run_of(tmp_path / "run", Exits, max_attempts=2)
+    result = rc.generate.Runner(run, expert=lambda *_: Idle()).run(rc.generate.make_plan(run)[0])
+    line = Exits.judge.__code__.co_firstlineno + 1
+    assert result.failures == {f"SystemExit: 3 ({__file__}:{line}, in judge)": 2}
+
+
+def test_a_sampler_whose_scene_has_another_timestep_ends_the_attempt(tmp_path: Path):
+    class Slow(rc.tasks.TaskSampler):
+        def __init__(self, run: rc.RunConfig) -> None:
+            super().__init__()
+            self.run = run
+
+        def sample(self, request: Any, rng: rc.tasks.Rng) -> Any:
+            spec = rc.SceneSpec(name="slow", timestep=0.004, add_floor=True, add_skybox=True)
+            spec.robots.append(rc.RobotSpec(name="rc7", config=self.run.robot))
+            return rc.tasks.EpisodeStart(rc.Scene.build(spec), Touch(), "")
+
+    run = run_of(tmp_path / "run", Touch, max_attempts=2)
+    runner = rc.generate.Runner(run, sampler=Slow, expert=lambda *_: Idle())
+    (said,) = runner.run(rc.generate.make_plan(run)[0]).failures
+    assert "scene 'slow' was built with a timestep of 0.004 s, and `rates` has one of 0.002 s" in (
+        said
+    )
+
+
+def test_a_scene_source_with_another_timestep_is_refused(tmp_path: Path):
+    @rc.register_scene_source("slow_of_hooks")
+    class Slow(rc.scenes.SceneSource):
+        timestep = 0.003
+
+        def size(self) -> int:
+            return 1
+
+        def make(self, index: int) -> rc.SceneSpec:
+            return rc.SceneSpec(base="tabletop", timestep=self.timestep, add_skybox=True)
+
+    run = load(tmp_path)
+    run.scenes, run.output = {"source": "slow_of_hooks"}, str(tmp_path / "slow")
+    with pytest.raises(rc.SpecError) as caught:
+        rc.generate.prepare_dataset(run)
+    assert "scene 0 with a timestep of 0.003 s, and `rates` has one of 0.002 s" in str(caught.value)
+    assert "sim_ms: 3" in str(caught.value)
+    Slow.timestep = 0.002
+    rc.generate.prepare_dataset(run)
+
+
+def test_a_fixed_base_is_refused_before_the_first_episode(tmp_path: Path):
+    rc.register_task("fixed_of_hooks")(Touch)
+    rc.register_expert("fixed_of_hooks")(lambda run, start: Idle())
+    run = load(tmp_path)
+    run.task, run.output = {"kind": "fixed_of_hooks"}, str(tmp_path / "fixed")
+    run.robot.base = {"kind": "fixed"}
+    with pytest.raises(rc.SpecError) as caught:
+        rc.generate.prepare_dataset(run)
+    assert (
+        "robot.base.kind: the robot stands where `start` or base_range() of the task puts it"
+        in (str(caught.value))
+    )
+
+
+def test_a_slip_between_two_fields_names_both():
+    with pytest.raises(rc.SpecError, match=r"'goalz'.* Did you mean 'goal' or 'goals'\?"):
+        rc.RunConfig.from_yaml("run: a\ntask: {kind: pick_and_place, goalz: [tray]}\n", "a.yaml")

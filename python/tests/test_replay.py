@@ -6,6 +6,8 @@ import hashlib
 import json
 import re
 import shutil
+import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -202,3 +204,89 @@ def test_what_a_replay_of_actions_needs_is_told(dataset: Path, recorded: Path):
     result = robocell_command("replay", recorded, "--env", "xarm7")
     assert result.returncode == 2
     assert "is of another configuration: feature 'action/robot/joints'" in result.stderr
+
+
+PUSH = """
+import robocell as rc
+
+
+@rc.register_task("push_of_replay")
+class Push(rc.tasks.Task):
+    def begin(self, scene):
+        self.start = scene.body_pose("cube_green_cube").translation
+{hook}
+    def judge(self, scene):
+        way = scene.robot("robot").tcp_in_world.translation - self.start
+        return rc.tasks.TaskVerdict(reward=float(way @ way))
+
+    def instruction(self):
+        return "push it"
+"""
+OWN_MEMORY = """
+    def memory(self):
+        return list(self.start)
+
+    def recall(self, memory):
+        self.start = memory
+"""
+
+
+@pytest.mark.parametrize("hook", ["", OWN_MEMORY], ids=["attributes", "memory"])
+def test_a_task_that_keeps_its_start_is_replayed(tmp_path: Path, hook: str):
+    """In a process whose task has never begun."""
+    module = tmp_path / "push_of_replay.py"
+    module.write_text(PUSH.format(hook=hook))
+    record = tmp_path / "record.py"
+    record.write_text(f"""
+import robocell as rc
+from robocell.gym import pick_cube_config
+from push_of_replay import Push
+
+env = rc.Env(pick_cube_config(task={{"kind": "push_of_replay"}}))
+with rc.data.EnvRecorder(env, {str(tmp_path / "out")!r}) as recorder:
+    for seed in (1, 2):
+        env.reset(seed=seed)
+        if seed == 2:
+            env.step({{"robot": {{"tquat": [0, 0.01, 0, 0, 0, 0, 1], "gripper": 0}}}})
+            state = env.get_state()
+            recorder.discard()
+            env.reset(seed=3)
+            env.set_state(state)
+        for _ in range(3):
+            env.step({{"robot": {{"tquat": [0, 0.01, -0.02, 0, 0, 0, 1], "gripper": 1}}}})
+env.close()
+""")
+    subprocess.run([sys.executable, record], check=True, cwd=tmp_path)
+    words = ("replay", tmp_path / "out", "--actions", "--import", module, "--tolerance", 0)
+    result = robocell_command(*words)
+    assert result.returncode == 0, result.stderr + result.stdout
+    starts = [e.metadata["environment"]["start"] for e in robocell.Dataset(tmp_path / "out")]
+    assert starts == ["reset", "state"]
+
+
+def test_an_error_of_a_task_in_a_replay_is_told_with_its_line(tmp_path: Path):
+    module = tmp_path / "push_of_replay.py"
+    module.write_text(PUSH.format(hook=""))
+    code = f"""
+import robocell as rc
+from robocell.gym import pick_cube_config
+from push_of_replay import Push
+
+env = rc.Env(pick_cube_config(task={{"kind": "push_of_replay"}}))
+with rc.data.EnvRecorder(env, {str(tmp_path / "out")!r}):
+    env.reset(seed=1)
+    Push.start = [0, 0, 0]
+    env.step({{"robot": {{"tquat": [0, 0.01, 0, 0, 0, 0, 1], "gripper": 0}}}})
+env.close()
+"""
+    text = module.read_text()
+    (tmp_path / "record.py").write_text(code)
+    module.write_text(text.replace("self.start = scene", "fail = scene"))
+    subprocess.run([sys.executable, "record.py"], check=True, cwd=tmp_path)
+    result = robocell_command("replay", tmp_path / "out", "--actions", "--import", module)
+    assert result.returncode == 2
+    line = module.read_text()[: module.read_text().index("self.start\n")].count("\n") + 1
+    assert result.stderr == (
+        "error: episode-000000 cannot be replayed: AttributeError: 'Push' object has no attribute "
+        f"'start' ({module}:{line}, in judge)\n"
+    )

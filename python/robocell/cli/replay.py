@@ -10,6 +10,7 @@ import typer
 import robocell
 from robocell import _core, data
 from robocell._cells import load_cell
+from robocell._own_code import RAISED
 from robocell.cli.common import ExitCode, fail, print_error, print_warning, require_folder
 from robocell.dataset_run import manifest_of_dataset, run_of_dataset
 from robocell.generate.run_source import import_named, is_of_own_code, told_with_place
@@ -84,7 +85,7 @@ def replay(
         except robocell.IoError as error:
             print_error(str(error))
             unread += 1
-        except Exception as error:
+        except RAISED as error:
             if not isinstance(error, robocell.Error) and not is_of_own_code(error):
                 raise
             print_error(f"{name} cannot be replayed: {told_with_place(error)}")
@@ -124,8 +125,8 @@ def _environment(name: str) -> robocell.Env:
         config.sim.realtime = False
         config.cameras.streams.clear()
         return robocell.Env(config)
-    except robocell.Error as error:
-        fail(str(error))
+    except RAISED as error:
+        fail(told_with_place(error))
 
 
 def _result(

@@ -88,23 +88,38 @@ bool IsNumberedRun(const std::vector<std::string>& names) {
 
 }  // namespace
 
-std::vector<std::string> NearestNames(std::string_view name,
-                                      const std::vector<std::string>& candidates, int count) {
+namespace {
+
+struct ScoredName {
+  int distance, gap;  // edits, and between the numbers at the ends
+  std::string name;
+};
+
+// Returns the names that are near, the nearest first; equal ones keep their order.
+std::vector<ScoredName> ScoredNames(std::string_view name,
+                                    const std::vector<std::string>& candidates) {
   const std::string wanted = Lower(name);
-  std::vector<std::tuple<int, int, std::string>> scored;  // distance, gap between numbers, name
+  std::vector<ScoredName> scored;
   for (const std::string& candidate : candidates) {
     const std::string have = Lower(candidate);
     const int distance = EditDistance(wanted, have);
     if (!IsNear(wanted, have, distance)) continue;
-    scored.emplace_back(distance, NumberGap(wanted, have), candidate);
+    scored.push_back({distance, NumberGap(wanted, have), candidate});
   }
-  std::stable_sort(scored.begin(), scored.end(), [](const auto& a, const auto& b) {
-    return std::tie(std::get<0>(a), std::get<1>(a)) < std::tie(std::get<0>(b), std::get<1>(b));
+  std::stable_sort(scored.begin(), scored.end(), [](const ScoredName& a, const ScoredName& b) {
+    return std::tie(a.distance, a.gap) < std::tie(b.distance, b.gap);
   });
+  return scored;
+}
+
+}  // namespace
+
+std::vector<std::string> NearestNames(std::string_view name,
+                                      const std::vector<std::string>& candidates, int count) {
   std::vector<std::string> out;
-  for (const auto& [distance, gap, candidate] : scored) {
+  for (const ScoredName& near : ScoredNames(name, candidates)) {
     if (static_cast<int>(out.size()) == count) break;
-    if (std::find(out.begin(), out.end(), candidate) == out.end()) out.push_back(candidate);
+    if (std::find(out.begin(), out.end(), near.name) == out.end()) out.push_back(near.name);
   }
   return out;
 }
@@ -121,8 +136,18 @@ std::string ListNames(const std::vector<std::string>& names, int limit) {
 }
 
 std::string DidYouMean(std::string_view name, const std::vector<std::string>& candidates) {
-  const std::vector<std::string> near = NearestNames(name, candidates, 1);
-  return near.empty() ? "" : " Did you mean '" + near.front() + "'?";
+  const std::vector<ScoredName> near = ScoredNames(name, candidates);
+  if (near.empty()) return "";
+  // A slip that two names are as near to, such as "goalz", may mean either: "goal", "goals".
+  constexpr size_t kMostEquals = 2;
+  std::vector<std::string> equals;
+  for (const ScoredName& each : near) {
+    const bool is_equal = each.distance == near.front().distance && each.gap == near.front().gap;
+    if (is_equal && std::find(equals.begin(), equals.end(), each.name) == equals.end())
+      equals.push_back(each.name);
+  }
+  const bool has_two = equals.size() == kMostEquals;
+  return " Did you mean '" + equals.front() + (has_two ? "' or '" + equals.back() : "") + "'?";
 }
 
 std::string NoSuchName(std::string_view place, std::string_view kind, std::string_view name,

@@ -69,6 +69,7 @@ TEST(ListNames, ShowsWhatIsEmpty) {
 TEST(DidYouMean, IsASentenceOrNothing) {
   EXPECT_EQ(DidYouMean("joint77", kJoints), " Did you mean 'joint7'?");
   EXPECT_EQ(DidYouMean("camera", kJoints), "");
+  EXPECT_EQ(DidYouMean("goalz", {"goal", "goals", "spread"}), " Did you mean 'goal' or 'goals'?");
 }
 
 TEST(NoSuchName, NamesPlaceThingAlternativesAndTheNearest) {

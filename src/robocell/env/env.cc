@@ -297,7 +297,8 @@ StepResult Env::AdvanceGuarded(std::span<const double> action, const EnvState& b
   const StepResult ahead = Advance(poll);
   if (!ahead.ok() || !collided_) return ahead;
   out.collisions = collisions_.found();
-  Recall(before);
+  RecallCell(before);
+  if (task_) task_->Recall(before.task);
   collisions_.Begin();
   cameras_.GoBackToMark();
   held_ = true;

@@ -130,8 +130,9 @@ class Env {
   // another process, and, with StateFrame::kRoot, on a rig that stands elsewhere. Throws Error
   // before the first Reset.
   EnvState state() const;
-  // Throws ArgumentError for a state of another configuration and for numbers that are not finite,
-  // before anything changes.
+  // Begins the task anew if the state is that of a reset, and restores its memory. Throws
+  // ArgumentError for a state of another configuration and for numbers that are not finite, before
+  // anything changes.
   void SetState(const EnvState& state, StateFrame frame = StateFrame::kWorld);
 
   // Notifies an observer of all events from now on; it must be removed before it is destroyed.
@@ -172,7 +173,8 @@ class Env {
   Snapshot& RequireSnapshot(const std::string& name);
   std::vector<std::string> Send(std::span<const double> action);
   void RequireState(const EnvState& state) const;
-  void Recall(const EnvState& state);
+  void RequireFrame(const EnvState& state, StateFrame frame) const;
+  void RecallCell(const EnvState& state);
   void MoveToRoot(const Pose& from);
   using Poll = std::function<void()>;
   StepResult Advance(const Poll& poll);

@@ -11,6 +11,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/units.h"
 #include "robocell/features/robot_features.h"
+#include "robocell/task/task_features.h"
 
 namespace robocell {
 namespace {
@@ -265,8 +266,9 @@ EnvLayout MakeEnvLayout(const EnvConfig& config, const std::vector<Robot>& robot
   Builder builder(config);
   const std::vector<std::string> names = config.robots.keys();
   for (size_t i = 0; i < robots.size(); ++i) builder.Add(names[i], robots[i]);
-  if (task) {
-    for (const std::string& object : task->objects()) builder.AddObject(object);
+  if (task && !robots.empty()) {
+    for (const std::string& object : ObjectsOf(*task, robots.front().scene()))
+      builder.AddObject(object);
   }
   builder.AddSignals(signals);
   builder.AddFeatures(chosen);

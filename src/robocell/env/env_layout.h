@@ -52,7 +52,7 @@ struct SignalLayout {
 
 // A feature that the configuration adds to the observation (EnvConfig::features).
 struct FeatureLayout {
-  std::string key;  // "tcp_height", "sensors/touch"
+  std::string key;  // "tcp_height", "robots/left/sensors/touch"
   VectorPart part;
   std::vector<int64_t> shape;
 };

@@ -20,6 +20,7 @@ namespace {
 
 constexpr size_t kNumbersBeforePhysics = 8;  // the rig's pose, ticks
 
+constexpr double kSamePlace = 1e-9;  // metres, and in rotation matrices
 constexpr double kMostTicks = 1e15;
 constexpr double kMostBodies = 1e9;
 
@@ -172,7 +173,7 @@ void Env::RequireState(const EnvState& state) const {
   bool fits = state.names_hash == HashOfNames(config_, scene_.model()) &&
               state.arms.size() == arms_.size() &&
               state.variations.size() == variations_.drawn().size() &&
-              state.task.size() == (task_ ? task_->memory().size() : 0) &&
+              (task_ ? task_->CanRecall(state.task) : state.task.empty()) &&
               state.physics.size() == scene_.state().size();
   for (size_t i = 0; fits && i < arms_.size(); ++i) {
     const ArmDriver::Memory own = arms_[i].memory();
@@ -198,12 +199,25 @@ void Env::RequireState(const EnvState& state) const {
   }
 }
 
-// Restores everything but the observation.
-void Env::Recall(const EnvState& state) {
+// A task's memory of its own attributes may hold places in the world.
+void Env::RequireFrame(const EnvState& state, StateFrame frame) const {
+  const Pose moved = config_.root_frame_to_world * state.root_frame_to_world.inverse();
+  const bool is_moved =
+      moved.translation().norm() > kSamePlace || !moved.rotation().isIdentity(kSamePlace);
+  if (frame != StateFrame::kRoot || !is_moved || !task_ || task_->HoldsElsewhere(state.task))
+    return;
+  throw ArgumentError(
+      fmt::format("{}: the state is of a rig that stands elsewhere, and task '{}' has no memory() "
+                  "of its own: its attributes may hold places in the world. Define memory() and "
+                  "recall() with places in the root frame",
+                  place(), config_.task->kind()));
+}
+
+// Restores everything but the task and the observation.
+void Env::RecallCell(const EnvState& state) {
   if (state.variations != variations_.drawn()) variations_.Apply(state.variations);
   scene_.SetState(state.physics);
   for (size_t i = 0; i < arms_.size(); ++i) arms_[i].Recall(state.arms[i]);
-  if (task_) task_->Recall(state.task);
   collisions_.Recall(state.touching);
   ticks_ = state.ticks;
 }
@@ -221,9 +235,15 @@ void Env::MoveToRoot(const Pose& from) {
 void Env::SetState(const EnvState& state, StateFrame frame) {
   const SceneUse::Claim claim(scene_.use(), "Env::SetState");
   RequireState(state);
+  RequireFrame(state, frame);
   phase_ = Phase::kBroken;  // until the state is complete
-  Recall(state);
+  RecallCell(state);
   if (frame == StateFrame::kRoot) MoveToRoot(state.root_frame_to_world);
+  if (task_) {
+    // What Begin sets is not all in a task's memory, and this task may never have begun.
+    if (state.ticks == 0) task_->Begin(scene_);
+    task_->Recall(state.task);
+  }
   pacer_.Start(TimeSinceReset());
   cameras_.GoOnFrom(TimeSinceReset());
   Observe();

@@ -282,7 +282,7 @@ struct BeHighConfig {
   }
 };
 
-class BeHigh final : public Task {
+class BeHigh : public Task {
  public:
   explicit BeHigh(const BeHighConfig& fields) : fields_(fields) {}
   void Bind(const Scene& scene, const TaskSetting& setting) override {
@@ -345,6 +345,41 @@ TEST_F(EnvTaskTest, TasksOfOnesOwnAreRegistered) {
   EnvStep step = MoveTo(env, up, 1);
   EXPECT_TRUE(step.success);
   EXPECT_GT(step.reward, 0.1);
+}
+
+struct ForgetfulConfig {
+  double rise = 0.05;
+
+  static constexpr const char* kKind = "forgetful";
+  static constexpr const char* kTypeName = "ForgetfulConfig";
+  template <class V>
+  static void Fields(V&& v) {
+    v("rise", &ForgetfulConfig::rise, "How far the TCP rises, metres.");
+  }
+};
+
+// Keeps where the TCP was at the start, and has no memory.
+class Forgetful final : public BeHigh {
+ public:
+  explicit Forgetful(const ForgetfulConfig&) : BeHigh(BeHighConfig()) {}
+  std::vector<double> memory() const override { return {}; }
+  void Recall(std::span<const double> /*memory*/) override {}
+};
+
+TEST_F(EnvTaskTest, ATaskBeginsAnewWhereAStartIsRestored) {
+  RegisterTask<ForgetfulConfig>(std::make_shared<TaskKindOf<ForgetfulConfig, Forgetful>>());
+  EnvConfig config = Picking();
+  config.task = ForgetfulConfig();
+  Env env(config);
+  env.Reset({.seed = 1});
+  const EnvState start = env.state();
+  const double height = env.observation().last(3)[0];
+  const Pose up = Pose::FromRpy({0.4, 0, height + 0.12}, {internal::kPi, 0, 0});
+  const double reward = MoveTo(env, up, 1).reward;
+  ASSERT_GT(reward, 0.1);
+  Env other(config);  // whose task has never begun
+  other.SetState(start);
+  EXPECT_EQ(MoveTo(other, up, 1).reward, reward);
 }
 
 TEST_F(EnvTaskTest, StartsAreSpreadAroundTheObjectsPlaceInTheRootFrame) {

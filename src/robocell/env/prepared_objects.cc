@@ -196,7 +196,7 @@ void PreparedObjects::FindSupports(const EnvConfig& config, const Task* task) {
   for (size_t i = 0; i < bodies_.size(); ++i) {
     if (is_drawn(i)) scene_.SetBodyPose(bodies_[i], compiled_[i]);
   }
-  const BaseRange wanted = task ? task->base_range() : BaseRange();
+  const BaseRange wanted = task ? SoundBaseRange(*task) : BaseRange();
   for (const std::string& name : config.robots.keys()) {
     const Robot robot = Robot::Of(scene_, name);
     if (!robot.has_arm()) continue;

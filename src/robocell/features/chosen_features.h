@@ -1,8 +1,8 @@
 // ChosenFeatures: selected features of a cell, by name, in the order of selection: what an
 // environment observes beside its robots, objects and task.
 //
-//   ChosenFeatures chosen(scene, robots, {"tcp_height", "sensors/*", "robots/left/arm/qvel"});
-//   chosen.keys();      // "tcp_height", "sensors/touch", "robots/left/arm/qvel"
+//   ChosenFeatures chosen(scene, robots, {"tcp_height", "robots/*/sensors/*"});
+//   chosen.keys();      // "tcp_height", "robots/left/sensors/touch"
 //   chosen.Read(out);   // their numbers
 //
 // A registered feature (own_features.h) is selected by its name; all others have the names that

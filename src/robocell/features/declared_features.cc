@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "robocell/base/call_hook.h"
+#include "robocell/data/episode_schema.h"
 
 namespace robocell {
 namespace {
@@ -29,11 +30,13 @@ DeclaredFeatures::DeclaredFeatures(Scene scene, std::shared_ptr<const DeclaresFe
     : FeatureSource(std::move(scene)), of_(std::move(of)) {
   if (!of_) return;
   internal::CallHook(*of_, "signals", [&] {
-    FeatureSchema schema;  // its checks
+    FeatureSchema schema;   // its checks
+    EpisodeSchema columns;  // and those of the columns that an episode will have
     for (Feature feature : of_->signals()) {
       RequireSignal(feature);
       schema.Add(feature);
       feature.column.name = path + "/" + feature.column.name;
+      columns.AddColumn(feature.column);
       if (feature.source.empty()) feature.source = path;
       Add(std::move(feature));
     }

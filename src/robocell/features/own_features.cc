@@ -11,6 +11,7 @@
 #include "robocell/base/paths.h"
 #include "robocell/base/plugin.h"
 #include "robocell/base/suggestions.h"
+#include "robocell/data/episode_schema.h"
 
 namespace robocell {
 namespace {
@@ -53,7 +54,8 @@ void RegisterFeature(const std::string& name, Feature feature, FeatureFunction f
         fmt::format("feature '{}' must be float64, not {}", name, NameOf(feature.column.type)));
   feature.column.name = "features/" + name;
   feature.source = "feature of a user's own";
-  FeatureSchema().Add(feature);  // its checks
+  FeatureSchema().Add(feature);  // its checks, and those of the column in an episode
+  EpisodeSchema().AddColumn(feature.column);
   OwnFeatureTable& table = OwnFeatureKinds();
   const std::lock_guard lock(table.mutex);
   if (table.features.contains(name) && !replace)

@@ -4,14 +4,23 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <set>
+#include <string>
+#include <utility>
 
 #include "robocell/features/units.h"
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/mujoco/tree.h"
+#include "robocell/scene/compiled_scene.h"
 
 namespace robocell::internal {
 namespace {
+
+std::string SensorNameOf(const RobotRecord& robot, const std::string& sensor) {
+  return "robots/" + robot.name + "/sensors/" + sensor;
+}
 
 // An actuator's length is that of its joint times the gear; elsewhere metres.
 std::string ActuatorUnit(const mjModel* m, int actuator, const char* per) {
@@ -129,19 +138,82 @@ std::string Frame(const mjModel* m, int sensor) {
   }
 }
 
-std::string NameOfSensor(const mjModel* m, int sensor) {
-  const std::string name = ElementName(m, mjOBJ_SENSOR, sensor);
-  return "sensors/" + (name.empty() ? fmt::format("sensor_{}", sensor) : name);
+// Returns the body that a sensor is on; -1 for one of the whole model, such as a clock.
+int BodyOfSensor(const mjModel* m, int sensor) {
+  const auto kind = static_cast<mjtObj>(m->sensor_objtype[sensor]);
+  const int id = m->sensor_objid[sensor];
+  if (kind == mjOBJ_XBODY) return id;
+  if (kind != mjOBJ_ACTUATOR) return BodyOf(m, kind, id);
+  return ActsOnJoint(m, id) ? BodyOf(m, mjOBJ_JOINT, m->actuator_trnid[2 * id]) : -1;
+}
+
+// Returns what stands before the robot's own names: in a model of several robots each has a prefix
+// there.
+std::string PrefixOf(const CompiledScene& scene, const RobotRecord& robot) {
+  for (const RobotSpec& spec : scene.spec().robots) {
+    if (spec.name == robot.name) return robot.prefix + spec.model_prefix;
+  }
+  return robot.prefix;
+}
+
+struct SensorOwner {
+  const RobotRecord* robot = nullptr;
+  std::string name;  // without the robot's prefix
+};
+
+// Returns the robot that a sensor belongs to by its name, else the one whose part it is on.
+SensorOwner OwnerOf(const CompiledScene& scene, int sensor, const std::string& name) {
+  SensorOwner owner{.name = name};
+  size_t longest = 0;
+  for (const RobotRecord& robot : scene.robots()) {
+    const std::string prefix = PrefixOf(scene, robot);
+    if (prefix.size() <= longest || !name.starts_with(prefix)) continue;
+    longest = prefix.size();
+    owner = {&robot, name.substr(longest)};
+  }
+  const mjModel* m = scene.model();
+  const int body = BodyOfSensor(m, sensor);
+  if (owner.robot || body < 0) return owner;
+  int nearest = -1;  // a gripper's own base is behind that of its arm
+  for (const RobotRecord& robot : scene.robots()) {
+    const int base = FindId(m, mjOBJ_BODY, robot.base_body);
+    if (base <= nearest || !IsInSubtree(m, body, base)) continue;
+    nearest = base;
+    owner.robot = &robot;
+  }
+  return owner;
 }
 
 }  // namespace
 
+std::vector<std::string> SensorNames(const CompiledScene& scene) {
+  std::set<std::string> taken;
+  for (const RobotRecord& robot : scene.robots()) {
+    for (const ForceTorqueSensorSpec& spec : robot.config.ft_sensors)
+      taken.insert(SensorNameOf(robot, spec.name));
+  }
+  std::vector<std::string> names;
+  for (int s = 0; s < scene.model()->nsensor; ++s) {
+    const std::string name = ElementName(scene.model(), mjOBJ_SENSOR, s);
+    std::string full = "sensors/" + (name.empty() ? fmt::format("sensor_{}", s) : name);
+    const SensorOwner owner = OwnerOf(scene, s, name);
+    if (owner.robot && !owner.name.empty()) {
+      std::string of_robot = SensorNameOf(*owner.robot, owner.name);
+      if (taken.insert(of_robot).second) full = std::move(of_robot);
+    }
+    names.push_back(std::move(full));
+  }
+  return names;
+}
+
 SensorFeatures::SensorFeatures(Scene given) : FeatureSource(std::move(given)) {
   const mjModel* m = scene().model();
+  const std::vector<std::string> names = SensorNames(*scene().compiled());
   for (int s = 0; s < m->nsensor; ++s) {
     const int type = m->sensor_type[s], dim = m->sensor_dim[s];
     const bool quaternion = type == mjSENS_FRAMEQUAT || type == mjSENS_BALLQUAT;
-    ColumnSpec spec{.name = NameOfSensor(m, s), .units = Unit(m, s), .frame = Frame(m, s)};
+    ColumnSpec spec{
+        .name = names[static_cast<size_t>(s)], .units = Unit(m, s), .frame = Frame(m, s)};
     if (dim != 1) spec.shape = {dim};
     if (dim == 3) spec.names = {"x", "y", "z"};
     if (quaternion) spec.names = {"qx", "qy", "qz", "qw"};
@@ -159,7 +231,7 @@ SensorFeatures::SensorFeatures(Scene given) : FeatureSource(std::move(given)) {
 void SensorFeatures::AddFtSensors(const RobotRecord& robot) {
   for (const ForceTorqueSensorSpec& spec : robot.config.ft_sensors) {
     FtSensor sensor(scene().model(), robot, spec);
-    Add({.column = {.name = "robots/" + robot.name + "/sensors/" + sensor.name(),
+    Add({.column = {.name = SensorNameOf(robot, sensor.name()),
                     .shape = {6},
                     .units = "N, N m",
                     .frame = "site '" + sensor.frame_site() + "'",

@@ -1,10 +1,12 @@
-// The scene's sensors as features of a cell: `sensors/<name>` for each sensor of the model, with
-// its unit and frame, and `robots/<robot>/sensors/<name>` for each force-torque sensor of a robot:
-// the load on it (scene/ft_sensor.h), never tared. The values are the engine's, computed from the
-// row's state with the controls that act until then; quaternions are xyzw like everywhere else.
+// The scene's sensors as features of a cell, with unit and frame: `robots/<robot>/sensors/<name>`
+// for those of a robot, by their names in the robot's own model, and `sensors/<name>` for others. A
+// robot's force-torque sensors are among its own: the load on each (scene/ft_sensor.h), never tared.
+// The values are the engine's, computed from the row's state with the controls that act until then;
+// quaternions are xyzw like everywhere else.
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "robocell/features/feature_source.h"
@@ -14,9 +16,13 @@
 
 namespace robocell::internal {
 
+// Returns the names of all sensors of the model as features, wherever the cell is used. A sensor
+// without a name is `sensors/sensor_<id>`; one whose name in its robot is taken, as by a
+// force-torque sensor, keeps `sensors/` and its name in the scene.
+std::vector<std::string> SensorNames(const CompiledScene& scene);
+
 class SensorFeatures final : public FeatureSource {
  public:
-  // A sensor without a name is `sensors/sensor_<id>`.
   explicit SensorFeatures(Scene given);
 
  private:

@@ -175,8 +175,8 @@ TEST(SensorFeatures, ForceTorqueSensorsOfRobotsAreRecordedAsLoads) {
   writer.EndRow();
   const Episode episode(writer.Commit({}));
   const auto load = episode.Read<double>("robots/probe/sensors/wrist_ft");
-  auto reaction = episode.Read<double>("sensors/p/wrist_ft_force");
-  const auto torque = episode.Read<double>("sensors/p/wrist_ft_torque");
+  auto reaction = episode.Read<double>("robots/probe/sensors/wrist_ft_force");
+  const auto torque = episode.Read<double>("robots/probe/sensors/wrist_ft_torque");
   reaction.insert(reaction.end(), torque.begin(), torque.end());
   ASSERT_EQ(load.size(), 6u);
   for (size_t i = 0; i < 6; ++i) EXPECT_EQ(load[i], -reaction[i]);
@@ -185,6 +185,32 @@ TEST(SensorFeatures, ForceTorqueSensorsOfRobotsAreRecordedAsLoads) {
   EXPECT_EQ(column.units, "N, N m");
   EXPECT_EQ(column.frame, "site 'p/wrist_ft_site'");
   EXPECT_THAT(column.names, ElementsAre("fx", "fy", "fz", "tx", "ty", "tz"));
+}
+
+// Whatever prefix the robot has in the scene: a run, an environment and a scene give it others.
+TEST(SensorFeatures, OfARobotHaveOneNameEverywhere) {
+  for (const std::string prefix : {"robot_0/", "robotprobe_", ""}) {
+    SceneSpec spec{.name = "ft", .timestep = 0.002, .add_floor = false, .add_skybox = false};
+    spec.robots.push_back({.name = "probe",
+                           .config = RobotConfig{.name = "probe", .model = "ft_sensor"},
+                           .prefix = prefix});
+    const Scene scene = Scene::Build(spec);
+    EXPECT_THAT(SensorNames(*scene.compiled()), ElementsAre("robots/probe/sensors/wrist_ft_force",
+                                                            "robots/probe/sensors/wrist_ft_torque"))
+        << prefix;
+  }
+}
+
+TEST(SensorFeatures, WhoseNameInTheirRobotIsTakenKeepThatOfTheScene) {
+  RobotConfig config{.name = "probe", .model = "ft_sensor"};
+  config.ft_sensors = {{.name = "wrist_ft_force",
+                        .force_sensor = "wrist_ft_force",
+                        .torque_sensor = "wrist_ft_torque"}};
+  SceneSpec spec{.name = "ft", .timestep = 0.002, .add_floor = false, .add_skybox = false};
+  spec.robots.push_back({.name = "probe", .config = config, .prefix = "p/"});
+  const Scene scene = Scene::Build(spec);
+  EXPECT_THAT(SensorNames(*scene.compiled()),
+              ElementsAre("sensors/p/wrist_ft_force", "robots/probe/sensors/wrist_ft_torque"));
 }
 
 TEST(SensorFeatures, ASceneWithoutSensorsHasNone) {

@@ -283,6 +283,7 @@ class EnvEpisode {
       environment["variations"] = ToYaml(varied);
     }
     environment["code"] = CodeRecord(config);
+    environment["start"] = env_.state().ticks == 0 ? "reset" : "state";
     if (!config.saved_scene.empty()) environment["saved_scene"] = true;
     const double step_ms = env_.scene().timestep() * 1000;
     Json meta = {{"environment", environment},

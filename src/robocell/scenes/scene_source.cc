@@ -142,8 +142,15 @@ SceneSpec MakeBaseScene(const RunConfig& run, SceneSource& source, int index) {
   RequireScene(source, index,
                fmt::format("run '{}': scenes: source '{}'", run.run, run.scenes.kind()));
   SceneSpec spec = source.Make(index);
+  const double timestep = run.rates.timestep().value();
+  if (spec.timestep && !run.rates.HasTimestep(*spec.timestep)) {
+    throw SpecError(fmt::format(
+        "run '{}': scenes: source '{}' made scene {} with a timestep of {} s, and `rates` has one "
+        "of {} s; leave SceneSpec.timestep unset there, or set `rates: {{sim_ms: {:g}}}`",
+        run.run, run.scenes.kind(), index, *spec.timestep, timestep, *spec.timestep * 1000));
+  }
   spec.name = run.run;
-  spec.timestep = run.rates.timestep().value();
+  spec.timestep = timestep;
   spec.options = run.options;
   return spec;
 }

@@ -117,7 +117,8 @@ struct EnvConfig {
     v("task", &EnvConfig::task, "The kind of task and its fields. Unset: no task.");
     v("features", &EnvConfig::features,
       "Observations beside robots, objects and task: registered features by their names; sensors "
-      "and everything else of the cell by its name in datasets. * stands for any part: sensors/*.");
+      "and everything else of the cell by its name in datasets. * stands for any part: "
+      "robots/*/sensors/*.");
     v("control_mode", &EnvConfig::control_mode,
       "Form of the actions: joints, or the TCP in the shared base frame as cartesian_trpy "
       "(translation, roll pitch yaw) or cartesian_tquat (translation, quaternion xyzw).");

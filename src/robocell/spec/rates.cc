@@ -202,6 +202,11 @@ int Rates::control_ticks() const {
   return Ticks(PolicyOf(*this).period_ms(), ControlOf(*this).period_ms());
 }
 
+bool Rates::HasTimestep(double of_scene) const {
+  const double own = timestep().value();
+  return std::abs(of_scene - own) <= 1e-12 * own;  // the last digits of a user's quotient
+}
+
 Ratio Rates::timestep() const {
   return sim_hz ? RatioOf(*sim_hz).inverse() : RatioOf(sim_ms.value_or(kSimMs)) / 1000;
 }

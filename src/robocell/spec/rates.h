@@ -52,6 +52,8 @@ struct Rates {
   // Return exact values: the engine's timestep in seconds, and actions per second. These and the
   // functions below throw ArgumentError for rates that are not whole multiples of each other.
   Ratio timestep() const;
+  // Returns true if the timestep of a scene, in seconds, is this one.
+  bool HasTimestep(double of_scene) const;
   Ratio policy_rate() const;
   // Return seconds per action and per control tick.
   double policy_period() const;

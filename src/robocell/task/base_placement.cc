@@ -35,6 +35,23 @@ BaseRange BaseRangeOf(const StartConfig& start, const BaseRange& of_task) {
           .height_noise = start.base_height_noise.value_or(of_task.height_noise)};
 }
 
+void RequireSound(const BaseRange& range) {
+  const auto require = [](const char* what, const Vec2& pair, double least) {
+    const auto& [smallest, largest] = pair;
+    const bool is_finite = std::isfinite(smallest) && std::isfinite(largest);
+    if (is_finite && smallest >= least && smallest <= largest) return;
+    throw ArgumentError(
+        fmt::format("the {} of a base range is [{:g}, {:g}]; it is [smallest, largest] in finite "
+                    "metres{}",
+                    what, smallest, largest, least == 0 ? ", from 0 on" : ""));
+  };
+  require("distance", range.distance, 0);
+  require("height_noise", range.height_noise, -HUGE_VAL);
+  if (std::isfinite(range.height_offset)) return;
+  throw ArgumentError(fmt::format(
+      "the height_offset of a base range is {}; it must be finite metres", range.height_offset));
+}
+
 void RequireFinite(const BasePlacement& placement) {
   const auto require = [](const char* what, double value) {
     if (std::isfinite(value)) return;

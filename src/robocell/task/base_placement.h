@@ -39,6 +39,10 @@ struct BaseRange {
 // Returns the range of the run's `start`, completed by that of the task.
 BaseRange BaseRangeOf(const StartConfig& start, const BaseRange& of_task);
 
+// Throws ArgumentError for numbers that are not finite, a distance below 0, and a smallest number
+// above its largest.
+void RequireSound(const BaseRange& range);
+
 struct BasePlacement {
   double distance = 0;  // from the target, horizontal
   double height = 0;    // of the base's bottom above the target

@@ -47,6 +47,26 @@ TEST(BasePlacement, OfNumbersThatAreNotFiniteIsRefused) {
                              "the height of a base placement is inf");
 }
 
+TEST(BasePlacement, RangesAreFiniteAndInOrder) {
+  EXPECT_NO_THROW(RequireSound(Ranges()));
+  EXPECT_NO_THROW(RequireSound({.distance = {0, 0}}));
+  ExpectThrow<ArgumentError>(
+      [] {
+        RequireSound({.distance = {0.5, 0.3}});
+      },
+      "the distance of a base range is [0.5, 0.3]; it is [smallest, largest] "
+      "in finite metres, from 0 on");
+  ExpectThrow<ArgumentError>([] { RequireSound({.distance = {-1, 0.3}}); }, "[-1, 0.3]");
+  ExpectThrow<ArgumentError>([] { RequireSound({.distance = {0.3, HUGE_VAL}}); }, "[0.3, inf]");
+  ExpectThrow<ArgumentError>(
+      [] {
+        RequireSound({.height_noise = {0.2, 0.1}});
+      },
+      "the height_noise of a base range is [0.2, 0.1]");
+  ExpectThrow<ArgumentError>([] { RequireSound({.height_offset = std::nan("")}); },
+                             "the height_offset of a base range is nan");
+}
+
 TEST(BasePlacement, EachConditionRefusesForItsReason) {
   PickScene made = MakePickScene(ObjectOnTheTable("box"));
   const Pose target = made.scene.body_pose(made.target_body);

@@ -67,7 +67,23 @@ std::shared_ptr<TaskSampler> MakeSampler(const RunConfig& run) {
   return FindSamplerKind(run.sampler)->Make(run);
 }
 
+namespace {
+
+// Rows are timed by the run's rates, whatever made the scene.
+void RequireTimestep(const Scene& scene, const RunConfig& run) {
+  const double own = scene.timestep();
+  if (run.rates.HasTimestep(own)) return;
+  throw HookError(
+      fmt::format("run '{}': scene '{}' was built with a timestep of {} s, and `rates` has one of "
+                  "{} s; set SceneSpec.timestep to that of the run, or `rates: {{sim_ms: {:g}}}`",
+                  run.run, scene.name(), own, run.rates.timestep().value(), own * 1000),
+      "");
+}
+
+}  // namespace
+
 void BindStart(EpisodeStart& start, const RunConfig& run) {
+  RequireTimestep(start.scene, run);
   if (start.is_bound) return;
   TaskSetting setting{.place = "run '" + run.run + "'", .robots = {}};
   for (const Robot& robot : RobotsOf(start.scene)) {

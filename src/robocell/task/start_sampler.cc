@@ -423,9 +423,18 @@ std::shared_ptr<Task> TaskStartSampler::MakeTask(const std::string& /*target*/,
   return task_;
 }
 
-BaseRange TaskStartSampler::own_base_range() const {
-  return internal::CallHook(*task_, "base_range", [&] { return task_->base_range(); });
+void TaskStartSampler::ValidateStarts(std::span<const int> scenes, Problems& problems) {
+  if (run().robot.config.base.kind == BaseKind::kFixed) {
+    problems.AddAt(
+        "robot.base.kind",
+        "the robot stands where `start` or base_range() of the task puts it, and a fixed "
+        "base cannot be moved; give it `base: {kind: mocap}`, or the run a `sampler` of "
+        "its own");
+  }
+  StartSampler::ValidateStarts(scenes, problems);
 }
+
+BaseRange TaskStartSampler::own_base_range() const { return SoundBaseRange(*task_); }
 
 Map<ObjectPlace> TaskStartSampler::own_places() const {
   return internal::CallHook(*task_, "places", [&] { return task_->places(); });

@@ -141,6 +141,7 @@ class TaskStartSampler : public StartSampler {
   StartContents AddContents(const SampleRequest& request, SceneSpec& spec, Rng& rng) override;
   std::shared_ptr<Task> MakeTask(const std::string& target, const std::string& kind,
                                  const std::vector<std::string>& objects) override;
+  void ValidateStarts(std::span<const int> scenes, Problems& problems) override;
 
  protected:
   BaseRange own_base_range() const override;

@@ -57,7 +57,8 @@ struct TaskSetting {
 // once the scene is compiled. Each episode begins with Starts, a reset that puts robots at home and
 // bodies at these starts, and Arrange (all of them again while resting_objects() do not lie still),
 // and then Begin. Each step is followed by Judge and Observe. Each copy of an environment has its
-// own task; threads call different tasks at the same time, but one task by one call at a time.
+// own task; threads call different tasks at the same time, but one task by one call at a time. A
+// restored state is followed by Recall, and one that a reset had just made by Begin before.
 //
 // A task declares its contributions to the observation as signals(), which Observe reads
 // (features/declared_features.h).
@@ -112,11 +113,20 @@ class Task : public DeclaresFeatures {
   // the root frame, so that they also hold for a rig that stands elsewhere.
   virtual std::vector<double> memory() const { return {}; }
   virtual void Recall(std::span<const double> /*memory*/) {}
+  // Returns true if Recall accepts this memory. Default: it has the size of the present one.
+  virtual bool CanRecall(std::span<const double> memory) const {
+    return memory.size() == this->memory().size();
+  }
+  // Returns true if this memory holds for a rig that stands elsewhere.
+  virtual bool HoldsElsewhere(std::span<const double> /*memory*/) const { return true; }
 
  private:
   const KnownScene* known_scene_ = nullptr;  // while it prepares
   mutable std::shared_ptr<const SceneAnnotations> annotations_;
 };
+
+// Returns the task's base_range(). Throws HookError for one that is not sound (base_placement.h).
+BaseRange SoundBaseRange(const Task& task);
 
 // The record of a state before an action: numbers and images, which are valid during the call that
 // receives them.

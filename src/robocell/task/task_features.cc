@@ -1,5 +1,9 @@
 #include "robocell/task/task_features.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <set>
 #include <utility>
 
 #include "robocell/base/call_hook.h"
@@ -7,15 +11,26 @@
 
 namespace robocell {
 
+std::vector<std::string> ObjectsOf(const Task& task, const Scene& scene) {
+  return internal::CallHook(task, "objects", [&] {
+    std::vector<std::string> names = task.objects();
+    std::set<std::string> known;
+    for (const std::string& name : names) {
+      scene.compiled()->object(name);  // NotFoundError
+      if (known.insert(name).second) continue;
+      throw ArgumentError(fmt::format(
+          "the task's objects() names '{}' twice: {}; name each object once, the target first",
+          name, fmt::join(names, ", ")));
+    }
+    return names;
+  });
+}
+
 CellFeatures FeaturesOfCell(const Scene& scene, const std::vector<Robot>& robots,
                             std::shared_ptr<const Task> task, const std::vector<std::string>& own) {
   CellFeatureOptions options{.own = own};
   if (task) {
-    options.objects = internal::CallHook(*task, "objects", [&] {
-      std::vector<std::string> names = task->objects();
-      for (const std::string& name : names) scene.compiled()->object(name);  // NotFoundError
-      return names;
-    });
+    options.objects = ObjectsOf(*task, scene);
     options.more = std::make_unique<DeclaredFeatures>(scene, std::move(task), "task");
   }
   return {scene, robots, std::move(options)};
