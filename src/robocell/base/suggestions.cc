@@ -138,16 +138,15 @@ std::string ListNames(const std::vector<std::string>& names, int limit) {
 std::string DidYouMean(std::string_view name, const std::vector<std::string>& candidates) {
   const std::vector<ScoredName> near = ScoredNames(name, candidates);
   if (near.empty()) return "";
-  // A slip that two names are as near to, such as "goalz", may mean either: "goal", "goals".
-  constexpr size_t kMostEquals = 2;
-  std::vector<std::string> equals;
-  for (const ScoredName& each : near) {
-    const bool is_equal = each.distance == near.front().distance && each.gap == near.front().gap;
-    if (is_equal && std::find(equals.begin(), equals.end(), each.name) == equals.end())
-      equals.push_back(each.name);
+  // A slip between a name and its longer form, such as "goalz", may mean either: "goal", "goals".
+  const std::string& first = near.front().name;
+  for (const ScoredName& other : near) {
+    const bool is_equal = other.distance == near.front().distance && other.gap == near.front().gap;
+    const bool is_form = other.name.starts_with(first) || first.starts_with(other.name);
+    if (is_equal && is_form && other.name != first)
+      return " Did you mean '" + first + "' or '" + other.name + "'?";
   }
-  const bool has_two = equals.size() == kMostEquals;
-  return " Did you mean '" + equals.front() + (has_two ? "' or '" + equals.back() : "") + "'?";
+  return " Did you mean '" + first + "'?";
 }
 
 std::string NoSuchName(std::string_view place, std::string_view kind, std::string_view name,
