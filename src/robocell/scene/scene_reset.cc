@@ -67,31 +67,42 @@ int KeyOfPart(const CompiledScene& compiled, const std::string& part, const std:
   return -1;
 }
 
-StartKeys KeysOfParts(const CompiledScene& compiled,
-                      const std::map<std::string, std::string>& choice,
+// Returns the name of a part's keyframe; `own` are those that it has.
+const std::string& NameOfKey(const PartKeyframe& key, const std::vector<std::string>& own,
+                             const std::string& context) {
+  const int* number = std::get_if<int>(&key);
+  if (!number) return std::get<std::string>(key);
+  if (*number >= 0 && *number < static_cast<int>(own.size()))
+    return own[static_cast<size_t>(*number)];
+  throw ArgumentError(fmt::format("{}: there is no keyframe {}; its model has {}: {}", context,
+                                  *number, own.size(), ListNames(own)));
+}
+
+StartKeys KeysOfParts(const CompiledScene& compiled, const PartKeyframes& choice,
                       const std::string& context) {
   const std::vector<std::string> parts = PartNames(compiled);
   StartKeys keys{.start = compiled.home_key()};
-  for (const auto& [part, name] : choice) {
+  for (const auto& [part, chosen] : choice) {
     if (std::find(parts.begin(), parts.end(), part) == parts.end())
       throw NotFoundError(NoSuchName(context + ": keyframe", "part", part, parts));
+    const std::string place = fmt::format("{} / '{}'", context, part);
+    const std::string host = internal::HostOfPart(compiled, part);
+    const std::vector<std::string> own = OwnNames(compiled, host);
+    const std::string& name = NameOfKey(chosen, own, place);
     if (name == "home") continue;
-    const int key = KeyOfPart(compiled, internal::HostOfPart(compiled, part), name);
-    if (key < 0) {
-      throw NotFoundError(NoSuchName(fmt::format("{} / '{}'", context, part), "keyframe", name,
-                                     OwnNames(compiled, internal::HostOfPart(compiled, part))));
-    }
+    const int key = KeyOfPart(compiled, host, name);
+    if (key < 0) throw NotFoundError(NoSuchName(place, "keyframe", name, own));
     keys.over.push_back({key, internal::ShareOfKeys(compiled, part)});
   }
   return keys;
 }
 
 // Parses "left: retract", a part's own keyframe as one text.
-std::optional<std::map<std::string, std::string>> ChoiceOfText(const std::string& text) {
+std::optional<PartKeyframes> ChoiceOfText(const std::string& text) {
   const size_t colon = text.find(':');
   const size_t key = text.find_first_not_of(' ', colon == std::string::npos ? colon : colon + 1);
   if (colon == std::string::npos || key == std::string::npos) return std::nullopt;
-  return std::map<std::string, std::string>{{text.substr(0, colon), text.substr(key)}};
+  return PartKeyframes{{text.substr(0, colon), text.substr(key)}};
 }
 
 // Explains how to choose a part's own keyframe: one of that name, else any; "" without any.
@@ -138,7 +149,7 @@ StartKeys FindStartKeys(const CompiledScene& compiled, const std::optional<Keyfr
     return {.start = KeyOfNumber(compiled, *number, context)};
   if (const auto* name = std::get_if<std::string>(&*choice))
     return KeysOfName(compiled, *name, context);
-  return KeysOfParts(compiled, std::get<std::map<std::string, std::string>>(*choice), context);
+  return KeysOfParts(compiled, std::get<PartKeyframes>(*choice), context);
 }
 
 // Restores a keyframe over another that has the differing values.
