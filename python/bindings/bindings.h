@@ -16,6 +16,8 @@
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
+#include "keyframe_choice.h"
+
 namespace robocell::python {
 
 namespace nb = nanobind;

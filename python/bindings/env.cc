@@ -14,6 +14,7 @@
 #include "handles.h"
 #include "in_use.h"
 #include "number_like.h"
+#include "scene_cycles.h"
 #include "scene_sharing.h"
 #include "signals.h"
 #include "values.h"
@@ -25,6 +26,11 @@ namespace robocell::python {
 using namespace nb::literals;
 
 std::string Place(const Env& env) { return "environment '" + env.config().name + "'"; }
+
+int VisitEnv(const Env& env, visitproc visit, void* arg) {
+  Py_VISIT(TargetOfTask(env));
+  return VisitScene(env.scene(), visit, arg);
+}
 
 namespace {
 
@@ -317,12 +323,9 @@ nb::tuple StepEnv(Env& env, nb::handle action) {
   return nb::make_tuple(Observation(env), step.reward, step.success, diverged, Info(env, step));
 }
 
-// A task written in Python refers to its class, the class to the variables of its script, and the
-// environment is often among them.
 int TraverseEnv(PyObject* self, visitproc visit, void* arg) {
   Py_VISIT(Py_TYPE(self));
-  if (nb::inst_ready(self)) Py_VISIT(TargetOfTask(*nb::inst_ptr<Env>(self)));
-  return 0;
+  return nb::inst_ready(self) ? VisitEnv(*nb::inst_ptr<Env>(self), visit, arg) : 0;
 }
 
 int ClearEnv(PyObject* self) {
@@ -370,7 +373,7 @@ void BindEnv(nb::module_& m) {
   env.def("__init__", &InitEnv, "config"_a)
       .def("reset", &ResetEnv, "seed"_a = nb::none(), "keyframe"_a = nb::none(),
            nb::sig("def reset(self, seed: int | None = None, keyframe: int | str | "
-                   "collections.abc.Mapping[str, str] | None = None) -> tuple[dict[str, "
+                   "collections.abc.Mapping[str, int | str] | None = None) -> tuple[dict[str, "
                    "typing.Any], dict[str, typing.Any]]"),
            "Resets to a start and returns (observation, info). Without a seed it is the next start "
            "of the last seed. With a keyframe (see Scene.reset) robots start there instead of at "

@@ -42,6 +42,9 @@ nb::tuple ObservationParts(const EnvLayout& layout);
 // Returns the Python object of its task, for the garbage collector; null for other tasks, and while
 // another C++ object shares that reference.
 PyObject* TargetOfTask(const Env& env);
+// Visits what an environment keeps of Python's, for tp_traverse of its owner: its task, and the
+// node of its scene, whose hooks may refer to the environment.
+int VisitEnv(const Env& env, visitproc visit, void* arg);
 
 // Converts "world" or "root". Raises for anything else.
 StateFrame ToStateFrame(const std::string& text);

@@ -145,7 +145,9 @@ int TraverseBatch(PyObject* self, visitproc visit, void* arg) {
   Py_VISIT(Py_TYPE(self));
   if (!nb::inst_ready(self)) return 0;
   auto& batch = *nb::inst_ptr<EnvBatch>(self);
-  for (int i = 0; i < batch.size(); ++i) Py_VISIT(TargetOfTask(batch.env(i)));
+  for (int i = 0; i < batch.size(); ++i) {
+    if (const int stop = VisitEnv(batch.env(i), visit, arg)) return stop;
+  }
   return 0;
 }
 
@@ -244,18 +246,22 @@ void BindEnvBatch(nb::module_& m) {
           "Env.step with an array (count,) for each number; zeros after a reset.")
       .def(
           "reset",
-          [](EnvBatch& batch, const Seeds& seeds, const std::vector<bool>& which) {
+          [](EnvBatch& batch, const Seeds& seeds, const std::vector<bool>& which,
+             const std::optional<KeyframeChoice>& keyframe) {
             const InUse use(batch, &Place, "reset");
             {
               const nb::gil_scoped_release release;
-              batch.Reset(seeds, which);
+              batch.Reset(seeds, which, keyframe);
             }
             return Observations(batch);
           },
-          "seeds"_a = Seeds{}, "which"_a = std::vector<bool>{},
+          "seeds"_a = Seeds{}, "which"_a = std::vector<bool>{}, "keyframe"_a = nb::none(),
           nb::sig("def reset(self, seeds: collections.abc.Sequence[int | None] = (), which: "
-                  "collections.abc.Sequence[bool] = ()) -> numpy.typing.NDArray[numpy.float64]"),
-          "Resets all copies, or those where `which` is true. Returns all observations (count, m).")
+                  "collections.abc.Sequence[bool] = (), keyframe: int | str | "
+                  "collections.abc.Mapping[str, int | str] | None = None) -> "
+                  "numpy.typing.NDArray[numpy.float64]"),
+          "Resets all copies, or those where `which` is true, to home or to a keyframe (see "
+          "Scene.reset). Returns all observations (count, m).")
       .def(
           "step", &StepBatch, "actions"_a, "reset_instead"_a = std::vector<bool>{},
           nb::sig("def step(self, actions: numpy.typing.ArrayLike, reset_instead: "

@@ -145,16 +145,16 @@ void BindReset(nb::module_& m) {
           },
           nb::arg("keyframe") = nb::none(), nb::arg("use_keyframe") = true,
           nb::arg("seed") = nb::none(), nb::arg("body_poses") = nb::none(),
-          nb::sig("def __init__(self, keyframe: int | str | collections.abc.Mapping[str, str] | "
-                  "None = None, use_keyframe: bool = True, seed: int | None = None, body_poses: "
-                  "collections.abc.Mapping[str, Pose] | None "
-                  "= None) -> None"))
-      .def_rw(
-          "keyframe", &ResetOptions::keyframe, nb::arg("value").none(),
-          "The keyframe: its number (0 is home) or its full name ('left_retract', with the "
-          "prefix of its part), or {robot or object: keyframe of its own model}, for one of them "
-          "also as the text 'left: retract', all others at "
-          "home. None: the scene's home.")
+          nb::sig(
+              "def __init__(self, keyframe: int | str | collections.abc.Mapping[str, int | str] | "
+              "None = None, use_keyframe: bool = True, seed: int | None = None, body_poses: "
+              "collections.abc.Mapping[str, Pose] | None "
+              "= None) -> None"))
+      .def_rw("keyframe", &ResetOptions::keyframe, nb::arg("value").none(),
+              "The keyframe: its number (0 is home) or its full name ('left_retract', with the "
+              "prefix of its part), or {robot or object: keyframe of its own model}, by name or by "
+              "number (0 is home), for one of them also as the text 'left: retract', all others at "
+              "home. None: the scene's home.")
       .def_rw("use_keyframe", &ResetOptions::use_keyframe,
               "False: the model's default configuration.")
       .def_rw("seed", &ResetOptions::seed, nb::arg("value").none(),
@@ -344,10 +344,11 @@ void DefStepping(nb::class_<Scene>& c) {
       .def("reset", &Reset, nb::arg("options") = nb::none(), nb::kw_only(),
            nb::arg("keyframe") = nb::none(), nb::arg("use_keyframe") = true,
            nb::arg("seed") = nb::none(), nb::arg("body_poses") = nb::none(),
-           nb::sig("def reset(self, options: ResetOptions | None = None, *, keyframe: int | str | "
-                   "collections.abc.Mapping[str, str] | None = None, use_keyframe: bool = True, "
-                   "seed: int | None = None, body_poses: "
-                   "collections.abc.Mapping[str, Pose] | None = None) -> ResetInfo"),
+           nb::sig(
+               "def reset(self, options: ResetOptions | None = None, *, keyframe: int | str | "
+               "collections.abc.Mapping[str, int | str] | None = None, use_keyframe: bool = True, "
+               "seed: int | None = None, body_poses: "
+               "collections.abc.Mapping[str, Pose] | None = None) -> ResetInfo"),
            "Restores the keyframe (default: home) or the default configuration, adds the robots' "
            "home noise (with a seed), puts free and mocap bodies at their `body_poses`, calls the "
            "hooks, clears stale forces.\n\nkeyframe: a number, a full name, or {robot or object: "

@@ -85,7 +85,7 @@ PyType_Slot node_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&TraverseNo
 }  // namespace
 
 void PythonHook::operator()(ResetContext& reset) const {
-  callback([&] { return nb::cast(HookContext{reset.scene, reset.options, reset.info}); });
+  callback([&] { return nb::cast(HookContext{reset.scene.outer(), reset.options, reset.info}); });
 }
 
 void TrackScene(const Scene& scene) {

@@ -6,8 +6,8 @@
 // Python object gets a node, a Python object that represents it: the node visits the objects that
 // the scene keeps, and each handle visits the node once for every Scene that it has in C++. When a
 // collection starts, the node gets as many references as there are such Scenes. Then it is garbage
-// exactly if all of them are in garbage; Scenes that only C++ has (an environment's, a port's) are
-// never visited, so that the objects which they use stay.
+// exactly if all of them are in garbage; Scenes that only C++ has (a port's) are never
+// visited, so that the objects which they use stay.
 //
 //   nb::class_<Robot> robot(m, "Robot", "...", nb::type_slots(kHandleSlots<Robot>));
 //   TrackScene(scene);  // whenever it is given something of Python's to keep

@@ -13,18 +13,21 @@ from robocell._core import ArgumentError, Env, EnvConfig, OrbitCamera, Renderer
 from robocell._spaces import frame_space, space_of
 from robocell._window import RENDER_SIZE, Window, frame_rate, side_view
 
+KEYFRAME = "keyframe"  # the option of resets
 
-def options_of(options: Any, takes: str | None = None, hint: str = "") -> Mapping[str, Any]:
-    """Checks the options of a reset, which accepts only `takes`; `hint` ends the error."""
+
+def options_of(options: Any, *takes: str) -> Mapping[str, Any]:
+    """Checks the options of a reset, which accepts only those of the names ``takes``."""
     if options is None:
         return {}
     if not isinstance(options, Mapping):
         raise ArgumentError(
             f"options of reset must be a dict or None, got {type(options).__name__}"
         )
-    if unknown := [str(key) for key in options if key != takes]:
-        what = f"the option '{takes}'" if takes else "no options"
-        raise ArgumentError(f"reset takes {what} here, got {', '.join(unknown)}{hint}")
+    if unknown := [str(key) for key in options if key not in takes]:
+        known = " and ".join(f"'{name}'" for name in takes)
+        what = f"the option{'s' if len(takes) > 1 else ''} {known}" if takes else "no options"
+        raise ArgumentError(f"reset takes {what} here, got {', '.join(unknown)}")
     return options
 
 
@@ -103,10 +106,10 @@ class GymEnv(gymnasium.Env[Any, Any]):
         """
         if seed is not None:
             self._seed(seed)
-        given = options_of(options, "keyframe")
+        given = options_of(options, KEYFRAME)
         if seed is None and not self._seeded:
             seed = int(self.np_random.integers(2**63))
-        observation, info = self.core.reset(seed, given.get("keyframe"))
+        observation, info = self.core.reset(seed, given.get(KEYFRAME))
         self._seeded = True
         if self._window:
             self._window.show()

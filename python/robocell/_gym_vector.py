@@ -12,7 +12,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from robocell._core import ArgumentError, EnvBatch, EnvConfig, OrbitCamera
-from robocell._gym_env import options_of
+from robocell._gym_env import KEYFRAME, options_of
 from robocell._spaces import Part, frame_space, space_of
 from robocell._window import RENDER_SIZE, frame_rate, side_view, warn_once
 
@@ -23,10 +23,6 @@ RESET_OPTION = "reset_mask"
 NO_WINDOWS = (
     "no window: copies in a vector have none, headless: false is for a single environment. "
     "render_mode='rgb_array' gives a picture of each"
-)
-NO_KEYFRAMES = (
-    ". Copies in a vector start at home: set `home` of the robots to the keyframe's positions, or "
-    "use single environments, whose reset takes the option 'keyframe'"
 )
 
 
@@ -108,11 +104,14 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
         """Resets all copies, or with ``options={"reset_mask": (num_envs,) bool}`` some of them.
 
         Copy i gets ``seed + i``, or the i-th of num_envs seeds. Without a seed it gets the next
-        start of its last seed, or a random one at first. All start at home; ``keyframe`` is an
-        option of single environments.
+        start of its last seed, or a random one at first. ``options={"keyframe": ...}`` starts the
+        robots at a keyframe (see ``Scene.reset``) instead of at home; episodes that begin in
+        ``step`` begin at home.
         """
-        which = self._which(options)
-        observations = self.core.reset(self._seeds(seed, which), which.tolist())
+        given = options_of(options, RESET_OPTION, KEYFRAME)
+        which = self._which(given)
+        seeds = self._seeds(seed, which)
+        observations = self.core.reset(seeds, which.tolist(), given.get(KEYFRAME))
         self._seeded |= which
         self._ended[which] = False
         return self._observation(observations), self._instructions(which)
@@ -159,9 +158,7 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
         if hasattr(self, "core"):  # not when it could not be made
             self.core.close()
 
-    def _which(self, options: dict[str, Any] | None) -> NDArray[np.bool_]:
-        has_keyframe = isinstance(options, Mapping) and "keyframe" in options
-        given = options_of(options, RESET_OPTION, NO_KEYFRAMES if has_keyframe else "")
+    def _which(self, given: Mapping[str, Any]) -> NDArray[np.bool_]:
         if RESET_OPTION not in given:
             return np.ones(self.num_envs, dtype=bool)
         which = np.asarray(given[RESET_OPTION])

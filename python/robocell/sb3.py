@@ -26,8 +26,8 @@ with needed_by("robocell.sb3", "sb3", "Without it: robocell.gym.FlatVectorGymEnv
     from stable_baselines3.common import vec_env
 
 from robocell._core import ArgumentError, EnvConfig
+from robocell._gym_env import KEYFRAME, options_of
 from robocell._gym_flat import FlatVectorGymEnv
-from robocell._gym_vector import NO_KEYFRAMES
 
 
 class VecEnv(vec_env.VecEnv):
@@ -62,13 +62,16 @@ class VecEnv(vec_env.VecEnv):
         )
 
     def reset(self) -> NDArray[np.float32]:
-        """Resets all copies: to the starts of ``seed``, once, else to the next ones."""
-        if options := {name for each in self._options for name in each}:
-            self._reset_options()
-            hint = NO_KEYFRAMES if "keyframe" in options else ""
-            given = ", ".join(sorted(options))
-            raise ArgumentError(f"reset takes no options here, got {given}{hint}")
-        observation, infos = self.vector.reset(seed=self._seeds)
+        """Resets all copies: to the starts of ``seed``, once, else to the next ones.
+
+        ``set_options({"keyframe": ...})`` starts the robots of this reset there.
+        """
+        options = self._options
+        self._reset_options()
+        if any(each != options[0] for each in options):
+            raise ArgumentError(f"all copies take the same options, got {options}")
+        given = dict(options_of(options[0], KEYFRAME))
+        observation, infos = self.vector.reset(seed=self._seeds, options=given)
         self.reset_infos = [_of_copy(infos, i) for i in range(self.num_envs)]
         self._reset_seeds()
         return observation

@@ -33,7 +33,8 @@ class VecEnv(ABC):
         return self._seeds
 
     def set_options(self, options):
-        self._options = [dict(options) for _ in range(self.num_envs)]
+        one = isinstance(options, dict)
+        self._options = [dict(options) for _ in range(self.num_envs)] if one else options
 
     def step(self, actions):
         self.step_async(actions)

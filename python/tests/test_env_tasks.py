@@ -428,6 +428,72 @@ def test_an_environment_and_its_task_are_collected(make):
     assert gone() is None
 
 
+def _hook_of(env):
+    """A hook of the environment's scene that refers to the environment, and a sign of its life."""
+
+    class Hook:
+        def __init__(self, env):
+            self.env = env
+
+        def __call__(self, reset):
+            pass
+
+    hook = Hook(env)
+    (getattr(env, "core", env)).scene.on_reset(hook)
+    return weakref.ref(hook)
+
+
+@pytest.mark.parametrize(
+    "make", [rc.Env, lambda config: rc.envs.EnvBatch(config, 2), rc.gym.GymEnv]
+)
+def test_an_environment_and_a_hook_of_its_scene_are_collected(make):
+    env = make(pick_cube_config())
+    env.reset()
+    gone = _hook_of(env)
+    gc.collect()
+    assert gone() is not None, "the environment is still here"
+    env.reset()
+    del env
+    gc.collect()
+    assert gone() is None
+
+
+def test_a_hook_lives_while_a_handle_to_the_scene_of_its_environment_does():
+    env = rc.Env(pick_cube_config())
+    gone = _hook_of(env)
+    robot = env.scene.robot("robot")
+    del env
+    gc.collect()
+    assert gone() is not None
+    del robot
+    gc.collect()
+    assert gone() is None
+
+
+def test_a_task_that_keeps_the_scene_does_not_keep_the_environment():
+    class Keeper(Silent):
+        def bind(self, scene, setting):
+            self.scene = scene
+
+        def observe(self, scene):
+            self.seen = scene
+            return {}
+
+        def success(self, scene):
+            return False
+
+    rc.register_task("keeper_of_test")(Keeper)
+    env = rc.Env(pick_cube_config(task={"kind": "keeper_of_test"}))
+    env.reset()
+    gone = _hook_of(env)
+    gc.collect()
+    assert gone() is not None
+    env.reset()
+    del env
+    gc.collect()
+    assert gone() is None
+
+
 def test_a_start_that_the_task_refuses_is_drawn_again_or_told():
     @rc.register_task("choosy_of_test")
     class Choosy(rc.tasks.Task):

@@ -21,7 +21,7 @@ from gymnasium.utils.env_checker import check_env
 
 import robocell as rc
 from robocell import _window
-from robocell.gym import GymEnv, pick_cube_config
+from robocell.gym import GymEnv, VectorGymEnv, pick_cube_config
 
 RC7 = rc.models.robot_file("rc7")
 MODES = [
@@ -443,7 +443,8 @@ def test_gymnasiums_own_video_recorder(tmp_path, monkeypatch):
     assert len(np.unique(frames)) > 10, "they show something"
 
 
-def test_a_reset_starts_at_a_keyframe_when_asked(tmp_path):
+def with_a_bent_keyframe(tmp_path):
+    """A configuration, the name of its robot, and that of a keyframe with 0.7 for joint 2."""
     robot = tmp_path / "robot.yaml"
     source = rc.models.robot_file("rc7")
     model = Path(source).parent / "rc7.xml"
@@ -459,14 +460,41 @@ def test_a_reset_starts_at_a_keyframe_when_asked(tmp_path):
     given = config()
     (name,) = list(given.robots)
     given.robots[name] = rc.RobotConfig.load(robot)
+    scene = rc.Env(given).scene
+    return given, name, next(k for k in scene.keyframes() if k.endswith("bent"))
+
+
+def test_a_reset_starts_at_a_keyframe_when_asked(tmp_path):
+    given, name, bent_key = with_a_bent_keyframe(tmp_path)
     env = GymEnv(given)
     scene = env.core.scene
-    bent_key = next(k for k in scene.keyframes() if k.endswith("bent"))
     env.reset(seed=1, options={"keyframe": bent_key})
     joint = scene.robot(name).group(scene.robot(name).arm.name).joint_names[1]
     assert scene.joint_pos(joint) == pytest.approx(0.7, abs=0.2), "home_noise is added"
     with pytest.raises(rc.NotFoundError, match="no keyframe 'bnt'"):
         env.reset(options={"keyframe": "bnt"})
+    with pytest.raises(TypeError, match="keyframe"):
+        env.reset(options={"keyframe": True})
+
+
+def test_copies_in_a_vector_start_where_one_environment_does(tmp_path):
+    given, name, _ = with_a_bent_keyframe(tmp_path)
+    env, vector = GymEnv(given), VectorGymEnv(given, 2, max_episode_steps=1)
+    options = {"keyframe": {name: "bent"}}
+    one = env.reset(seed=3, options=options)[0][name]["joints"]
+    home = env.reset(seed=3)[0][name]["joints"]
+    assert abs(one[1] - home[1]) > 0.1
+    vector.reset(seed=[3, 3])
+    mask = np.array([False, True])
+    some, _ = vector.reset(seed=[3, 3], options=options | {"reset_mask": mask})
+    assert np.array_equal(some[name]["joints"], [home, one])
+    stay = env.action_space.sample()
+    both = {name: {key: np.stack([value, value]) for key, value in stay[name].items()}}
+    vector.step(both)
+    again = vector.step(both)[0][name]["joints"]  # their next episodes begin
+    assert np.allclose(again[:, 1], home[1], atol=0.2), "at home"
+    vector.close()
+    env.close()
 
 
 def test_unknown_render_modes_and_options_are_refused():

@@ -213,10 +213,9 @@ def test_seeds_and_masks_are_what_they_say():
         ({"seed": -1}, "seed must be 0 or more, got -1"),
         ({"seed": [1, -2]}, "seed must be 0 or more, got -2"),
         ({"seed": [1]}, "reset of 2 copies: seeds for 1 were given"),
-        ({"options": {"pose": 1}}, "reset takes the option 'reset_mask' here, got pose"),
         (
-            {"options": {"keyframe": "home"}},
-            "got keyframe. Copies in a vector start at home: set `home` of the robots to the",
+            {"options": {"pose": 1}},
+            "reset takes the options 'reset_mask' and 'keyframe' here, got pose",
         ),
         ({"options": {"reset_mask": [0, 1]}}, "must be 2 bools, one for each copy; got int64 of"),
         ({"options": {"reset_mask": np.ones(3, bool)}}, r"got bool of shape \(3,\)"),

@@ -59,10 +59,16 @@ def test_seeds_hold_for_one_reset_and_options_for_none(vec_env):
     env.seed(5)
     assert np.array_equal(env.reset(), first)
     env.set_options({"pose": 1})
-    with pytest.raises(rc.ArgumentError, match="reset takes no options here, got pose"):
+    with pytest.raises(rc.ArgumentError, match="reset takes the option 'keyframe' here, got pose"):
         env.reset()
+    env.set_options([{"keyframe": "home"}, {}])
+    with pytest.raises(rc.ArgumentError, match="all copies take the same options, got"):
+        env.reset()
+    env.seed(5)
     env.set_options({"keyframe": "home"})
-    with pytest.raises(rc.ArgumentError, match=r"got keyframe\. Copies in a vector start at home"):
+    assert np.array_equal(env.reset(), first)
+    env.set_options({"keyframe": "hom"})
+    with pytest.raises(rc.NotFoundError, match="no keyframe 'hom'"):
         env.reset()
     env.close()
 

@@ -315,6 +315,24 @@ class TestReset:
         assert info.used_keyframe
         assert not scene.reset(use_keyframe=False).used_keyframe
 
+    @pytest.mark.parametrize("wrong", [True, False, {"cube": True}, 1.0, {"cube": 0.5}, ["home"]])
+    def test_what_is_no_keyframe_is_refused_by_its_type(self, scene, wrong):
+        for call in (
+            lambda: scene.reset(keyframe=wrong),
+            lambda: rc.scene.ResetOptions(keyframe=wrong),
+            lambda: setattr(rc.scene.ResetOptions(), "keyframe", wrong),
+        ):
+            with pytest.raises(TypeError, match="keyframe"):
+                call()
+
+    def test_a_keyframe_of_a_part_has_a_number_or_a_name(self, scene):
+        for good in (0, np.int64(0), "home", {"cube": 0}, {"cube": "home"}, {"cube": np.int32(0)}):
+            assert scene.reset(keyframe=good).keyframe == 0
+            scene.reset(rc.scene.ResetOptions(keyframe=good))
+        assert rc.scene.ResetOptions(keyframe={"cube": 0}).keyframe == {"cube": 0}
+        with pytest.raises(rc.ArgumentError, match="there is no keyframe 1; its model has 1: home"):
+            scene.reset(keyframe={"cube": 1})
+
     def test_hooks_are_called_with_the_scene(self, scene):
         seen = []
 

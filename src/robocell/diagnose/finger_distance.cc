@@ -15,7 +15,8 @@ namespace {
 
 // A gripper's opening is the distance of its fingers.
 void WarnOfHinges(const Robot& robot, Findings& findings) {
-  const mjModel* m = robot.scene().model();
+  const CompiledScene& compiled = *robot.scene().compiled();
+  const mjModel* m = compiled.model();
   const std::span<const double> qpos(robot.scene().data()->qpos, static_cast<size_t>(m->nq));
   for (const std::string& name : robot.group_names()) {
     const auto* gripper = dynamic_cast<const ActuatedGripper*>(&robot.group(name));
@@ -24,7 +25,8 @@ void WarnOfHinges(const Robot& robot, Findings& findings) {
                           .fingers = {gripper->finger(0), gripper->finger(1)}};
     const std::optional<Jaw> jaw = FindJaw(m, pair);
     if (!jaw || !IsMeasuredAtItsHinge(m, qpos, pair, *jaw)) continue;
-    findings.WarnAbout("move_groups." + name + ".fingers", HowToNameTips(m, pair, *jaw));
+    findings.WarnAbout("move_groups." + name + ".fingers",
+                       HowToNameTips(compiled, compiled.robot(robot.name()), pair, *jaw));
   }
 }
 

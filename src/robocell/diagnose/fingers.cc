@@ -14,6 +14,7 @@
 #include "robocell/diagnose/checks.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/finger_bodies.h"
 #include "robocell/scene/hold_ctrl.h"
 
@@ -175,6 +176,40 @@ void CheckForces(const CompiledRobot& of, const std::string& field,
                   *Weight(m, d, weakest), actuators.front()));
 }
 
+// Reports fingers that nothing holds between open and closed, because the controls of all their
+// actuators are forces or speeds and no spring pushes back.
+void CheckOpenings(const CompiledRobot& of, const std::string& group,
+                   const std::vector<std::string>& actuators, const std::array<int, 2>& fingers,
+                   Findings& findings) {
+  const mjModel* m = of.model;
+  std::optional<CtrlMode> kind;
+  for (const std::string& name : actuators) {
+    const int a = FindId(m, mjOBJ_ACTUATOR, of.robot.prefix + name);
+    const auto next = a < 0 ? std::nullopt : ActuatorForceKind(m, a);
+    if (!next || *next == CtrlMode::kPosition) return;
+    kind = next;
+  }
+  if (!kind) return;
+  const int hand = CommonAncestor(m, fingers[0], fingers[1]);
+  for (const int finger : fingers) {
+    const FingerJoints joints = JointsBetween(m, hand, finger);
+    for (const int joint : joints.ids) {
+      if (m->jnt_stiffness[joint] > 0) return;
+    }
+    for (int tendon = 0; tendon < m->ntendon; ++tendon) {
+      if (m->tendon_stiffness[tendon] > 0 && TendonHas(m, tendon, joints)) return;
+    }
+  }
+  findings.Note(fmt::format(
+      "gripper '{}' only opens and closes: {} {}, whose control is a {}, and nothing holds its "
+      "fingers in between. Actions that are openings (`binary_gripper: false` in an environment) "
+      "need a position servo",
+      group, ListNames(actuators),
+      actuators.size() == 1 ? std::string("is a ") + ActuatorWord(*kind)
+                            : fmt::format("are {}s", ActuatorWord(*kind)),
+      *kind == CtrlMode::kTorque ? "force" : "speed"));
+}
+
 // Reports each finger that nothing moves, or that has nothing to touch with.
 void CheckMotion(const CompiledRobot& of, const std::string& field,
                  const std::array<int, 2>& fingers, Findings& findings) {
@@ -218,6 +253,7 @@ void CheckFingers(const CompiledRobot& robot, Findings& findings) {
     CheckMotion(robot, field + (group->fingers.empty() ? ".joints" : ".fingers"), *fingers,
                 findings);
     CheckForces(robot, field + ".actuators", group->actuators.names, findings);
+    CheckOpenings(robot, name, group->actuators.names, *fingers, findings);
   }
 }
 

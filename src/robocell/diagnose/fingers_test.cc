@@ -9,9 +9,11 @@ namespace robocell {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 using FingerChecks = ArmWithHand;
@@ -33,6 +35,29 @@ TEST_F(FingerChecks, AFingerThatTouchesNothing) {
               ElementsAre(AllOf(StartsWith(file_ + ":5:33: robot 'arm': move_groups.hand.joints: "),
                                 HasSubstr("no geom of the finger 'left' collides (their contype "
                                           "and conaffinity are 0), so it can hold nothing"))));
+}
+
+TEST_F(FingerChecks, AGripperThatHoldsNoOpeningInBetween) {
+  std::string text = ReadFile(Model());
+  const std::string servo =
+      R"(<position name="grip" joint="l" kp="100" kv="10" ctrlrange="-0.04 0"/>)";
+  const auto notes = [&](const std::string& actuator, const std::string& joint = "") {
+    std::string model = text;
+    model.replace(model.find(servo), servo.size(), actuator);
+    if (!joint.empty()) model.insert(model.find(R"(<joint name="l")") + 6, joint);
+    AtomicWrite(model_, model);
+    return Build().compiled()->notes();
+  };
+  const auto told = [](const std::string& what) {
+    return Contains(HasSubstr("gripper 'hand' only opens and closes: grip is a " + what +
+                              ", and nothing holds its fingers in between"));
+  };
+  constexpr const char* kMotor = R"(<motor name="grip" joint="l" ctrlrange="-20 20"/>)";
+  EXPECT_THAT(notes(kMotor), told("motor, whose control is a force"));
+  EXPECT_THAT(notes(R"(<velocity name="grip" joint="l" kv="10" ctrlrange="-.1 .1"/>)"),
+              told("velocity servo, whose control is a speed"));
+  EXPECT_THAT(notes(kMotor, " stiffness=\"300\""), Not(told("motor, whose control is a force")));
+  EXPECT_THAT(notes(servo), Not(Contains(HasSubstr("only opens and closes"))));
 }
 
 using FingersOfFiles = RobotFiles;

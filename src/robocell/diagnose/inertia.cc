@@ -4,7 +4,8 @@
 //
 // A body of mass m and at most kLongest metres long, of the densest metal, is thinnest as a rod:
 // about its axis it has the inertia m^2 / (2 pi density length). A body whose mass lies within
-// kWidest metres has at most the inertia m * kWidest^2.
+// kWidest metres has at most the inertia m * kWidest^2. What is fixed together weighs at most what
+// the densest metal would in the box around its geoms and joints.
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
@@ -13,6 +14,7 @@
 #include <cstddef>
 #include <optional>
 #include <vector>
+#include <Eigen/Core>
 
 #include "robocell/base/units.h"
 #include "robocell/diagnose/checks.h"
@@ -28,17 +30,27 @@ constexpr double kDensest = 22600;   // kg/m^3, osmium
 constexpr double kLongest = 2;       // metres
 constexpr double kWidest = 5;        // metres
 constexpr double kLeastShare = 0.1;  // of the least inertia: files round
+constexpr double kThinnest = 0.05;   // metres; parts may be drawn smaller than they are
+
+using Eigen::Vector3d;
+using Matrix3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 class InertiaCheck {
  public:
   InertiaCheck(const CompiledRobot& robot, Findings& findings)
-      : m_(robot.model), robot_(robot.robot), part_(robot.part), findings_(findings) {}
+      : m_(robot.model),
+        d_(robot.reference),
+        robot_(robot.robot),
+        part_(robot.part),
+        findings_(findings) {}
 
   void Run() {
     const int base = FindId(m_, mjOBJ_BODY, robot_.base_body);
     if (base < 0) return;
     for (int body = base; body < m_->nbody; ++body) {
-      if (IsInSubtree(m_, body, base) && m_->body_weldid[body] != 0) CheckBody(body);
+      if (!IsInSubtree(m_, body, base) || m_->body_weldid[body] == 0) continue;
+      CheckBody(body);
+      if (m_->body_weldid[body] == body) CheckDensity(body);
     }
     LookAtGains(UnstableServos(m_, base, robot_.prefix));
     for (const std::string& spring : UnstableSprings(m_, base, robot_.prefix))
@@ -68,6 +80,46 @@ class InertiaCheck {
                        mass, kWidest, mass * kWidest * kWidest),
            "is too large");
     }
+  }
+
+  // Checks what is fixed to a body, together.
+  void CheckDensity(int body) {
+    const Eigen::Map<const Matrix3> axes(d_->xmat + 9 * static_cast<ptrdiff_t>(body));
+    const Vector3d origin(d_->xpos + 3 * static_cast<ptrdiff_t>(body));
+    Vector3d low = Vector3d::Zero(), high = Vector3d::Zero();  // in the body's axes
+    const auto take = [&](const Vector3d& at, const Vector3d& half) {
+      const Vector3d middle = axes.transpose() * (at - origin);
+      low = low.cwiseMin(middle - half);
+      high = high.cwiseMax(middle + half);
+    };
+    double mass = 0;
+    int heaviest = body;
+    for (int b = body; b < m_->nbody; ++b) {
+      const bool is_part = m_->body_weldid[b] == body;
+      if (!is_part && m_->body_weldid[m_->body_parentid[b]] != body) continue;
+      take(Vector3d(d_->xpos + 3 * static_cast<ptrdiff_t>(b)), Vector3d::Zero());  // of a joint
+      if (!is_part) continue;
+      mass += m_->body_mass[b];
+      if (m_->body_mass[b] > m_->body_mass[heaviest]) heaviest = b;
+    }
+    bool has_geoms = false;
+    for (int g = 0; g < m_->ngeom; ++g) {
+      if (m_->body_weldid[m_->geom_bodyid[g]] != body) continue;
+      has_geoms = true;
+      const Eigen::Map<const Matrix3> turn(d_->geom_xmat + 9 * static_cast<ptrdiff_t>(g));
+      const mjtNum* box = m_->geom_aabb + 6 * static_cast<ptrdiff_t>(g);
+      const Matrix3 in_body = axes.transpose() * turn;
+      take(Vector3d(d_->geom_xpos + 3 * static_cast<ptrdiff_t>(g)) + turn * Vector3d(box),
+           in_body.cwiseAbs() * Vector3d(box + 3));
+    }
+    const double most = kDensest * (high - low).cwiseMax(kThinnest).prod();
+    if (!has_geoms || mass <= most) return;
+    const std::string name = Own(mjOBJ_BODY, heaviest);
+    findings_.WarnAt(
+        part_.file, fmt::format("the mass {:.3g} kg of body '{}' is too large: of the densest "
+                                "metal, what is fixed to it would weigh {:.2g} kg. Correct it "
+                                "(kg, not g), in the model or by edits: [{{body: '{}', mass: KG}}]",
+                                m_->body_mass[heaviest], name, most, name));
   }
 
   // The problem of a part that is too large is its size (scale.cc).
@@ -126,6 +178,7 @@ class InertiaCheck {
   static constexpr double kLeastArmature = 1e-4;
 
   const mjModel* m_;
+  const mjData* d_;
   const RobotRecord& robot_;
   const Part& part_;
   Findings& findings_;

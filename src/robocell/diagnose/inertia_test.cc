@@ -62,6 +62,16 @@ TEST_F(Inertia, OfALinkThatNoBodyHasIsToldWithWhatItHas) {
   EXPECT_THAT(Warnings(Build("", kSoft)), Not(Contains(HasSubstr("inertia"))));
 }
 
+TEST_F(Inertia, AMassThatNoMetalHasIsToldWithWhatItCouldWeigh) {
+  const auto of = [](double mass) {
+    return fmt::format(R"(<inertial pos="0 0 0.1" mass="{}" diaginertia="5 5 1"/>)", mass);
+  };
+  EXPECT_THAT(Warnings(Build(of(1000), kSoft)),
+              Contains(HasSubstr("the mass 1e+03 kg of body 'link' is too large: of the densest "
+                                 "metal, what is fixed to it would weigh 14 kg. Correct it")));
+  EXPECT_THAT(Warnings(Build(of(10), kSoft)), Not(Contains(HasSubstr("the mass"))));
+}
+
 TEST_F(Inertia, AGainThatTheTimestepCannotFollowIsToldAtItsServo) {
   EXPECT_THAT(Warnings(Build("", R"(<position name="drive" joint="hip" kp="5e9" kv="1"/>)")),
               Contains(::testing::AllOf(

@@ -12,6 +12,7 @@
 #include "robocell/diagnose/checks.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/robot/gripper_group.h"
+#include "robocell/scene/tool_elements.h"
 
 namespace robocell::internal {
 namespace {
@@ -87,15 +88,17 @@ void WarnOfFarTcp(const Robot& robot, const MoveGroup& arm, Findings& findings) 
       in_hand((MiddleOf(m, d, gripper->finger(0)) + MiddleOf(m, d, gripper->finger(1))) / 2);
   std::string body = ElementName(m, mjOBJ_BODY, hand);
   if (body.starts_with(robot.prefix())) body.erase(0, robot.prefix().size());
-  const std::string edit = fmt::format("{{add_site: tcp, body: {}, pos: {}}}", body, middle);
+  const CompiledScene& compiled = *robot.scene().compiled();
+  const SiteAdvice advice = HowToAddSite(compiled, compiled.robot(robot.name()),
+                                         ElementName(m, mjOBJ_BODY, hand), "tcp", middle);
   findings.WarnAbout(
       "move_groups." + arm.name() + ".leaf",
       fmt::format(
           "the TCP is {:.3g} m away from the fingers of '{}', and it is what poses are commanded "
           "and recorded of. In the frame of '{}' it is at {} m, and the middle between the fingers "
-          "at {}: name a site there (edits: [{}] adds one)",
-          distance, name, body, in_hand(tcp), middle, edit),
-      edit);
+          "at {}: name a site there ({})",
+          distance, name, body, in_hand(tcp), middle, advice.text),
+      advice.edit);
 }
 
 }  // namespace

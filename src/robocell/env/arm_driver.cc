@@ -415,7 +415,11 @@ ArmStatus ArmDriver::Status(double time) {
   } else if (watch_.at_rest() || (slow && IsHeldAwayByGravity())) {
     status = ArmStatus::kSettled;
   }
-  return !gripper_ || GripperIsStill(time) ? status : ArmStatus::kMoving;
+  if (!gripper_) return status;
+  if (!fingers_->IsStill(time, memory_.sent_opening)) return ArmStatus::kMoving;
+  if (status == ArmStatus::kArrived && !fingers_->IsWhereItEnds(memory_.sent_opening))
+    status = ArmStatus::kSettled;
+  return status;
 }
 
 ArmMotion ArmDriver::motion() const {

@@ -35,7 +35,8 @@ struct ArmMotion {
 // The state of an arm and its gripper relative to their targets.
 enum class ArmStatus {
   kMoving,
-  kSettled,  // at rest, and some joint is farther from its target than its tolerance
+  kSettled,  // at rest, and a joint is farther from its target than its tolerance, or the fingers
+             // are at another opening and hold nothing
   kArrived,  // near and at rest
 };
 

@@ -12,8 +12,9 @@ namespace {
 // s. A joint at rest is so slow that it would take this long to move by its tolerance; also the
 // window over which an arm away from its target is watched.
 constexpr double kSettling = 0.1;
-// The largest motion of a resting joint in a window: a share of its tolerance, or of the distance
-// to its target.
+// The largest motion of a resting joint from the beginning of a window to its middle and its end: a
+// share of its tolerance, or of the distance to its target. An arm that swings slowly may end a
+// window where it began.
 constexpr double kRestShare = 0.1, kRestShareOfWay = 0.01;
 // A joint that creeps to its target is moving as long as it gets within its tolerance in no more
 // than this time, s.
@@ -25,7 +26,8 @@ ArmWatch::ArmWatch(std::vector<double> tolerances, double timestep, double delay
     : tolerances_(std::move(tolerances)),
       timestep_(timestep),
       delay_(delay),
-      window_pos_(tolerances_.size()) {
+      window_pos_(tolerances_.size()),
+      middle_pos_(tolerances_.size()) {
   seen_.fill(window_pos_);
 }
 
@@ -40,6 +42,7 @@ void ArmWatch::Begin(std::span<const double> q, double time) {
 void ArmWatch::StartWindow(double time) {
   for (size_t i = 0; i < window_pos_.size(); ++i) window_pos_[i] = Mean(i);
   window_since_ = time;
+  has_middle_ = false;
 }
 
 void ArmWatch::Look(std::span<const double> q, std::span<const double> wanted, double time) {
@@ -51,8 +54,13 @@ void ArmWatch::Look(std::span<const double> q, std::span<const double> wanted, d
     return;
   }
   const bool slow = is_slow();
-  if (slow && time - window_since_ < kSettling) return;
-  at_rest_ = slow && HasHardlyMoved(wanted, time - window_since_);
+  const double window = time - window_since_;
+  if (slow && !has_middle_ && window >= kSettling / 2) {
+    for (size_t i = 0; i < middle_pos_.size(); ++i) middle_pos_[i] = Mean(i);
+    has_middle_ = true;
+  }
+  if (slow && window < kSettling) return;
+  at_rest_ = slow && HasHardlyMoved(wanted, window);
   StartWindow(time);
 }
 
@@ -88,6 +96,7 @@ bool ArmWatch::HasHardlyMoved(std::span<const double> wanted, double window) con
     if (beyond > 0 && nearer * kPatience > beyond * window) return false;
     const double most = std::max(kRestShare * tolerances_[i], kRestShareOfWay * left);
     if (std::abs(now - window_pos_[i]) > most) return false;
+    if (std::abs(middle_pos_[i] - window_pos_[i]) > most) return false;
   }
   return true;
 }

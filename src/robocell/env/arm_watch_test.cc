@@ -56,6 +56,16 @@ TEST(ArmWatch, AJointThatCreepsToItsTargetIsNotAtRest) {
   EXPECT_EQ(seen.at_rest, 0);
 }
 
+// Whatever part of the swing the windows begin in. A load of a tonne on soft servos.
+TEST(ArmWatch, AJointThatTurnsBackFromASlowSwingIsNotAtRest) {
+  for (int phase = 0; phase < 50; ++phase) {
+    const auto q = [&](int i) {
+      return 0.028 + 0.022 * std::cos(3.6 * kWatchStep * (i + phase - 300));
+    };
+    EXPECT_EQ(LookAtOneJoint(q, 870).at_rest, 0) << phase;  // a whole swing
+  }
+}
+
 // The servos of a Panda move joint 7 back and forth by 0.22 mrad, in steps of 2 ms.
 TEST(ArmWatch, AJointThatChattersAboutAPlaceIsAtRest) {
   for (const double away : {0.0, 0.0017, 0.0022, 0.01}) {

@@ -169,6 +169,7 @@ class Env {
   std::string NoPlace() const;
   void RequireRest(const std::string& doubt);
   void WarnOfStart();
+  std::string AdviceFor(const RobotOverlap& overlap) const;
   void RequireReady() const;
   Snapshot& RequireSnapshot(const std::string& name);
   std::vector<std::string> Send(std::span<const double> action);
@@ -195,7 +196,7 @@ class Env {
   void TellUndriven(const Robot& robot) const;
 
   EnvConfig config_;
-  Scene scene_;
+  Scene scene_;  // the only handle: all others here are inner() ones, as collectors rely on
   ObjectVariations variations_;
   std::shared_ptr<Task> task_;
   DeclaredFeatures signals_;  // of the task

@@ -171,8 +171,8 @@ void EnvBatch::CopyObservation(int i) {
   std::copy(seen.begin(), seen.end(), observations_.begin() + static_cast<long>(i * seen.size()));
 }
 
-void EnvBatch::ResetOne(int i, std::optional<uint64_t> seed) {
-  envs_[i]->Reset({.seed = seed});
+void EnvBatch::ResetOne(int i, const EnvResetOptions& options) {
+  envs_[i]->Reset(options);
   episode_steps_[i] = 0;
   step_.reward[i] = 0;
   step_.terminated[i] = step_.truncated[i] = 0;
@@ -195,8 +195,8 @@ bool EnvBatch::ik_success(int i, size_t robot) const {
   return std::find(failed.begin(), failed.end(), layout().robots[robot].robot) == failed.end();
 }
 
-void EnvBatch::Reset(std::span<const std::optional<uint64_t>> seeds,
-                     const std::vector<bool>& which) {
+void EnvBatch::Reset(std::span<const std::optional<uint64_t>> seeds, const std::vector<bool>& which,
+                     const std::optional<KeyframeChoice>& keyframe) {
   RequireOpen();
   const auto sized = [&](size_t got, const char* what) {
     if (got == 0 || got == envs_.size()) return;
@@ -206,7 +206,8 @@ void EnvBatch::Reset(std::span<const std::optional<uint64_t>> seeds,
   sized(seeds.size(), "seeds");
   sized(which.size(), "choices");
   ForEach([&](int i) {
-    if (which.empty() || which[i]) ResetOne(i, seeds.empty() ? std::nullopt : seeds[i]);
+    if (!which.empty() && !which[i]) return;
+    ResetOne(i, {.seed = seeds.empty() ? std::nullopt : seeds[i], .keyframe = keyframe});
   });
   DrawFrames();
 }
@@ -231,7 +232,7 @@ const BatchStep& EnvBatch::Step(std::span<const double> actions,
   const auto work = [&](int i) {
     if (ask) ask();
     if (Holds(reset_instead, i)) {
-      ResetOne(i, std::nullopt);
+      ResetOne(i, {});
     } else {
       StepOne(i, own(i), ask);
     }

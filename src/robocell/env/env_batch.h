@@ -54,8 +54,9 @@ class EnvBatch {
   Env& env(int i) { return *envs_[i]; }
 
   // Resets the copies for which `which` is true, all if it is empty. Seeds as for Env::Reset, one
-  // for each copy.
-  void Reset(std::span<const std::optional<uint64_t>> seeds, const std::vector<bool>& which = {});
+  // for each copy; the keyframe is that of all. The next episodes of Step begin at home.
+  void Reset(std::span<const std::optional<uint64_t>> seeds, const std::vector<bool>& which = {},
+             const std::optional<KeyframeChoice>& keyframe = {});
   // Steps all copies except those for which `reset_instead` is true, which begin their next
   // episode: reward 0, neither terminated nor truncated. `poll` is called on the caller's thread,
   // often; its exception ends all copies' steps and is rethrown, and all copies need a reset.
@@ -78,7 +79,7 @@ class EnvBatch {
 
  private:
   void ForEach(const std::function<void(int)>& work);
-  void ResetOne(int i, std::optional<uint64_t> seed);
+  void ResetOne(int i, const EnvResetOptions& options);
   void StepOne(int i, std::span<const double> action, const std::function<void()>& poll);
   void CopyObservation(int i);
   void DrawFrames();

@@ -135,7 +135,7 @@ std::string Env::NoPlace() const {
 void Env::FindPreparedObjects(bool is_first) {
   if (!task_ && config_.places.empty()) return;
   if (task_) resting_ = task_->resting_objects();
-  prepared_ = std::make_shared<internal::PreparedObjects>(scene_, config_, task_.get());
+  prepared_ = std::make_shared<internal::PreparedObjects>(scene_.inner(), config_, task_.get());
   if (prepared_->empty()) return prepared_.reset();
   Rng of_task = Rng::Stream(kTriedSeed, "env task"), of_places = Rng::Stream(kTriedSeed, "places");
   BodyPoses starts = task_ ? task_->Starts(of_task) : BodyPoses();
@@ -167,7 +167,7 @@ void Env::PutPrepared(Rng& rng) {
 
 // Inspects the present scene, with objects in their places.
 void Env::MakeInspector() {
-  if (!resting_.empty()) start_inspector_.emplace(scene_, resting_);
+  if (!resting_.empty()) start_inspector_.emplace(scene_.inner(), resting_);
 }
 
 // Leaves the scene in the state after a reset.
@@ -222,20 +222,31 @@ void Env::RequireRest(const std::string& doubt) {
                   place(), of_task, doubt.empty() ? *why_not : doubt));
 }
 
+std::string Env::AdviceFor(const RobotOverlap& overlap) const {
+  if (!overlap.object.empty()) {
+    return fmt::format("Move '{}' to a free place, or the robot (robot_to_shared_base_frame)",
+                       overlap.object);
+  }
+  std::string advice = "Move the robot (robot_to_shared_base_frame)";
+  // Environments drop the pose of a robot's root unless its file keeps it.
+  const RobotConfig* robot = config_.robots.find(overlap.robot);
+  if (robot && robot->reset_root_pose.value_or(true))
+    advice +=
+        ", or write `reset_root_pose: false` in its file when its model has the height in its "
+        "root's pose";
+  return advice;
+}
+
 void Env::WarnOfStart() {
   if (const std::vector<std::string> huge = ObjectsInMillimetres(scene_); !huge.empty()) {
     for (const std::string& object : huge) LogWarn(fmt::format("{}: {}", place(), object));
     return;  // it causes all other problems
   }
-  std::vector<std::string> inside = RobotsInTheFloor(scene_);
+  std::vector<RobotOverlap> inside = RobotsInTheFloor(scene_);
   StartInspector inspector = start_inspector_ ? *start_inspector_ : StartInspector(scene_, {});
-  for (const std::string& robot : inspector.RobotsInside()) inside.push_back(robot);
-  for (const std::string& robot : inside) {
-    LogWarn(fmt::format(
-        "{}: at the start {}. Move the robot (robot_to_shared_base_frame), or write "
-        "`reset_root_pose: false` in its file when its model has the height in its root's pose",
-        place(), robot));
-  }
+  for (RobotOverlap& overlap : inspector.RobotsInside()) inside.push_back(std::move(overlap));
+  for (const RobotOverlap& overlap : inside)
+    LogWarn(fmt::format("{}: at the start {}. {}", place(), overlap.text, AdviceFor(overlap)));
   for (const std::string& robot : inspector.RobotsInsideThemselves()) {
     LogWarn(fmt::format(
         "{}: at the start {}, and is pushed apart. Correct where the part is mounted (`offset`, "

@@ -235,6 +235,29 @@ TEST(EnvStart, TwoRobotsAtOnePlaceAreSaidOnce) {
             1);
 }
 
+TEST(EnvStart, AdvisesWhatIsNotDoneYetAgainstARobotInsideSomething) {
+  const auto warning = [](const EnvConfig& config) {
+    Warnings warnings;
+    const Env env(config);
+    return warnings.texts.empty() ? std::string() : warnings.texts.front();
+  };
+  EnvConfig sunk = Rc7Env();
+  sunk.robot_to_shared_base_frame["robot"] = PlaceAt(0, 0, -0.1);
+  const std::string keeps = "`reset_root_pose: false`";
+  EXPECT_THAT(warning(sunk), HasSubstr("deep in floor. Move the robot"));
+  EXPECT_THAT(warning(sunk), HasSubstr(keeps));
+  sunk.robots["robot"].reset_root_pose = false;
+  EXPECT_THAT(warning(sunk), ::testing::Not(HasSubstr(keeps)));
+  EnvConfig cube = Rc7Env();
+  cube.root_frame_objects["cube"] = {.offset = PlaceAt(0, 0, 0.1),
+                                     .fixed = true,
+                                     .shape = Shape::kBox,
+                                     .size = Vec3{0.1, 0.1, 0.1},
+                                     .mass = 1};
+  EXPECT_THAT(warning(cube), HasSubstr("Move 'cube' to a free place, or the robot"));
+  EXPECT_THAT(warning(cube), ::testing::Not(HasSubstr(keeps)));
+}
+
 TEST(EnvStart, WarnsOfObjectsInsideEachOther) {
   EnvConfig config = CubeOnABench(0.05);
   config.task.reset();

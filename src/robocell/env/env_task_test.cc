@@ -112,6 +112,25 @@ class EnvTaskTest : public ::testing::Test {
   ModelFolder folder_;
 };
 
+// Collectors of other languages count on it (Scene::Weak::handles).
+TEST_F(EnvTaskTest, HoldsItsSceneByOneHandle) {
+  for (EnvConfig config : {Picking(), Placing(), Rc7Duo(ControlMode::kJoints, RelativeTo::kNone)}) {
+    config.features.names = {"time", "robots/*"};
+    config.camera_adds["view"] = {.offset = Pose(Eigen::Vector3d(0, 0, 2))};
+    config.cameras.streams = {{.name = "view", .camera = "view", .width = 32, .height = 32}};
+    Env env(config);
+    const Scene::Weak scene(env.scene());
+    EXPECT_EQ(scene.handles(), 1u);
+    env.Reset();
+    const Robot robot = Robot::Of(env.scene(), config.robots.keys().front());
+    EXPECT_EQ(scene.handles(), 2u) << "of a user";
+    std::vector<double> action(static_cast<size_t>(env.layout().action.size()));
+    if (config.control_mode == ControlMode::kCartesianTquat) action[6] = 1;  // no rotation
+    env.Step(action);
+    EXPECT_EQ(scene.handles(), 2u);
+  }
+}
+
 TEST_F(EnvTaskTest, PuttingItDownIsSuccessWhereverTheRootIs) {
   for (const bool mat : {false, true}) {
     for (const Pose& root : {Pose(), Pose::FromRpy({1, -1, 0.3}, {0, 0, 2})}) {

@@ -32,6 +32,8 @@ class FingerWatch {
   // still for one window; fingers elsewhere may yet begin to move, and are watched for longer. No
   // allocation.
   bool IsStill(double time, double opening);
+  // Returns true if the fingers are at an opening, or hold an object. No allocation.
+  bool IsWhereItEnds(double opening) const;
 
   const Memory& memory() const { return memory_; }
   void Recall(Memory memory) { memory_ = std::move(memory); }
@@ -47,7 +49,6 @@ class FingerWatch {
   // Writes the joints as shares of their travel, and the opening last.
   void Look(std::span<double> out) const;
   double Moved();
-  bool IsWhereItEnds(double opening) const;
 
   Robot robot_;
   std::vector<FingerJoint> joints_;

@@ -54,7 +54,11 @@ std::shared_ptr<const ExpertKind> FindExpertKind(const std::string& kind) {
     const auto found = registry.kinds.find(kind);
     if (found != registry.kinds.end()) return found->second;
   }
-  throw NotFoundError(NoSuchName("", "expert", kind, ExpertKinds()));
+  const bool is_policy = kind.find(':') != std::string::npos;  // as evaluations write them
+  throw NotFoundError(NoSuchName("", "expert", kind, ExpertKinds()) +
+                      (is_policy ? " Policies (`module:Class`) are run by `robocell evaluate`; to "
+                                   "generate with one, register it as an expert"
+                                 : ""));
 }
 
 std::shared_ptr<const ExpertKind> ExpertKindOf(const RunConfig& run) {

@@ -59,6 +59,12 @@ TEST(ExpertKind, ARunMayNameAnother) {
   ExpectThrow<NotFoundError>([&] { ExpertKindOf(run); }, "Did you mean 'nobody_of_test'?");
 }
 
+TEST(ExpertKind, APolicyIsForEvaluations) {
+  RunConfig run = ExampleRun("demo.yaml");
+  run.expert = "pol:P";
+  ExpectThrow<NotFoundError>([&] { ExpertKindOf(run); }, "are run by `robocell evaluate`");
+}
+
 TEST(ExpertKind, NamesAreTakenOnce) {
   ExpectThrow<ArgumentError>([] { RegisterExpert("pick", std::make_shared<Nobody>()); },
                              "expert 'pick' is registered already");

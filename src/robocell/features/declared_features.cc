@@ -45,7 +45,7 @@ DeclaredFeatures::DeclaredFeatures(Scene scene, std::shared_ptr<const DeclaresFe
 
 void DeclaredFeatures::ReadNumbers(std::span<double> out) {
   if (out.empty()) return;
-  internal::CallHook(*of_, "observe", [&] { of_->Observe(scene(), out); });
+  internal::CallHook(*of_, "observe", [&] { of_->Observe(scene().outer(), out); });
 }
 
 std::string DeclaredFeatures::PlaceOf(size_t /*feature*/) const {

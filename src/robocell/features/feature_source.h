@@ -26,6 +26,7 @@ class FeatureSource {
 
  protected:
   explicit FeatureSource(Scene scene) : scene_(std::move(scene)) {}
+  // A user's code gets scene().outer().
   const Scene& scene() const { return scene_; }
   void Add(Feature feature) { features_.push_back(std::move(feature)); }
 

@@ -108,7 +108,7 @@ void OwnFeatureSource::ReadNumbers(std::span<double> out) {
     const Function& function = functions_[i];
     const std::span<double> part = out.first(static_cast<size_t>(features()[i].size()));
     internal::CallHook(function, features()[i].column.name.c_str(),
-                       [&] { function.read(scene(), part); });
+                       [&] { function.read(scene().outer(), part); });
     out = out.subspan(part.size());
   }
 }

@@ -92,8 +92,21 @@ std::string Place(const std::string& file, const std::string& line) {
   return known ? file + ":" + line + ": " : file + ": ";
 }
 
+// Returns true for the text that a repository has in the place of a large file until Git LFS fetches
+// it.
+bool IsLfsPointer(const std::string& file) {
+  std::ifstream stream(file);
+  std::string first;
+  return std::getline(stream, first) && first.starts_with("version https://git-lfs.github.com/");
+}
+
 // "XML parse error 14:\nError=XML_ERROR_MISMATCHED_ELEMENT ... Line number=2: XMLElement name=body"
 std::string NotWellFormed(const std::string& complaint, const std::string& file) {
+  if (IsLfsPointer(file)) {
+    return file +
+           ": a pointer of Git LFS, not the model itself: run `git lfs pull` where the file's "
+           "repository was cloned, or download the file";
+  }
   std::smatch found;
   std::regex_search(complaint, found, std::regex(R"(Error=XML_ERROR_(\w+))"));
   std::string what = found.empty() ? complaint : found[1].str();

@@ -60,6 +60,14 @@ TEST(ParseProblem, WhatIsNoXmlIsTold) {
                                                 "attribute. "));
 }
 
+TEST(ParseProblem, APointerOfGitLfsIsTold) {
+  const TempDir folder;
+  AtomicWrite(folder.path() / "arm.xml",
+              "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n");
+  ExpectThrow<SpecError>([&] { ParseXmlFile(folder.path() / "arm.xml"); },
+                         "arm.xml: a pointer of Git LFS, not the model itself: run `git lfs pull`");
+}
+
 TEST(ParseProblem, AnIncludedFileThatIsMissingHasTheNearest) {
   const auto told = [](const std::string& include, const std::string& there) {
     const TempDir folder;

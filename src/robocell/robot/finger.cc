@@ -10,6 +10,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/owners.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/scene/tool_elements.h"
 
 namespace robocell::internal {
 namespace {
@@ -213,13 +214,16 @@ bool IsMeasuredAtItsHinge(const mjModel* m, std::span<const double> qpos, const 
   return lever < kNearHinge * length;
 }
 
-std::string HowToNameTips(const mjModel* m, const FingerPair& pair, const Jaw& jaw) {
-  const std::string name = ElementName(m, mjOBJ_BODY, pair.fingers[jaw.index].body);
+std::string HowToNameTips(const CompiledScene& scene, const RobotRecord& robot,
+                          const FingerPair& pair, const Jaw& jaw) {
+  const auto name = [&](int finger) {
+    return ElementName(scene.model(), mjOBJ_BODY, pair.fingers[static_cast<size_t>(finger)].body);
+  };
   return fmt::format(
-      "'{0}' turns about a hinge in '{1}', and the two are nearest at the hinge, however far their "
-      "tips are apart: name the tips of both as `fingers`, geoms or sites (edits: "
-      "[{{add_site: tip, body: {0}, pos: [...]}}] adds one)",
-      name, ElementName(m, mjOBJ_BODY, pair.fingers[1 - jaw.index].body));
+      "'{}' turns about a hinge in '{}', and the two are nearest at the hinge, however far their "
+      "tips are apart: name the tips of both as `fingers`, geoms or sites ({})",
+      name(jaw.index), name(1 - jaw.index),
+      HowToAddSite(scene, robot, name(jaw.index), "tip", "[...]").text);
 }
 
 double FingerDistance(const mjModel* m, mjData* d, const Finger& a, const Finger& b) {

@@ -54,7 +54,8 @@ bool IsMeasuredAtItsHinge(const mjModel* model, std::span<const double> qpos,
                           const FingerPair& pair, const Jaw& jaw);
 
 // Returns advice: "'jaw' turns about a hinge in 'hand', ...: name the tips of both ...".
-std::string HowToNameTips(const mjModel* model, const FingerPair& pair, const Jaw& jaw);
+std::string HowToNameTips(const CompiledScene& scene, const RobotRecord& robot,
+                          const FingerPair& pair, const Jaw& jaw);
 
 // Returns metres; 0 if they overlap. Needs data at position stage. No allocation.
 double FingerDistance(const mjModel* model, mjData* data, const Finger& a, const Finger& b);

@@ -11,6 +11,7 @@
 #include "robocell/base/suggestions.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/element_lookup.h"
 #include "robocell/scene/servo_stability.h"
 #include "robocell/spec/locations.h"
@@ -189,8 +190,22 @@ std::array<double, 2> ActuatedGripper::Settled(
   } catch (const EngineError& error) {
     throw EngineError(core().place() + ": " + error.what() + "." + WhyUnstable(core().scene()));
   } catch (const ArgumentError& error) {
-    Fail("fingers", error.what() + WhyUnstable(core().scene()));
+    Fail("fingers", error.what() + WhyUnstable(core().scene()) + WhyNoOpening());
   }
+}
+
+// Names an actuator whose control is a speed; "" if there is none.
+std::string ActuatedGripper::WhyNoOpening() const {
+  const mjModel* m = core().model();
+  for (const std::string& name : actuator_names()) {
+    if (ActuatorForceKind(m, RequireId(m, mjOBJ_ACTUATOR, name, "")) != CtrlMode::kVelocity)
+      continue;
+    return fmt::format(
+        " Its actuator '{}' is a velocity servo: its control is a speed, which holds no opening. "
+        "Drive the fingers with a position servo or a motor",
+        name);
+  }
+  return "";
 }
 
 std::vector<GripperCtrl> ActuatedGripper::Ends() const {
@@ -239,7 +254,10 @@ std::string ActuatedGripper::WhyTheyStay(const std::array<std::vector<double>, 2
   const mjModel* m = core().model();
   const FingerPair& pair = Parts().pair;
   if (std::string hint = MillimetresHint(m, pair); !hint.empty()) return hint;
-  if (const auto jaw = FindJaw(m, pair)) return HowToNameTips(m, pair, *jaw);
+  if (const auto jaw = FindJaw(m, pair)) {
+    const CompiledScene& compiled = *core().scene().compiled();
+    return HowToNameTips(compiled, compiled.robot(core().names().robot), pair, *jaw);
+  }
   const auto geoms = distance > 0 ? std::nullopt : OverlapOfFingers(core().scene(), Parts(), ctrl);
   if (!geoms) return WhyTheyJam(ctrl);
   return fmt::format(

@@ -54,6 +54,7 @@ class ActuatedGripper : public JointGroupOf<GripperGroup> {
   // Returns advice for fingers that do not return from the first controls to the second.
   std::string WhyTheyStay(const std::array<std::vector<double>, 2>& ctrl, double distance) const;
   std::string WhyTheyJam(const std::array<std::vector<double>, 2>& ctrl) const;
+  std::string WhyNoOpening() const;
 
  private:
   const GripperParts& Parts() const;

@@ -365,6 +365,16 @@ TEST(Gripper, FingersThatDoNotComeToRestAreNoNumber) {
   }
 }
 
+TEST(Gripper, FingersOfAVelocityServoThatNeverRestAreToldWhy) {
+  ModelFolder folder;
+  Robot robot = RobotAlone(WithSlowGripper(
+      folder, 1, R"(<velocity name="grip" joint="l" kv="1000" ctrlrange="-.002 .002"/>)"));
+  ExpectThrow<ArgumentError>([&] { robot.gripper().opening(); },
+                             "Its actuator 'g_grip' is a velocity servo: its control is a speed, "
+                             "which holds no opening. Drive the fingers with a position servo or a "
+                             "motor");
+}
+
 // Fingers with a servo each, whose ranges are mirrored, and a thumb that does not change the finger
 // distance: it follows the first servo. `first` and `second` are the slides' ranges.
 RobotConfig WithTwoServos(ModelFolder& folder, const char* first_axis, const char* first,

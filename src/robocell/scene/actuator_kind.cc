@@ -1,5 +1,6 @@
 #include "robocell/scene/actuator_kind.h"
 
+#include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
@@ -76,9 +77,19 @@ std::optional<CtrlMode> KindOf(const DriveLaw& law) {
   return may ? kind : std::nullopt;
 }
 
+// Describes a servo whose gain is not above 0; "" for all others.
+std::string WrongGain(const DriveLaw& law) {
+  if (law.gain_type != mjGAIN_FIXED || law.bias_type != mjBIAS_AFFINE || law.gain > 0) return "";
+  const bool of_positions = law.bias[1] == -law.gain;
+  if (!of_positions && (law.bias[1] != 0 || law.bias[2] != -law.gain)) return "";
+  return fmt::format("a servo with {} {:g}, which {}", of_positions ? "kp" : "kv", law.gain,
+                     law.gain < 0 ? "pushes away from its target" : "drives to no target");
+}
+
 std::string DescribeLaw(const DriveLaw& law) {
   if (const auto kind = KindOf(law)) return std::string("a ") + ActuatorWord(*kind);
   if (!law.moves) return "without effect, as its gear is 0";
+  if (const std::string wrong = WrongGain(law); !wrong.empty()) return wrong;
   const bool servo = law.bias_type == mjBIAS_AFFINE && (law.bias[1] < 0 || law.bias[2] < 0);
   if (servo && law.dynamics == mjDYN_INTEGRATOR) return "a servo that integrates its control";
   return "no position servo, velocity servo or motor";

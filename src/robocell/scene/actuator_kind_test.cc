@@ -121,6 +121,24 @@ TEST_F(Kinds, AreNoneForWhatIsNoServoAndNoMotor) {
             "no position servo, velocity servo or motor");
 }
 
+TEST_F(Kinds, AreNoneForServosWhoseGainIsNotAboveZero) {
+  spec = ParseXmlFile(folder.Write("gains", R"(
+    <worldbody><body><joint name="j"/><geom size="0.1"/></body></worldbody>
+    <actuator>
+      <position name="away" joint="j" kp="-400" kv="40"/>
+      <position name="nowhere" joint="j" kp="0" kv="40"/>
+      <velocity name="faster" joint="j" kv="-4"/>
+    </actuator>)"));
+  model = Compile(spec.get());
+  const auto described = [&](const char* name) {
+    EXPECT_EQ(ActuatorKind(model.get(), Id(name)), std::nullopt) << name;
+    return DescribeActuator(model.get(), Id(name));
+  };
+  EXPECT_EQ(described("away"), "a servo with kp -400, which pushes away from its target");
+  EXPECT_EQ(described("nowhere"), "a servo with kp 0, which drives to no target");
+  EXPECT_EQ(described("faster"), "a servo with kv -4, which pushes away from its target");
+}
+
 TEST(ArmDrives, AreOfOneKindOnAllJoints) {
   using Names = std::vector<std::string>;
   const Names joints = {"a", "b"};

@@ -242,6 +242,7 @@ class SceneCompiler {
     for (const size_t i : BuildOrder(entities, base, log_)) {
       Collect(entities[i].place, [&] { AddEntity(i); });
     }
+    AdoptAllKeys();
     for (const auto& object : objects_) out_->objects_.push_back(object->record);
     for (const auto& robot : robots_) out_->robots_.push_back(robot->record);
   }
@@ -262,7 +263,6 @@ class SceneCompiler {
     const auto at = PlaceIt(object.attach_to, object.pose(), loaded.part.place);
     if (!at) return;
     AttachObject(object, loaded, *at, log_);
-    AdoptKeys(loaded.part, loaded.prefix, object.name);
   }
 
   void AddRobot(const RobotSpec& robot, const RobotPart& loaded) {
@@ -270,7 +270,16 @@ class SceneCompiler {
     const auto at = PlaceIt(robot.attach_to, robot.pose(), loaded.part.place);
     if (!at) return;
     AttachRobot(robot, loaded, *at, log_);
-    AdoptKeys(loaded.part, robot.prefix, loaded.record.name);
+  }
+
+  // Those of robots come first: their numbers stay when objects are added or removed.
+  void AdoptAllKeys() {
+    for (size_t i = 0; i < robots_.size(); ++i) {
+      const RobotSpec& robot = spec().robots[i];
+      if (robot.part_of.empty()) AdoptKeys(robots_[i]->part, robot.prefix, robot_names_[i]);
+    }
+    for (size_t i = 0; i < objects_.size(); ++i)
+      AdoptKeys(objects_[i]->part, objects_[i]->prefix, spec().objects[i].name);
   }
 
   void AdoptKeys(const Part& part, const std::string& prefix, const std::string& name) {

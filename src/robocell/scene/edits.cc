@@ -9,6 +9,7 @@
 #include "robocell/scene/element_lookup.h"
 #include "robocell/scene/robot_parts.h"
 #include "robocell/scene/spec_tree.h"
+#include "robocell/scene/tool_elements.h"
 
 namespace robocell::internal {
 namespace {
@@ -16,8 +17,14 @@ namespace {
 // One edit on one model.
 class Editor {
  public:
-  Editor(const Edit& edit, Part& part, std::string place, CompileLog& log)
-      : edit_(edit), part_(part), spec_(part.spec.get()), place_(std::move(place)), log_(log) {}
+  Editor(const Edit& edit, const List<AttachmentSpec>& tools, Part& part, std::string place,
+         CompileLog& log)
+      : edit_(edit),
+        tools_(tools),
+        part_(part),
+        spec_(part.spec.get()),
+        place_(std::move(place)),
+        log_(log) {}
 
   void Apply() {
     if (edit_.remove) return Delete();
@@ -38,8 +45,18 @@ class Editor {
     mjsElement* element = FindSpecElement(spec_, kind, ref.name);
     if (!element)
       Miss(NoSuchName("the model", KindName(kind), ref.name, SpecNames(spec_, kind)) +
-           HowToReferToUnnamed(kind));
+           HowToReferToUnnamed(kind) + OfATool(ref.name));
     return element;
+  }
+
+  // Explains why a tool's element is not found; "" for other names.
+  std::string OfATool(const std::string& name) const {
+    const AttachmentSpec* tool = ToolOf(tools_, name);
+    if (!tool) return "";
+    return fmt::format(
+        " Names with '{}' belong to the attached tool, and edits change the robot's own model: "
+        "change {} instead",
+        tool->prefix, tool->mjcf_path);
   }
 
   // Returns " 9 geoms have no name; write for example {geom: {body: palm, index: 0}}"; "" if all
@@ -56,7 +73,9 @@ class Editor {
   mjsElement* FindInBody(const ElementRef& ref, mjtObj kind) {
     mjsBody* body = mjs_findBody(spec_, ref.body.c_str());
     if (!body)
-      return Miss(NoSuchName("the model", "body", ref.body, SpecNames(spec_, mjOBJ_BODY))), nullptr;
+      return Miss(NoSuchName("the model", "body", ref.body, SpecNames(spec_, mjOBJ_BODY)) +
+                  OfATool(ref.body)),
+             nullptr;
     const std::vector<mjsElement*> elements = BodyElements(body, kind);
     if (ref.index >= 0 && ref.index < static_cast<int>(elements.size())) return elements[ref.index];
     Miss(fmt::format("body '{}' has {} {}(s), so there is none with index {} (they count from 0)",
@@ -160,6 +179,7 @@ class Editor {
   }
 
   const Edit& edit_;
+  const List<AttachmentSpec>& tools_;
   Part& part_;
   mjSpec* spec_;
   std::string place_;
@@ -173,7 +193,7 @@ void ApplyEdits(const RobotConfig& config, Part& robot, CompileLog& log) {
     const std::string edit = fmt::format("edits[{}]", i);
     const std::string here = fmt::format("{} / {}", robot.place, edit);
     log.Locate(here, config.locations.Below(edit));
-    Editor(config.edits[i], robot, here, log).Apply();
+    Editor(config.edits[i], config.attachments, robot, here, log).Apply();
   }
 }
 

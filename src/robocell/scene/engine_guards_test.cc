@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "robocell/assets/resolve.h"
+#include "robocell/base/log.h"
 #include "robocell/base/rng.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/mujoco/engine_defects.h"
@@ -173,6 +174,27 @@ TEST_F(Guards, YieldToTheScenesOptionsWithAWarning) {
   const Scene dense = Overruled("dense");
   EXPECT_THAT(dense.compiled()->engine_guards(), IsEmpty());
   EXPECT_THAT(dense.compiled()->warnings(), IsEmpty());
+}
+
+TEST_F(Guards, WarnOfASolverThatIsSetAfterCompiling) {
+  SceneSpec spec = Boxes(10);
+  spec.options.solver = Solver::kCg;
+  Scene scene = Scene::Build(spec);
+  std::vector<std::string> lines;
+  const ScopedLogSink capture([&](LogLevel, std::string_view text) { lines.emplace_back(text); });
+  scene.StepN(1);
+  EXPECT_THAT(lines, IsEmpty());
+  scene.mutable_model()->opt.solver = mjSOL_NEWTON;
+  scene.StepN(1);
+  scene.Forward();
+  EXPECT_THAT(lines, ElementsAre(HasSubstr("its solver became Newton after the scene was compiled, "
+                                           "with a sparse Jacobian of 60 degrees of freedom")));
+  scene.mutable_model()->opt.solver = mjSOL_CG;
+  scene.StepN(1);
+  scene.mutable_model()->opt.solver = mjSOL_NEWTON;
+  scene.mutable_model()->opt.jacobian = mjJAC_DENSE;
+  scene.StepN(1);
+  EXPECT_EQ(lines.size(), 1u) << "a dense one is right";
 }
 
 TEST_F(Guards, HoldWhenAnObjectIsAdded) {

@@ -46,7 +46,7 @@ class SharedKeys : public ::testing::Test {
     spec.robots.push_back(right);
     return Scene::Build(spec);
   }
-  static Joints QposAfter(Scene& scene, const std::map<std::string, std::string>& keys) {
+  static Joints QposAfter(Scene& scene, const PartKeyframes& keys) {
     scene.Reset({.keyframe = keys});
     const mjData* d = scene.data();
     EXPECT_EQ(Joints(d->qpos, d->qpos + 4), Joints(d->ctrl, d->ctrl + 4));

@@ -1,14 +1,18 @@
 // Scene: life cycle and stepping. Frames, reset, contacts and files are in their own files.
 #include "robocell/scene/scene.h"
 
+#include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
 
 #include "robocell/base/error.h"
+#include "robocell/base/log.h"
+#include "robocell/mujoco/engine_defects.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/owners.h"
 #include "robocell/mujoco/step.h"
+#include "robocell/scene/options.h"
 #include "robocell/scene/placement.h"
 #include "robocell/scene/scene_state.h"
 
@@ -34,9 +38,28 @@ Scene Scene::FromCompiled(std::shared_ptr<CompiledScene> compiled, const DataFac
   state->compiled = std::move(compiled);
   state->Show();
   state->BindPool();
-  Scene scene(std::move(state), std::make_shared<Kept>());
+  auto kept = std::make_shared<Kept>();
+  state->kept = kept;
+  Scene scene(std::move(state), std::move(kept));
   scene.Reset();
   return scene;
+}
+
+void Scene::State::Show() {
+  now = {compiled->model(), data.data, compiled->generation()};
+  solver = now.model->opt.solver;
+}
+
+void Scene::State::TellSolver() {
+  solver = now.model->opt.solver;
+  if (internal::GuardOf(compiled->spec()) == JacobianGuard::kOff || !NeedsJacobianGuard(now.model))
+    return;
+  LogWarn(fmt::format(
+      "{}: its solver became Newton after the scene was compiled, with a sparse Jacobian of {} "
+      "degrees of freedom: MuJoCo {} can then return wrong accelerations (`robocell doctor` lists "
+      "known defects). Write `options: {{solver: newton}}` into the scene, or set the model's "
+      "opt.jacobian to dense (0) too",
+      context, now.model->nv, mj_versionString()));
 }
 
 Scene::Scene(std::shared_ptr<State> state, std::shared_ptr<Kept> kept)
@@ -59,11 +82,13 @@ StepResult Scene::StepN(int n) {
     throw ArgumentError("scene '" + name() + "': cannot step " + std::to_string(n) +
                         " times; time only goes forward, reset() starts again");
   }
+  s.LookAtSolver();
   return robocell::Step(s.now.model, s.now.data, n, s.context);
 }
 
 void Scene::Forward() {
   State& s = open();
+  s.LookAtSolver();
   robocell::Forward(s.model(), s.data.data, s.context);
   s.poses_at = s.data.data->time;
   for (size_t i = 0; i < s.observers.size(); ++i) {  // a copy would allocate
@@ -113,12 +138,18 @@ void Scene::AddObserver(std::weak_ptr<SceneObserver> observer, const std::string
 }
 
 void Scene::KeepObserver(std::shared_ptr<SceneObserver> observer, const std::string& key) {
-  if (!kept_) throw Error(open().context + ": what it keeps is kept through no inner handle");
+  const std::shared_ptr<Kept> kept = kept_ ? kept_ : state_->kept.lock();
+  if (!kept) {
+    throw Error(open().context +
+                ": only inner handles are left, and nothing is kept through these alone");
+  }
   AddObserver(observer, key);
-  kept_->push_back(std::move(observer));
+  kept->push_back(std::move(observer));
 }
 
 Scene Scene::inner() const { return Scene(state_, nullptr); }
+
+Scene Scene::outer() const { return Scene(state_, kept_ ? kept_ : state_->kept.lock()); }
 
 std::optional<Scene> Scene::Weak::lock() const {
   auto kept = kept_.lock();

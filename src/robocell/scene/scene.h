@@ -43,10 +43,15 @@ class PooledObject;
 // Bodies by name, each with a pose in the world.
 using BodyPoses = std::vector<std::pair<std::string, Pose>>;
 
+// A keyframe of a part's own model: its name, or its number, where 0 is home and the others follow
+// in the order of the file.
+using PartKeyframe = std::variant<int, std::string>;
+using PartKeyframes = std::map<std::string, PartKeyframe>;  // by the name of the robot or object
+
 // A keyframe of the scene: its number, its full name ("left_retract", with the prefix of its part),
 // the keyframe of one part's own model ("left: retract"), or those of robots and objects by their
-// names: {{"left", "retract"}, {"right", "ready"}}. Unnamed parts are at home.
-using KeyframeChoice = std::variant<int, std::string, std::map<std::string, std::string>>;
+// names: {{"left", "retract"}, {"right", 1}}. Unnamed parts are at home.
+using KeyframeChoice = std::variant<int, std::string, PartKeyframes>;
 
 struct ResetOptions {
   std::optional<KeyframeChoice> keyframe = {};  // unset: the scene's home key
@@ -147,14 +152,19 @@ class Scene {
   void ClearResetHooks();
   // Observers are held weakly, except those that the scene keeps: they live as long as any handle
   // to the scene and can be found again by their key, so that a robot has one state. A kept
-  // observer holds the scene by inner(), or else both live until Close().
+  // observer holds the scene by inner(), or else both live until Close(). Throws Error when only
+  // inner() handles are left.
   void AddObserver(std::weak_ptr<SceneObserver> observer, const std::string& key = {});
   void KeepObserver(std::shared_ptr<SceneObserver> observer, const std::string& key);
   std::shared_ptr<SceneObserver> FindObserver(const std::string& key) const;
   // Returns those whose keys begin with `key_begin`, in the order of adding.
   std::vector<std::shared_ptr<SceneObserver>> FindObservers(std::string_view key_begin) const;
-  // Returns a handle that keeps the simulation alive, but not the kept observers.
+  // Returns a handle that keeps the simulation alive, but not the kept observers. Parts of an
+  // object that has a handle hold the scene by it: then the object counts as one handle.
   Scene inner() const;
+  // Returns a handle like any other, for code that may keep it; an inner() one if only such are
+  // left.
+  Scene outer() const;
 
   // Adds or removes an object of the running scene, by compiling the changed spec. Everything else
   // continues to the bit: state, time, controls, applied forces and values written to the model,

@@ -60,7 +60,7 @@ TEST_F(SceneKeys, OfOneFullNameStayTwoAndAreTakenByTheirParts) {
   EXPECT_THAT(scene.compiled()->notes(),
               Contains(HasSubstr("its keyframe 'up' is called 'left_arm_up_2' in the scene")));
   const auto reset = [&](const std::string& part, const std::string& key) {
-    scene.Reset({.keyframe = KeyframeChoice{std::map<std::string, std::string>{{part, key}}}});
+    scene.Reset({.keyframe = KeyframeChoice{PartKeyframes{{part, key}}}});
     return std::pair(scene.joint_pos("left_j"), scene.joint_pos("left_arm_j"));
   };
   EXPECT_EQ(reset("left", "arm_up"), std::pair(0.5, 0.0));
@@ -71,10 +71,44 @@ TEST_F(SceneKeys, OfOneFullNameStayTwoAndAreTakenByTheirParts) {
   const TempDir cache;
   CompileSceneCached(spec, cache.path());
   Scene cached = Scene::FromCompiled(CompileSceneCached(spec, cache.path()));
-  cached.Reset(
-      {.keyframe = KeyframeChoice{std::map<std::string, std::string>{{"left_arm", "up"}}}});
+  cached.Reset({.keyframe = KeyframeChoice{PartKeyframes{{"left_arm", "up"}}}});
   EXPECT_EQ(cached.joint_pos("left_arm_j"), 0.7);
   EXPECT_EQ(cached.joint_pos("left_j"), 0);
+}
+
+TEST_F(SceneKeys, OfRobotsKeepTheirNumbersWhenObjectsAreAdded) {
+  AddArm(kHomeAndRetract, "left_");
+  AddArm(kHomeAndRetract, "right_", 1);
+  Scene scene = Scene::Build(spec);
+  const std::vector<std::string> of_robots = scene.keyframes();
+  SceneObject door{.name = "door", .pos = Vec3{0, 2, 1}};
+  door.mjcf_path = folder.Write("door", R"(<worldbody><body name="b"><joint name="j"/>
+      <geom size="0.1" mass="1"/></body></worldbody>
+      <keyframe><key name="ajar" qpos="0.1"/><key name="open" qpos="0.6"/></keyframe>)");
+  scene.AddObject(door);
+  std::vector<std::string> all = of_robots;
+  all.insert(all.end(), {"door_ajar", "door_open"});
+  EXPECT_EQ(scene.keyframes(), all);
+  for (int i = 0; i < static_cast<int>(all.size()); ++i)
+    EXPECT_EQ(scene.Reset({.keyframe = i}).keyframe, i);
+  EXPECT_EQ(scene.joint_pos("door_j"), 0.6);
+}
+
+TEST_F(SceneKeys, OfOnePartAreChosenByNumberToo) {
+  AddArm(kHomeAndRetract, "left_");
+  AddArm(kHomeAndRetract, "right_", 1);
+  Scene scene = Scene::Build(spec);
+  scene.Reset({.keyframe = PartKeyframes{{"left", 1}, {"right", 0}}});
+  EXPECT_EQ(scene.joint_pos("left_shoulder"), 1);
+  EXPECT_EQ(scene.joint_pos("right_shoulder"), 0.3);
+  for (const int number : {-1, 2}) {
+    ExpectThrow<ArgumentError>(
+        [&] {
+          scene.Reset({.keyframe = PartKeyframes{{"left", number}}});
+        },
+        "scene 'test' / 'left': there is no keyframe " + std::to_string(number) +
+            "; its model has 2: home, retract");
+  }
 }
 
 TEST_F(SceneKeys, SayWhereJointsWithoutANameAre) {
@@ -113,8 +147,7 @@ TEST_F(SceneKeys, OfSeveralRobotsAreComposed) {
   AddArm(kHomeAndRetract, "left_");
   AddArm(R"(<key name="fold" qpos="-1 0.5" qvel="0.2 0" ctrl="-1 0.5"/>)", "right_", 1);
   Scene scene = Scene::Build(spec);
-  scene.Reset({.keyframe = KeyframeChoice{
-                   std::map<std::string, std::string>{{"left", "retract"}, {"right", "fold"}}}});
+  scene.Reset({.keyframe = KeyframeChoice{PartKeyframes{{"left", "retract"}, {"right", "fold"}}}});
   EXPECT_EQ(scene.joint_pos("left_shoulder"), 1);
   EXPECT_EQ(scene.joint_pos("right_shoulder"), -1);
   EXPECT_EQ(scene.actuator_ctrl("left_servo2"), -1.5);
@@ -122,8 +155,7 @@ TEST_F(SceneKeys, OfSeveralRobotsAreComposed) {
   const int dof =
       scene.model()->jnt_dofadr[RequireId(scene.model(), mjOBJ_JOINT, "right_shoulder", "")];
   EXPECT_EQ(scene.data()->qvel[dof], 0.2);
-  scene.Reset({.keyframe = KeyframeChoice{
-                   std::map<std::string, std::string>{{"left", "retract"}, {"right", "home"}}}});
+  scene.Reset({.keyframe = KeyframeChoice{PartKeyframes{{"left", "retract"}, {"right", "home"}}}});
   EXPECT_EQ(scene.joint_pos("left_shoulder"), 1);
   EXPECT_EQ(scene.joint_pos("right_shoulder"), 0) << "the model has no home";
   scene.Reset();
@@ -151,7 +183,7 @@ TEST_F(SceneKeys, ThatAreNotThereAreRefusedWithTheNamesThereAre) {
                              "scene 'test' / 'left': no keyframe 'retrct'. Its keyframes: home, "
                              "retract. Did you mean 'retract'?");
   const auto of = [](const std::string& part, const std::string& key) {
-    return ResetOptions{.keyframe = std::map<std::string, std::string>{{part, key}}};
+    return ResetOptions{.keyframe = PartKeyframes{{part, key}}};
   };
   ExpectThrow<NotFoundError>([&] { scene.Reset(of("left", "retrct")); },
                              "scene 'test' / 'left': no keyframe 'retrct'. Its keyframes: home, "

@@ -67,31 +67,45 @@ int KeyOfPart(const CompiledScene& compiled, const std::string& part, const std:
   return -1;
 }
 
-StartKeys KeysOfParts(const CompiledScene& compiled,
-                      const std::map<std::string, std::string>& choice,
+// Returns the name of a part's keyframe; `own` are those that it has.
+const std::string& NameOfKey(const PartKeyframe& key, const std::vector<std::string>& own,
+                             const std::string& context) {
+  const int* number = std::get_if<int>(&key);
+  if (!number) return std::get<std::string>(key);
+  if (*number >= 0 && *number < static_cast<int>(own.size()))
+    return own[static_cast<size_t>(*number)];
+  throw ArgumentError(fmt::format("{}: there is no keyframe {}; its model has {}: {}", context,
+                                  *number, own.size(), ListNames(own)));
+}
+
+StartKeys KeysOfParts(const CompiledScene& compiled, const PartKeyframes& choice,
                       const std::string& context) {
   const std::vector<std::string> parts = PartNames(compiled);
   StartKeys keys{.start = compiled.home_key()};
-  for (const auto& [part, name] : choice) {
+  for (const auto& [part, chosen] : choice) {
     if (std::find(parts.begin(), parts.end(), part) == parts.end())
       throw NotFoundError(NoSuchName(context + ": keyframe", "part", part, parts));
+    const std::string place = fmt::format("{} / '{}'", context, part);
+    const std::string host = internal::HostOfPart(compiled, part);
+    const std::vector<std::string> own = OwnNames(compiled, host);
+    const std::string& name = NameOfKey(chosen, own, place);
     if (name == "home") continue;
-    const int key = KeyOfPart(compiled, internal::HostOfPart(compiled, part), name);
-    if (key < 0) {
-      throw NotFoundError(NoSuchName(fmt::format("{} / '{}'", context, part), "keyframe", name,
-                                     OwnNames(compiled, internal::HostOfPart(compiled, part))));
-    }
+    const int key = KeyOfPart(compiled, host, name);
+    if (key < 0) throw NotFoundError(NoSuchName(place, "keyframe", name, own));
     keys.over.push_back({key, internal::ShareOfKeys(compiled, part)});
   }
   return keys;
 }
 
-// Parses "left: retract", a part's own keyframe as one text.
-std::optional<std::map<std::string, std::string>> ChoiceOfText(const std::string& text) {
-  const size_t colon = text.find(':');
+// Parses "left: retract", a part's own keyframe as one text. The name of a part may have a colon.
+std::optional<PartKeyframes> ChoiceOfText(const CompiledScene& compiled, const std::string& text) {
+  size_t colon = text.find(':');
+  for (const std::string& part : PartNames(compiled)) {
+    if (text.starts_with(part + ':')) colon = part.size();
+  }
   const size_t key = text.find_first_not_of(' ', colon == std::string::npos ? colon : colon + 1);
   if (colon == std::string::npos || key == std::string::npos) return std::nullopt;
-  return std::map<std::string, std::string>{{text.substr(0, colon), text.substr(key)}};
+  return PartKeyframes{{text.substr(0, colon), text.substr(key)}};
 }
 
 // Explains how to choose a part's own keyframe: one of that name, else any; "" without any.
@@ -112,7 +126,7 @@ StartKeys KeysOfName(const CompiledScene& compiled, const std::string& name,
                      const std::string& context) {
   const int key = FindId(compiled.model(), mjOBJ_KEY, name);
   if (key >= 0) return {.start = key};
-  if (const auto choice = ChoiceOfText(name)) return KeysOfParts(compiled, *choice, context);
+  if (const auto choice = ChoiceOfText(compiled, name)) return KeysOfParts(compiled, *choice, context);
   throw NotFoundError(
       NoSuchName(context, "keyframe", name, ElementNames(compiled.model(), mjOBJ_KEY)) +
       HowToChooseOfPart(compiled, name));
@@ -138,7 +152,7 @@ StartKeys FindStartKeys(const CompiledScene& compiled, const std::optional<Keyfr
     return {.start = KeyOfNumber(compiled, *number, context)};
   if (const auto* name = std::get_if<std::string>(&*choice))
     return KeysOfName(compiled, *name, context);
-  return KeysOfParts(compiled, std::get<std::map<std::string, std::string>>(*choice), context);
+  return KeysOfParts(compiled, std::get<PartKeyframes>(*choice), context);
 }
 
 // Restores a keyframe over another that has the differing values.

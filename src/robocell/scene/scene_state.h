@@ -34,7 +34,9 @@ struct Scene::State {
     std::weak_ptr<SceneObserver> observer;
   };
   std::vector<Watch> observers;
+  std::weak_ptr<Kept> kept;     // of the handles that are not inner
   std::shared_ptr<void> claim;  // on the compiled scene
+  int solver = 0;               // the model's, when it was last looked at
   bool closed = false;
   std::vector<internal::PooledObject> pool;
   uint64_t states_set = 0;
@@ -42,7 +44,13 @@ struct Scene::State {
   std::vector<mjtNum> warm_start;              // scratch
 
   // Call it after the compiled scene and the data were set.
-  void Show() { now = {compiled->model(), data.data, compiled->generation()}; }
+  void Show();
+  // Warns if other code gave the model a solver that is known to be wrong (engine_defects.h) after
+  // it was compiled with another one.
+  void LookAtSolver() {
+    if (now.model->opt.solver != solver) TellSolver();
+  }
+  void TellSolver();
   void BindPool();
   internal::PooledObject* FindPooled(const std::string& object);
   // Resets the pool to the spec.

@@ -192,11 +192,17 @@ TEST(Scene, KeepsObserversWhileAnyHandleLives) {
   const Scene inner = last->inner();
   EXPECT_EQ(inner, *last);
   EXPECT_EQ(weak.handles(), 1u) << "an inner handle does not count";
-  ExpectThrow<Error>([&] { Scene(inner).KeepObserver(std::make_shared<CloseWatch>(), "x"); },
-                     "through no inner handle");
+  const auto more = std::make_shared<CloseWatch>();
+  Scene(inner).KeepObserver(more, "robot right");
+  EXPECT_EQ(more.use_count(), 2) << "kept like through any other handle";
+  last = inner.outer();
+  EXPECT_EQ(weak.handles(), 1u) << "an outer handle counts";
+  EXPECT_EQ(last->FindObserver("robot left"), watch.lock());
   last.reset();
   EXPECT_TRUE(watch.expired());
   EXPECT_EQ(weak.handles(), 0u);
+  ExpectThrow<Error>([&] { Scene(inner).KeepObserver(std::make_shared<CloseWatch>(), "x"); },
+                     "only inner handles are left");
   EXPECT_EQ(weak.lock(), std::nullopt);
   EXPECT_EQ(inner.time(), 0) << "the simulation lives";
 }

@@ -56,15 +56,12 @@ void ValidateIsMjcf(const std::string& file, const std::string& place, const std
     return;
   }
   if (RootElement(HeadOf(file)) != "robot") return;
-  const std::string mjcf = std::filesystem::path(file).replace_extension(".mjcf.xml").string();
   log.Problem(
       place,
       fmt::format("{0} is a URDF, and robots are read from MJCF: a URDF has no actuators, sites or "
-                  "cameras. Convert it once: python -c \"import mujoco; "
-                  "s = mujoco.MjSpec.from_file('{0}'); s.compile(); "
-                  "open('{1}', 'w').write(s.to_xml())\"; then give the new file actuators "
-                  "(<position joint=... kp=... kv=.../>) and name it here",
-                  file, mjcf),
+                  "cameras. `robocell init {0} -o NEW.yaml` writes an MJCF with servos and a robot "
+                  "file that names it; to choose the servos yourself, see docs/howto/from_urdf.md",
+                  file),
       field);
 }
 

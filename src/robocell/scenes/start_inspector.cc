@@ -38,6 +38,16 @@ std::string OtherText(const mjModel* m, int geom) {
   return body == 0 && !name.empty() ? name : BodyText(m, body);
 }
 
+// Returns the object that a body is a part of; "" if it is none.
+std::string ObjectWith(const Scene& scene, int body) {
+  const mjModel* m = scene.model();
+  for (const ObjectRecord& object : scene.compiled()->objects()) {
+    const int root = FindId(m, mjOBJ_BODY, object.root_body);
+    if (root > 0 && internal::IsInSubtree(m, body, root)) return object.name;
+  }
+  return "";
+}
+
 std::string Millimetres(double metres) { return fmt::format("{:.0f} mm", 1000 * metres); }
 
 Vector3d Down(const mjModel* m) {
@@ -231,7 +241,7 @@ std::vector<StartInspector::Pair> StartInspector::RobotPairs() {
   return pairs;
 }
 
-std::vector<std::string> StartInspector::RobotsInside() {
+std::vector<RobotOverlap> StartInspector::RobotsInside() {
   Bind();
   const mjModel* m = scene_.model();
   const mjData* d = scene_.data();
@@ -255,14 +265,17 @@ std::vector<std::string> StartInspector::RobotsInside() {
       *known = {*pair, c};
     }
   }
-  std::vector<std::string> out;
+  std::vector<RobotOverlap> out;
   for (const auto& [bodies, c] : deepest) {
     const mjContact& contact = d->contact[c];
     const bool first = m->geom_bodyid[contact.geom[0]] == bodies.first;
+    const bool is_robot = robot_of_[bodies.second] >= 0;
     out.push_back(
-        fmt::format("{} is {} inside {}", RobotText(bodies.first), Millimetres(-contact.dist),
-                    robot_of_[bodies.second] < 0 ? OtherText(m, contact.geom[first ? 1 : 0])
-                                                 : RobotText(bodies.second)));
+        {robots_[robot_of_[bodies.first]],
+         fmt::format(
+             "{} is {} inside {}", RobotText(bodies.first), Millimetres(-contact.dist),
+             is_robot ? RobotText(bodies.second) : OtherText(m, contact.geom[first ? 1 : 0])),
+         is_robot ? "" : ObjectWith(scene_, bodies.second)});
   }
   return out;
 }
@@ -399,11 +412,11 @@ std::vector<std::string> HangingObjects(const Scene& scene,
   return out;
 }
 
-std::vector<std::string> RobotsInTheFloor(const Scene& scene) {
+std::vector<RobotOverlap> RobotsInTheFloor(const Scene& scene) {
   scene.SyncPoses();
   const mjModel* m = scene.model();
   const mjData* d = scene.data();
-  std::vector<std::string> out;
+  std::vector<RobotOverlap> out;
   for (const RobotRecord& robot : scene.compiled()->robots()) {
     const int base = FindId(m, mjOBJ_BODY, robot.base_body);
     double deepest = kInTheFloor;
@@ -426,9 +439,9 @@ std::vector<std::string> RobotsInTheFloor(const Scene& scene) {
       }
     }
     if (part < 0) continue;
-    out.push_back(fmt::format("robot '{}' ({}) stands {} deep in {}", robot.name,
-                              BodyText(m, m->geom_bodyid[part]), Millimetres(deepest),
-                              OtherText(m, floor)));
+    out.push_back({robot.name, fmt::format("robot '{}' ({}) stands {} deep in {}", robot.name,
+                                           BodyText(m, m->geom_bodyid[part]), Millimetres(deepest),
+                                           OtherText(m, floor))});
   }
   return out;
 }

@@ -21,6 +21,13 @@
 
 namespace robocell {
 
+// A robot that is inside something, as a sentence: "robot 'left' (link2) is 40 mm inside cup".
+struct RobotOverlap {
+  std::string robot;
+  std::string text;
+  std::string object = {};  // that it is inside of; "" for all else
+};
+
 class StartInspector {
  public:
   // `objects`: the names of the free objects that have to lie still.
@@ -30,7 +37,7 @@ class StartInspector {
   std::string WhyNot();
   // Returns robots that are deeper than kInside in foreign bodies, with the depth.
   // Of two robots the deepest place stands for all.
-  std::vector<std::string> RobotsInside();
+  std::vector<RobotOverlap> RobotsInside();
   // Robots whose parts are deeper than kInside in each other, with how deep, the deepest place of
   // each. Links with a joint between them and the parts of a hand are no such parts.
   std::vector<std::string> RobotsInsideThemselves();
@@ -90,9 +97,9 @@ class StartInspector {
 std::vector<std::string> HangingObjects(const Scene& scene,
                                         const std::vector<std::string>& objects);
 
-// Returns, as sentences, robots whose fixed parts are below a floor (a plane). The engine does not
-// report it: two fixed bodies never touch.
-std::vector<std::string> RobotsInTheFloor(const Scene& scene);
+// Returns robots whose fixed parts are below a floor (a plane). The engine does not report it: two
+// fixed bodies never touch.
+std::vector<RobotOverlap> RobotsInTheFloor(const Scene& scene);
 
 // Returns, as sentences, free objects whose centre is below a floor (a plane): they are shot out of
 // it.

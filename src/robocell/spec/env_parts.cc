@@ -64,8 +64,9 @@ void CameraAdderConfig::Validate(Problems& problems) const {
 
 void SimSettings::Validate(Problems& problems) const {
   internal::ValidateTimestep(timestep, 1, "timestep", problems);
-  // The reader reports values that are not numbers.
-  if (frequency > 0 && timestep > 0 && std::isfinite(timestep) && frequency * timestep > 1) {
+  // Only these steps end at the frequency. The reader reports values that are not numbers.
+  if (async_control && frequency > 0 && timestep > 0 && std::isfinite(timestep) &&
+      frequency * timestep > 1) {
     problems.AddAt("frequency",
                    fmt::format("{:g} Hz is more often than the engine steps, every {:g} "
                                "s; at most {:g} Hz",

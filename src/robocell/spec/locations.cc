@@ -17,7 +17,11 @@ bool IsAddedLater(const SourceMap& sources, const std::string& list, bool is_ind
 
 // Returns the location of the path or of the nearest part around it; "" if there is none.
 std::string NearestSource(const SourceMap& sources, std::string path) {
-  while (true) {
+  for (bool is_around = false;; is_around = true) {
+    if (is_around) {
+      const auto file = sources.find(path + std::string(kOwnFile));
+      if (file != sources.end()) return file->second;
+    }
     if (const auto it = sources.find(path); it != sources.end()) return it->second;
     if (path.empty()) return "";
     const size_t cut = path.find_last_of(".[");

@@ -50,4 +50,9 @@ std::string WithPlace(const std::string& place, const std::string& message);
 // or not: "home.*" -> "".
 inline constexpr std::string_view kAnyKey = ".*";
 
+// For a part that is a file of its own: the map contains this suffix after the part's path with the
+// beginning of that file, which is the location of fields that it lacks. The part itself has the
+// location where the file is named.
+inline constexpr std::string_view kOwnFile = ".<file>";
+
 }  // namespace robocell

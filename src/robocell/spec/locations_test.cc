@@ -1,15 +1,21 @@
 #include "robocell/spec/locations.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/spec/env_config.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/scene_spec.h"
 #include "robocell/spec/yaml.h"
+#include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
 
 namespace robocell {
 namespace {
+
+using ::testing::HasSubstr;
 
 constexpr const char* kArm = R"(name: arm
 model: arm.xml
@@ -64,6 +70,19 @@ TEST(Locations, ARobotFileNamedByARunFileKeepsItsOwn) {
   EXPECT_EQ(config.locations.At("output"), run + ":3:9");
   EXPECT_EQ(config.robot.config.locations.At("model"),
             (folder.path() / "arm.yaml").string() + ":2:8");
+}
+
+// The key is wrong, not the robot's file; what that file lacks is missing there.
+TEST(Locations, ARobotFileIsNamedInTheFileAroundIt) {
+  const TempDir folder;
+  AtomicWrite(folder.path() / "arm.yaml", kArm);
+  const std::string file = (folder.path() / "cell.yaml").string();
+  AtomicWrite(file, "robots: {left: arm.yaml}\ngrippers:\n  lef: arm.yaml\n  left: arm.yaml\n");
+  const std::string text = ExpectThrow<SpecError>([&] { EnvConfig::Load(file); }, "grippers");
+  EXPECT_THAT(text, HasSubstr(file + ":3:8: grippers.lef: no robot 'lef'"));
+  EXPECT_THAT(text, HasSubstr((folder.path() / "arm.yaml").string() +
+                              ":1:1: robots.left.attachment_site: is not "
+                              "set"));
 }
 
 TEST(Locations, ARobotInPlaceIsAPartOfItsFile) {

@@ -129,13 +129,14 @@ void ValidateLengths(const Map<std::vector<double>>& map, std::string_view field
       off = more == 1 ? fmt::format("the last, {:g}, is of no joint", box->back())
                       : fmt::format("the last {} are of no joint", more);
     }
-    problems.AddAt(key,
-                   fmt::format("has {} for the {} joints {}: {}. Give one for each, in this "
-                               "order, radians for hinges and metres for slides{}; or correct "
-                               "the group's joints",
-                               box->size() == 1 ? "1 value" : fmt::format("{} values", box->size()),
-                               joints, ListNames(group->joints.names), off,
-                               one_for_all ? ", or one number for all" : ""));
+    problems.AddAt(
+        key, fmt::format("has {} for the {} {}: {}. Give one for each, in this "
+                         "order, radians for hinges and metres for slides{}; or correct "
+                         "the group's joints",
+                         box->size() == 1 ? "1 value" : fmt::format("{} values", box->size()),
+                         joints == 1 ? std::string("joint") : fmt::format("{} joints", joints),
+                         ListNames(group->joints.names), off,
+                         one_for_all ? ", or one number for all" : ""));
   }
 }
 

@@ -79,8 +79,8 @@ struct RunConfig {
     v("sampler", &RunConfig::sampler,
       "Sampler of the starts: a registered kind. Unset: the task's own.");
     v("expert", &RunConfig::expert,
-      "Source of the actions: a registered kind of expert, or `module:Class` of a policy in "
-      "Python. Unset: the task's own expert.");
+      "Source of the actions: a registered kind of expert. Unset: the task's own expert. "
+      "`robocell evaluate` writes its policy here, `module:Class`.");
     v("scenes", &RunConfig::scenes,
       "Source of the scenes: its kind, `houses` and the fields of that kind.");
     v("episodes_per_scene", &RunConfig::episodes_per_scene, "Episodes made in each scene.",

@@ -53,9 +53,8 @@ TEST(SceneSpec, NamesAndPrefixesAreUnique) {
   EXPECT_EQ(
       ValidationError(spec),
       "it is not valid, 4 problems:\n"
-      "  robot 'a' (robots[1]): prefix 'l_' is also that of robots[0]; each needs its own, for "
-      "example "
-      "`prefix: right_`\n"
+      "  robot 'a' (robots[1]): prefix 'l_' is also that of robot 'a' (robots[0]); each needs its "
+      "own, for example `prefix: right_`\n"
       "  robot 'a' (robots[1]).name: 'a' is used twice; each robot needs its own\n"
       "  object 'cube' (objects[1]): name 'cube' is also that of objects[0]; each needs its own\n"
       "  camera 'c' (cameras[1]): name 'c' is also that of cameras[0]; each needs its own");

@@ -44,6 +44,17 @@ TEST(SpecFile, AFolderWithoutAnySaysSo) {
               HasSubstr("There are no robot files in " + folder.path().string()));
 }
 
+// Its only field is one of scenes and environments.
+TEST(SpecFile, AFileOfOneFieldOfOtherKindsIsNotOffered) {
+  const TempDir folder;
+  const std::string in = folder.path().string();
+  AtomicWrite(folder.path() / "nop.yaml", "# a cell\nrobots:\n  a: arm.yaml\n  b: arm.yaml\n");
+  AtomicWrite(folder.path() / "arm.yaml", "name: a\nmodel: b.xml\n");
+  for (const char* type : {"RobotConfig", "RunConfig"})
+    EXPECT_THAT(MissingSpecFile(in + "/nope.yaml", type), Not(HasSubstr("nop.yaml."))) << type;
+  EXPECT_THAT(MissingSpecFile(in + "/nope.yaml", "EnvConfig"), HasSubstr("Did you mean"));
+}
+
 TEST(SpecFile, FilesOfOtherKindsAreNotOffered) {
   const TempDir folder;
   const std::string in = folder.path().string();

@@ -126,10 +126,13 @@ void ValidateUnique(const std::vector<std::string>& names, std::string_view list
   for (size_t i = 0; i < names.size(); ++i) {
     const auto [it, added] = first.emplace(names[i], i);
     if (added) continue;
+    const std::string other = fmt::format("{}[{}]", problems.path(), it->second);
     Problems::Scope item(problems, i);
-    const char* example = what == "prefix" ? ", for example `prefix: right_`" : "";
-    problems.Add(fmt::format("{} '{}' is also that of {}[{}]; each needs its own{}", what, names[i],
-                             list, it->second, example));
+    const bool is_prefix = what == "prefix";
+    problems.Add(fmt::format("{} '{}' is also that of {}; each needs its own{}", what, names[i],
+                             is_prefix ? problems.Shown(other)  // by its name, not seen in `names`
+                                       : fmt::format("{}[{}]", list, it->second),
+                             is_prefix ? ", for example `prefix: right_`" : ""));
   }
 }
 

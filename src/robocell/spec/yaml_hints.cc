@@ -67,16 +67,22 @@ std::vector<std::string> Shared(const std::vector<std::string>& keys,
   return out;
 }
 
-// Returns the kind of file that has more of the keys than `type`, whose fields are given; null for
-// none.
-const FileKind* OtherKind(const std::vector<std::string>& keys, const std::string& type,
-                          const std::vector<std::string>& fields) {
-  const FileKind* best = nullptr;
-  size_t most = std::max<size_t>(Shared(keys, fields).size(), 1);
+// Returns the kinds of files that have more of the keys than `type`, whose fields are given, and
+// most of all: several if they share these keys. One of several keys proves nothing, nor does a key
+// that most kinds have, such as the name.
+std::vector<FileKind> OtherKinds(const std::vector<std::string>& keys, const std::string& type,
+                                 const std::vector<std::string>& fields) {
+  std::vector<FileKind> best;
+  size_t most = Shared(keys, fields).size();
   for (const FileKind& kind : FileKinds()) {
     const size_t count = Shared(keys, kind.fields).size();
-    if (kind.type != type && count > most) best = &kind, most = count;
+    if (kind.type == type || count < most || (best.empty() && count == most)) continue;
+    if (count == 1 && keys.size() > 1) continue;
+    if (count > most) best.clear();
+    best.push_back(kind);
+    most = count;
   }
+  if (most == 1 && 2 * best.size() > FileKinds().size()) best.clear();
   return best;
 }
 
@@ -108,13 +114,14 @@ std::string DashHint(const YAML::Node& node) {
                                                   : "; begin each of its entries with a dash: `- `";
 }
 
-std::string NamesHint(const YAML::Node& node, bool lists) {
+std::string NamesHint(const YAML::Node& node, EntryForm form) {
   const bool several = node.IsSequence() && node.size() > 0 && node[0].IsMap();
   if (several && node[0]["name"] && node[0]["name"].IsScalar()) {
     return fmt::format("; write `{0}:` in the place of `- name: {0}`, without the dash",
                        Cut(node[0]["name"].Scalar()));
   }
   if (several) return "; write `name: {...}` for each, without dashes";
+  const bool lists = form == EntryForm::kList;
   double number = 0;
   if (lists && node.IsScalar() && !YAML::convert<double>::decode(node, number)) {
     return "; write {arm: [0, 0.5]} with the name of the group in the place of `arm`, and its "
@@ -123,6 +130,13 @@ std::string NamesHint(const YAML::Node& node, bool lists) {
   if (lists && (node.IsSequence() || node.IsScalar())) {
     return fmt::format("; write {{arm: {}}} with the name of the group in the place of `arm`",
                        node.IsSequence() ? Short(node) : "[" + Short(node) + "]");
+  }
+  if (form == EntryForm::kScalar && (node.IsScalar() || node.IsSequence())) {
+    const std::vector<std::string> values =
+        node.IsScalar() ? std::vector<std::string>{Cut(node.Scalar())} : Scalars(node);
+    if (values.empty()) return "";
+    return fmt::format("; write {{arm: {}}} with the name of {} group in the place of `arm`",
+                       values[0], values.size() > 1 ? "each" : "the");
   }
   return node.IsSequence() ? "; write {name: " + Short(node) + "}" : "";
 }
@@ -184,14 +198,19 @@ std::string OtherKindOfFile(const YAML::Node& root, const std::string& type,
                             const std::vector<std::string>& fields, const std::string& source) {
   std::vector<std::string> keys;
   for (const auto& entry : root) keys.push_back(entry.first.IsScalar() ? entry.first.Scalar() : "");
-  const FileKind* best = OtherKind(keys, type, fields);
-  if (!best) return "";
-  std::string use = best->use;
-  use.replace(use.find("FILE"), 4, source);
+  const std::vector<FileKind> kinds = OtherKinds(keys, type, fields);
+  if (kinds.empty()) return "";
+  std::string names, uses;
+  for (const FileKind& kind : kinds) {
+    names += (names.empty() ? "" : " or ") + WithArticle(kind.what);
+    uses += (uses.empty() ? " " : ". ") + kind.use;
+    uses.replace(uses.find("FILE"), 4, source);
+  }
   std::string wanted = WithArticle(FileKindOf(type).what);
   wanted.front() = 'A';
-  return "this looks like " + WithArticle(best->what) + ": it has " +
-         ListNames(Shared(keys, best->fields), 5) + ". " + wanted + " is wanted here. " + use;
+  return "this looks like " + names + ": it has " +
+         ListNames(Shared(keys, kinds.front().fields), 5) + ". " + wanted + " is wanted here." +
+         uses;
 }
 
 bool IsOtherKindOfText(std::string_view text, const std::string& type) {
@@ -199,9 +218,10 @@ bool IsOtherKindOfText(std::string_view text, const std::string& type) {
   std::istringstream lines{std::string(text)};
   for (std::string line; std::getline(lines, line);) {
     const size_t colon = line.find(':');
-    if (colon != std::string::npos) keys.push_back(line.substr(0, colon));
+    const bool is_field = line.find_first_of(" \t#-{}") != 0;
+    if (is_field && colon != std::string::npos) keys.push_back(line.substr(0, colon));
   }
-  return OtherKind(keys, type, FileKindOf(type).fields) != nullptr;
+  return !OtherKinds(keys, type, FileKindOf(type).fields).empty();
 }
 
 }  // namespace robocell::internal::yaml

@@ -25,9 +25,10 @@ std::string ListHint(const YAML::Node& node, size_t count);
 // Explains how to write an entry of a list, for names with values in its place.
 std::string DashHint(const YAML::Node& node);
 
-// Explains how to write names with values, for a list in their place; `lists`: each value is a
-// list.
-std::string NamesHint(const YAML::Node& node, bool lists);
+// The form of the values of a map.
+enum class EntryForm { kScalar, kList, kOther };
+// Explains how to write names with values, for a list or a single value in their place.
+std::string NamesHint(const YAML::Node& node, EntryForm form);
 
 // Returns "; write [0, 0, 0.1]" for several numbers in one text ("0 0 0.1"); else "".
 std::string NumbersHint(const YAML::Node& node);

@@ -65,7 +65,14 @@ TEST(Hints, ListsAndNamesMixedUp) {
   EXPECT_THAT(HintFor("home: ready"),
               HasSubstr("home: expected names with values, found 'ready'; write {arm: [0, 0.5]} "
                         "with the name of the group in the place of `arm`, and its numbers"));
-  EXPECT_THAT(HintFor("control: [joint_position]"), HasSubstr("; write {name: [joint_position]}"));
+  for (const char* control : {"control: [joint_position]", "control: joint_position"}) {
+    EXPECT_THAT(
+        HintFor(control),
+        HasSubstr("; write {arm: joint_position} with the name of the group in the place of "
+                  "`arm`"));
+  }
+  EXPECT_THAT(HintFor("control: [joint_position, velocity]"),
+              HasSubstr("; write {arm: joint_position} with the name of each group"));
   EXPECT_THAT(HintFor("move_groups:\n  - {kind: arm, joints: [a]}"),
               HasSubstr("; write `name: {...}` for each, without dashes"));
   EXPECT_THAT(HintFor("edits: {body: link, pos: [0, 0, 0]}"),
@@ -200,6 +207,13 @@ TEST(Misspelt, AFieldThatIsGivenTooIsNotOverwritten) {
 constexpr const char* kShortRun = "run: r\nrobot: arm.yaml\ntask: {kind: pick}\noutput: out\n";
 constexpr const char* kScene = "timestep: 0.002\nadd_floor: true\nrobots: []\nobjects: []\n";
 
+TEST(Hints, OneElementIsMeantWhereTwoAreGiven) {
+  EXPECT_THAT(
+      HintFor("move_groups: {a: {kind: arm, joints: j1, leaf: {site: tip, body: hand}}}"),
+      HasSubstr("move_groups.a.leaf: expected one element, as a name or {site: name}, found names "
+                "with values; write one of them: {site: tip}"));
+}
+
 TEST(OtherKind, ARunFileInThePlaceOfARobotFile) {
   EXPECT_EQ(
       ParseError<RobotConfig>(kShortRun),
@@ -217,6 +231,14 @@ TEST(OtherKind, ARobotFileInThePlaceOfARunFile) {
 TEST(OtherKind, ASceneFile) {
   EXPECT_THAT(ParseError<RobotConfig>(kScene), HasSubstr("this looks like a scene file"));
   EXPECT_THAT(ParseError<CameraSpec>(kScene), HasSubstr("A CameraSpec file is wanted here"));
+}
+
+TEST(OtherKind, AFileWhoseFieldsSeveralKindsHave) {
+  EXPECT_THAT(
+      ParseError<RobotConfig>("robots: {a: r.yaml, b: r.yaml}\n"),
+      HasSubstr("this looks like a scene file or an environment file: it has robots. A robot file "
+                "is wanted here. Build it with Scene.build(SceneSpec.load(f.yaml)). Load it with "
+                "EnvConfig.load(f.yaml)"));
 }
 
 TEST(Hints, AFieldOfTheWholeFileInsideOfAValue) {

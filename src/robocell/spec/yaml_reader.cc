@@ -624,6 +624,15 @@ void Reader::Read(const YAML::Node& node, ElementRef& out) {
   if (!node.IsMap() || node.size() == 0) {
     return FailKind(node, "a name, {site: name} or {geom: {body: name, index: 0}}");
   }
+  const std::vector<std::string> kinds = ValueNames<ElementKind>();
+  const auto names_kind = [&](const auto& entry) {
+    return entry.first.IsScalar() && std::ranges::count(kinds, entry.first.Scalar()) > 0;
+  };
+  if (std::count_if(node.begin(), node.end(), names_kind) > 1) {
+    return FailKind(node, "one element, as a name or {site: name}",
+                    fmt::format("; write one of them: {{{}: {}}}", node.begin()->first.Scalar(),
+                                Short(node.begin()->second)));
+  }
   YAML::Node where = node;
   if (node.size() == 1) {
     Read(node.begin()->first, out.kind.emplace());
@@ -664,7 +673,8 @@ void Reader::ReadRobotFile(const YAML::Node& node, RobotConfig& out) {
   }
   problems_.AppendBelow(robot.problems());
   for (const auto& [path, at] : *robot.sources_) {
-    (*sources_)[JoinPath(problems_.path(), path)] = at;
+    const std::string here = JoinPath(problems_.path(), path);
+    (*sources_)[path.empty() ? here + std::string(kOwnFile) : here] = at;
   }
 }
 

@@ -132,10 +132,16 @@ class Reader {
   }
 
   template <class T>
+  static constexpr EntryForm FormOf() {
+    if (IsVector<T>::value) return EntryForm::kList;
+    return HasFields<T> || IsMap<T>::value || std::is_same_v<T, Pose> ? EntryForm::kOther
+                                                                      : EntryForm::kScalar;
+  }
+
+  template <class T>
   void Read(const YAML::Node& node, Map<T>& out) {
     out.clear();
-    if (!node.IsMap())
-      return FailKind(node, "names with values", NamesHint(node, IsVector<T>::value));
+    if (!node.IsMap()) return FailKind(node, "names with values", NamesHint(node, FormOf<T>()));
     const auto read = [&](const YAML::Node&, const std::string& name, const YAML::Node& value) {
       T& item = *out.entries().emplace_back(name, std::make_shared<T>()).second;
       ReadAt(value, name, item);

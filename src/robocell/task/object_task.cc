@@ -42,7 +42,8 @@ void ObjectTask::Bind(const Scene& scene, const TaskSetting& setting) {
   const auto offset = setting.objects.find(fields_.name);
   offset_ = offset == setting.objects.end() ? Pose() : offset->second;
   robots_.clear();
-  for (const std::string& robot : setting.robots) robots_.push_back(Robot::Of(scene, robot));
+  for (const std::string& robot : setting.robots)
+    robots_.push_back(Robot::Of(scene.inner(), robot));
 }
 
 std::optional<Refusal> ObjectTask::Arrange(Scene& scene, Rng& /*rng*/) {
