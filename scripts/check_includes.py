@@ -61,8 +61,8 @@ BY_REGISTRY = {
     "task": {
         "task",
         "task_kind",
-        "visible_from",
         "task_features",
+        "task_judge",
         "sampler_kind",
         "refusal",
         "base_placement",

@@ -78,7 +78,8 @@ struct EnvResetOptions {
 
 namespace internal {
 class PreparedObjects;
-}
+class TaskJudge;
+}  // namespace internal
 
 class Env {
  public:
@@ -148,7 +149,10 @@ class Env {
   // here (null without a task) and drops it. Without its task an environment cannot be used any
   // more.
   const std::shared_ptr<Task>& task() const { return task_; }
-  void DropTask() { task_.reset(); }
+  void DropTask() {
+    judge_.reset();
+    task_.reset();
+  }
 
  private:
   enum class Phase { kUnready, kReady, kDiverged, kBroken };
@@ -196,7 +200,8 @@ class Env {
   Scene scene_;
   ObjectVariations variations_;
   std::shared_ptr<Task> task_;
-  DeclaredFeatures signals_;  // of the task
+  std::shared_ptr<internal::TaskJudge> judge_;  // null without a task
+  DeclaredFeatures signals_;                    // of the task
   ChosenFeatures chosen_;
   EnvLayout layout_;
   std::vector<BodyHandle> objects_;  // of layout_.objects

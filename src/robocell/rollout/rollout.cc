@@ -15,6 +15,7 @@
 #include "robocell/rollout/stage_clock.h"
 #include "robocell/spec/yaml.h"
 #include "robocell/task/task_features.h"
+#include "robocell/task/task_judge.h"
 
 namespace robocell::internal {
 namespace {
@@ -23,18 +24,17 @@ namespace {
 class Recording {
  public:
   Recording(const RunConfig& run, const EpisodeStart& start, const std::vector<Robot>& robots,
-            const Expert& expert, const PortableScene& portable, const RolloutOptions& options,
-            RolloutTimes& times)
+            const Expert& expert, const std::vector<std::string>& subtasks,
+            const PortableScene& portable, const RolloutOptions& options, RolloutTimes& times)
       : times_(times),
         simulation_(start.scene),
         generation_(start.scene.generation()),
         features_(FeaturesOfCell(start.scene, robots, start.task, run.features.names)),
         observed_(schema_, features_.observed()),
         commanded_(schema_, features_.commanded()),
-        outcome_(
-            schema_, start.scene,
-            internal::CallHook(expert, "phase_names", [&] { return expert.phase_names(); }),
-            internal::CallHook(*start.task, "subtasks", [&] { return start.task->subtasks(); })),
+        outcome_(schema_, start.scene,
+                 internal::CallHook(expert, "phase_names", [&] { return expert.phase_names(); }),
+                 subtasks),
         cameras_(schema_, start.scene, run.cameras, options.renderer, run.rates.policy_rate()) {
     const std::vector<double> state = start.scene.state();
     schema_.AddConstant(
@@ -75,11 +75,9 @@ class Recording {
     const StageClock::Stage stage(clock_, times_.writing);
     outcome_.PutControl(*writer_, data->time, {data->ctrl, static_cast<size_t>(model->nu)});
   }
-  // Writes an outcome that `task` judged.
-  void PutOutcome(const RowOutcome& outcome, const Task& task) {
+  void PutOutcome(const RowOutcome& outcome) {
     const StageClock::Stage stage(clock_, times_.writing);
     commanded_.Put(*writer_, features_.ReadActions());
-    internal::CallHook(task, "judge", [&] { outcome_.RequireOutcome(outcome); });
     outcome_.PutOutcome(*writer_, outcome);
     writer_->EndRow();
   }
@@ -167,11 +165,12 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
   options.metadata_json = Metadata(run, start, portable, given);
   Stepper stepper(start.scene, RobotsOf(start.scene),
                   {run.rates.control_ticks(), run.rates.sim_steps()});
-  Task& task = *start.task;
-  internal::CallHook(task, "begin", [&] { task.Begin(start.scene); });
+  TaskJudge judge(*start.task, start.scene);
+  judge.Begin();
   internal::CallHook(expert, "begin", [&] { expert.Begin(start.scene, rng); });
   RolloutResult result;
-  Recording recording(run, start, stepper.robots(), expert, portable, options, result.times);
+  Recording recording(run, start, stepper.robots(), expert, judge.subtasks(), portable, options,
+                      result.times);
   stepper.set_on_control_tick(
       [&](const mjModel* m, const mjData* d) { recording.PutControl(m, d); });
   bool terminated = false, truncated = false;
@@ -184,9 +183,7 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
         expert, "act", [&] { return stepper.Apply(expert.Act(start.scene, rng)); });
     stepper.Simulate(outcome);
     ++result.rows;
-    const TaskVerdict verdict =
-        outcome.ok() ? internal::CallHook(task, "judge", [&] { return task.Judge(start.scene); })
-                     : TaskVerdict();
+    const TaskVerdict verdict = outcome.ok() ? judge.Judge() : TaskVerdict();
     terminated = internal::CallHook(expert, "done", [&] { return expert.done(); }) ||
                  !outcome.ok() || (verdict.success && expert.ends_at_success());
     // An expert's failure is not a demonstration, whatever the task's verdict.
@@ -205,11 +202,10 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
                           .terminated = terminated,
                           .truncated = truncated,
                           .ik_failed = ik_failed,
-                          .warnings = recording.warnings().total()},
-                         task);
+                          .warnings = recording.warnings().total()});
   }
   if (!result.success && result.failure.empty())
-    result.failure = WhyFailed(result, task, expert, truncated);
+    result.failure = WhyFailed(result, *start.task, expert, truncated);
   if (!result.success && !options.keep_failures) return result;
   if (options.before_commit) options.before_commit();
   recording.Commit({.success = result.success,

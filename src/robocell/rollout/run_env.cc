@@ -14,6 +14,7 @@
 #include "robocell/scenes/scene_source.h"
 #include "robocell/task/sampler_kind.h"
 #include "robocell/task/task_features.h"
+#include "robocell/task/task_judge.h"
 
 namespace robocell {
 namespace {
@@ -27,14 +28,16 @@ std::string MostOften(const RefusalCounts& reasons) {
 
 // The scene of an episode and everything bound to it.
 struct Running {
-  Running(const RunConfig& run, EpisodeStart from, Renderer* renderer)
+  Running(const RunConfig& run, EpisodeStart from, internal::TaskJudge of_task, Renderer* renderer)
       : start(std::move(from)),
+        judge(std::move(of_task)),
         stepper(start.scene, RobotsOf(start.scene),
                 {run.rates.control_ticks(), run.rates.sim_steps()}),
         features(FeaturesOfCell(start.scene, stepper.robots(), start.task, run.features.names)),
         images(start.scene, run.cameras, renderer) {}
 
   EpisodeStart start;
+  internal::TaskJudge judge;
   Stepper stepper;
   CellFeatures features;
   CellImages images;
@@ -90,9 +93,11 @@ void RunEnv::Reset(int index, int first_attempt, const StopRequest& stop) {
       continue;
     }
     BindStart(*sample.start, run);
-    sample.start->task->Begin(sample.start->scene);
+    internal::TaskJudge judge(*sample.start->task, sample.start->scene, "run '" + run.run + "'");
+    judge.Begin();
     state_->running.reset();
-    state_->running.emplace(run, std::move(*sample.start), state_->renderer.get());
+    state_->running.emplace(run, std::move(*sample.start), std::move(judge),
+                            state_->renderer.get());
     return;
   }
   throw Error(fmt::format("run '{}': none of {} attempts at start {} was accepted: {}", run.run,
@@ -118,8 +123,8 @@ RunStep RunEnv::Act(const std::map<std::string, std::vector<double>>& actions) {
   const StepOutcome outcome = episode.stepper.Advance(action);
   episode.seen = false;
   ++episode.rows;
-  const TaskVerdict verdict =
-      outcome.ok() ? episode.start.task->Judge(episode.start.scene) : TaskVerdict();
+  episode.over = true;  // also if the task's verdict is an error
+  const TaskVerdict verdict = outcome.ok() ? episode.judge.Judge() : TaskVerdict();
   RunStep step{.reward = verdict.reward,
                .progress = verdict.progress,
                .subtask = verdict.subtask,
