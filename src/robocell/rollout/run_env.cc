@@ -26,6 +26,11 @@ std::string MostOften(const RefusalCounts& reasons) {
   return text;
 }
 
+// A pointer without ownership: the episode's own is the only one (RunEnv::task).
+std::shared_ptr<const Task> Lent(const std::shared_ptr<Task>& task) {
+  return {std::shared_ptr<void>(), task.get()};
+}
+
 // The scene of an episode and everything bound to it.
 struct Running {
   Running(const RunConfig& run, EpisodeStart from, internal::TaskJudge of_task, Renderer* renderer)
@@ -33,7 +38,8 @@ struct Running {
         judge(std::move(of_task)),
         stepper(start.scene, RobotsOf(start.scene),
                 {run.rates.control_ticks(), run.rates.sim_steps()}),
-        features(FeaturesOfCell(start.scene, stepper.robots(), start.task, run.features.names)),
+        features(
+            FeaturesOfCell(start.scene, stepper.robots(), Lent(start.task), run.features.names)),
         images(start.scene, run.cameras, renderer) {}
 
   EpisodeStart start;
@@ -76,6 +82,7 @@ void RunEnv::Reset(int index, int first_attempt, const StopRequest& stop) {
   if (index < 0)
     throw ArgumentError(fmt::format("the start of an episode is a number from 0, got {}", index));
   const RunConfig& run = state_->run;
+  if (!state_->sampler) throw Error(fmt::format("run '{}': its environment is gone", run.run));
   if (first_attempt < 0 || first_attempt >= run.max_attempts) {
     throw ArgumentError(fmt::format("run '{}': attempts are numbers from 0 to {}, got {}", run.run,
                                     run.max_attempts - 1, first_attempt));
@@ -150,5 +157,16 @@ const FeatureSchema& RunEnv::commanded() const {
   return state_->Episode("the schema").features.commanded();
 }
 const EpisodeStart& RunEnv::start() const { return state_->Episode("the start").start; }
+
+const std::shared_ptr<Task>& RunEnv::task() const {
+  static const std::shared_ptr<Task> none;
+  return state_->running ? state_->running->start.task : none;
+}
+const std::shared_ptr<TaskSampler>& RunEnv::sampler() const { return state_->sampler; }
+
+void RunEnv::Drop() {
+  state_->running.reset();
+  state_->sampler.reset();
+}
 
 }  // namespace robocell
