@@ -167,7 +167,7 @@ env.reset(seed=1)
 vector.reset(seed=1)
 env.core.save("here")
 """,
-    "runs with a task, a sampler and a scene source of one's own": """
+    "runs with a task and a sampler of one's own": """
 class Wait(rc.tasks.Task):
     def prepare(self, spec, rng):
         ball = rc.SceneObject(name="ball", shape=rc.Shape.SPHERE, size=[.03, 0, 0], mass=.05)
