@@ -77,10 +77,22 @@ def test_a_forbidden_include_is_found(tmp_path, file, include, reason):
         ("src/robocell/assets/a.cc", '"robocell/spec/yaml_reader.h"'),
         ("src/robocell/robocell.h", '"robocell/scene/scene.h"'),
         ("python/bindings/scene.cc", '"robocell/rollout/plan.h"'),
+        ("python/bindings/pick.cc", '"robocell/expert/pick_planner.h"'),
+        ("python/bindings/diagnose.cc", '"robocell/expert/expert_kind.h"'),
     ],
 )
 def test_an_allowed_include_is_not(tmp_path, file, include):
     assert findings_for(tmp_path, file, include) == []
+
+
+@pytest.mark.parametrize("file", ["src/robocell/rollout/a.cc", "python/bindings/diagnose.cc"])
+@pytest.mark.parametrize("header", ["expert/pick_planner.h", "task/pick_task.h"])
+def test_who_knows_tasks_and_experts_by_their_registries_knows_no_concrete_one(
+    tmp_path, file, header
+):
+    found = findings_for(tmp_path, file, f'"robocell/{header}"')
+    assert len(found) == 1
+    assert "by their registries only" in found[0]
 
 
 def test_the_line_of_the_include_is_named(tmp_path):

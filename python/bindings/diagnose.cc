@@ -4,7 +4,7 @@
 #include "bindings.h"
 #include "robocell/diagnose/check_robot.h"
 #include "robocell/diagnose/check_run.h"
-#include "robocell/expert/pick_expert.h"
+#include "robocell/expert/expert_kind.h"
 #include "robocell/rollout/validate_run.h"
 
 namespace nb = nanobind;
@@ -63,10 +63,11 @@ void BindDiagnose(nb::module_& m) {
       "measuring contradicts, a base wider than the robot's reach. Also if no controller can drive "
       "its arm or gripper, or a name is not allowed in a record. `generate` makes the same "
       "checks.");
-  m.def("why_no_picks", &WhyNoPicks, "robot"_a, WithoutLock(),
-        "Returns what the scripted expert of pick tasks misses in a robot: a base that can be "
-        "placed anywhere, an arm and a gripper with controllers. Empty if pick tasks can use the "
-        "robot; `generate` rejects a robot for each of these reasons.");
+  m.def("why_not", &WhyNot, "robot"_a, "expert"_a, WithoutLock(),
+        "Returns why the expert of a kind (`rc.tasks.expert_kinds()`) cannot use a robot. That of "
+        "'pick' needs a base that can be placed anywhere, and an arm and a gripper with "
+        "controllers. Empty if the expert can use the robot, or says nothing of it; `generate` "
+        "rejects a robot for each of these reasons.");
   m.def(
       "check_run",
       [](const RunConfig& run, bool scripted_expert, bool on_this_machine) {

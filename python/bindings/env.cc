@@ -287,6 +287,8 @@ nb::dict Info(const Env& env, const EnvStep& step) {
   out["robots"] = robots;
   if (env.config().task) {
     out["is_success"] = step.success;
+    out["progress"] = step.progress;
+    out["subtask"] = step.subtask;
     out["instruction"] = env.instruction();
   }
   return out;
@@ -396,7 +398,8 @@ void BindEnv(nb::module_& m) {
           "joint_taken_back, position_taken_back and rotation_taken_back, by which the target at "
           "the start of the action was taken back because it led the arm by more than "
           "max_target_lead.\n\ninfo['collisions'] lists what touched, by robot and body. With a "
-          "task there are info['is_success'], which terminates, and info['instruction'].\n\nWrong "
+          "task there are info['is_success'], which terminates, 'progress', 'subtask' and "
+          "'instruction'.\n\nWrong "
           "keys, sizes and numbers that are not finite raise ArgumentError before anything moves; "
           "numbers beyond their range are clipped. While another thread steps the environment, "
           "every call is an Error. Ctrl-C ends a step halfway; then only reset helps."

@@ -140,6 +140,14 @@ nb::dict BatchMotions(EnvBatch& batch) {
   return robots;
 }
 
+// Returns a number of each copy's last step: (count,).
+template <class Out, class T>
+nb::object BatchNumbers(const EnvBatch& batch, T EnvStep::*member) {
+  std::vector<Out> numbers;
+  for (int i = 0; i < batch.size(); ++i) numbers.push_back(batch.last_step(i).*member);
+  return NewArray<Out>(numbers, {numbers.size()});
+}
+
 // The same as for one environment.
 int TraverseBatch(PyObject* self, visitproc visit, void* arg) {
   Py_VISIT(Py_TYPE(self));
@@ -244,6 +252,17 @@ void BindEnvBatch(nb::module_& m) {
                   "numpy.typing.NDArray[typing.Any]]]"),
           "The remaining motion of each robot at the end of the last step, as info['robots'] of "
           "Env.step with an array (count,) for each number; zeros after a reset.")
+      .def_prop_ro(
+          "progress",
+          [](const EnvBatch& batch) { return BatchNumbers<double>(batch, &EnvStep::progress); },
+          nb::sig("def progress(self, /) -> numpy.typing.NDArray[numpy.float64]"),
+          "The task's progress in each copy at the end of the last step, (count,), from 0 to 1; 0 "
+          "after a reset.")
+      .def_prop_ro(
+          "subtasks",
+          [](const EnvBatch& batch) { return BatchNumbers<int32_t>(batch, &EnvStep::subtask); },
+          nb::sig("def subtasks(self, /) -> numpy.typing.NDArray[numpy.int32]"),
+          "The same for the index of the task's subtask.")
       .def(
           "reset",
           [](EnvBatch& batch, const Seeds& seeds, const std::vector<bool>& which,

@@ -7,6 +7,7 @@
 #include "bindings.h"
 #include "features.h"
 #include "in_use.h"
+#include "python_owner.h"
 #include "signals.h"
 #include "task_trampolines.h"
 #include "robocell/rollout/run_env.h"
@@ -38,12 +39,33 @@ nb::tuple Step(RunEnv& env, const nb::dict& values) {
   return nb::make_tuple(step.reward, step.terminated, step.truncated, info);
 }
 
+// The same as for an Env (env.cc): a task or a sampler written in Python refers to its script's
+// variables, and the environment is often among them.
+int Traverse(PyObject* self, visitproc visit, void* arg) {
+  Py_VISIT(Py_TYPE(self));
+  if (!nb::inst_ready(self)) return 0;
+  const RunEnv& env = *nb::inst_ptr<RunEnv>(self);
+  if (env.task().use_count() == 1) Py_VISIT(TargetOf(env.task()));
+  if (env.sampler().use_count() == 1) Py_VISIT(TargetOf(env.sampler()));
+  return 0;
+}
+
+int Clear(PyObject* self) {
+  if (nb::inst_ready(self)) nb::inst_ptr<RunEnv>(self)->Drop();
+  return 0;
+}
+
+PyType_Slot run_env_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&Traverse)},
+                               {Py_tp_clear, reinterpret_cast<void*>(&Clear)},
+                               {0, nullptr}};
+
 }  // namespace
 
 void BindRunEnv(nb::module_& m) {
   nb::class_<RunEnv>(m, "RunEnv",
                      "The cell of a run as an environment: it returns what an episode of the run "
-                     "records, and takes the actions that it records. One thread at a time.")
+                     "records, and takes the actions that it records. One thread at a time.",
+                     nb::type_slots(run_env_slots))
       .def(nb::init<RunConfig>(), "run"_a)
       .def_prop_ro(
           "run", [](const RunEnv& env) { return env.run(); }, "A copy.")

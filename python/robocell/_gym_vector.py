@@ -31,10 +31,10 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
 
     Observations, rewards and ends are those of separate ``GymEnv``. All three autoreset modes of
     Gymnasium are supported. Infos have ``reason``, ``time``, ``robots`` (the remaining motion of
-    each robot, arrays under the keys that ``Env.step`` documents) and, with a task, ``is_success``
-    and ``instruction``, each with a mask (``_reason`` ...) of the copies that made a step. With
-    SAME_STEP, the infos of copies that ended are in ``final_info``, beside ``final_obs``. One
-    renderer draws the images, one copy after the other.
+    each robot, arrays under the keys that ``Env.step`` documents) and, with a task, ``is_success``,
+    ``progress``, ``subtask`` and ``instruction``, each with a mask (``_reason`` ...) of the copies
+    that made a step. With SAME_STEP, the infos of copies that ended are in ``final_info``, beside
+    ``final_obs``. One renderer draws the images, one copy after the other.
 
     Args:
         config: configuration of all copies.
@@ -253,6 +253,8 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
         }
         if self._has_task:
             infos["is_success"] = success
+            infos["progress"] = self.core.progress
+            infos["subtask"] = self.core.subtasks
         infos["robots"] = self.core.motions
         return _masked(infos, which)
 

@@ -20,7 +20,7 @@ from robocell._core import (
     known_engine_defects,
     mujoco_version,
     validate_robot,
-    why_no_picks,
+    why_not,
 )
 
 __all__ = [
@@ -34,5 +34,5 @@ __all__ = [
     "known_engine_defects",
     "mujoco_version",
     "validate_robot",
-    "why_no_picks",
+    "why_not",
 ]

@@ -61,6 +61,7 @@ def test_a_cube_is_picked_up_and_put_on_the_mat(root):
     for xyz, gripper in [(low, 0), (low, 1), (goal + up, 1)]:
         observation, reward, terminated, _, info = go(env, xyz, gripper)
     assert (reward, terminated, info["is_success"]) == (1, True, True)
+    assert (info["progress"], info["subtask"]) == (1, 0)
     assert np.linalg.norm(observation["objects"]["cube"]["tquat"][:3] - goal) < 0.03
     env.close()
 
@@ -249,6 +250,49 @@ def test_in_a_vector_each_copy_has_a_task_of_its_own():
     vector.close()
 
 
+class Counts(rc.tasks.Task):
+    """Its progress and its subtask follow from the number of steps."""
+
+    def begin(self, scene):
+        self.steps = 0
+
+    def judge(self, scene):
+        self.steps += 1
+        return rc.tasks.TaskVerdict(progress=self.steps / 4, subtask=self.steps // 2)
+
+    def subtasks(self):
+        return ["first", "then", "last"]
+
+    def instruction(self):
+        return "count"
+
+
+def test_infos_have_the_progress_and_the_subtask():
+    rc.register_task("counts")(Counts)
+    config = pick_cube_config(task={"kind": "counts"})
+    expected = [(0.25, 0), (0.5, 1), (0.75, 1), (1, 2)]
+    for env in (rc.Env(config), GymEnv(config)):
+        env.reset(seed=1)
+        stay = {"robot": {"tquat": [0, 0, 0, 0, 0, 0, 1], "gripper": 1}}
+        infos = [env.step(stay)[-1] for _ in expected]
+        assert [(info["progress"], info["subtask"]) for info in infos] == expected
+        env.close()
+    vector = VectorGymEnv(config, 2, max_episode_steps=3, autoreset_mode="SameStep")
+    vector.reset(seed=1)
+    for progress, subtask in expected[:2]:
+        *_, infos = vector.step(vector.action_space.sample())
+        assert infos["progress"].tolist() == [progress] * 2
+        assert infos["subtask"].tolist() == [subtask] * 2
+        assert infos["_progress"].all()
+        assert infos["_subtask"].all()
+    *_, infos = vector.step(vector.action_space.sample())
+    assert not infos["_progress"].any()
+    assert infos["final_info"]["progress"].tolist() == [0.75] * 2
+    assert infos["final_info"]["subtask"].tolist() == [1] * 2
+    assert vector.core.progress.tolist() == [0] * 2
+    vector.close()
+
+
 def test_functions_make_tasks_too_and_python_may_replace_its_own():
     config = reach_config()
     rc.register_task("reach")(partial(Reach, near=10))
@@ -330,7 +374,7 @@ def test_what_is_no_number_is_not_handed_on(number):
     stay = {"robot": {"tquat": [0, 0, 0, 0, 0, 0, 1], "gripper": 1}}
     env = rc.Env(never("odd_reward", reward=lambda self, scene: number))
     env.reset()
-    text = f"environment 'pick_cube': the reward of task 'odd_reward' is {number}"
+    text = rf"environment 'pick_cube': the task's reward\(\) is {number} at t = [\d.]+ s; rewards"
     with pytest.raises(rc.ArgumentError, match=text):
         env.step(stay)
     env.close()

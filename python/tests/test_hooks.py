@@ -49,6 +49,11 @@ class JudgesNan(Touch):
         return rc.tasks.TaskVerdict(reward=float("nan"))
 
 
+class Overdone(Touch):
+    def judge(self, scene: rc.Scene) -> Any:
+        return rc.tasks.TaskVerdict(progress=7)
+
+
 class Rewards(Cube):
     def success(self, scene: rc.Scene) -> bool:
         return False
@@ -176,6 +181,7 @@ def place(function: Callable[..., Any]) -> str:
         (Judges, "judge", "Judges.judge() must return a TaskVerdict, got None"),
         (JudgesNan, "judge", "the task's reward() is nan at t; rewards must be finite numbers"),
         (Rewards, "reward", "Rewards.reward() must return a number, got 'much'"),
+        (Overdone, "judge", "the task's progress is 7 at t; it must be a number from 0 to 1"),
         (Counts, "judge", "the task's subtask is 3; it must be 0 to 0"),
         (Arranges, "arrange", "Arranges.arrange() must return a Refusal or None, got 'no'"),
         (Observes, "observe", "Observes.observe().a has shape (1), and (2) was declared"),
@@ -196,6 +202,40 @@ def test_what_a_task_returns_wrongly_ends_the_attempt(
     said = failure_of(tmp_path, task, lambda *_: Idle())
     assert text in said
     assert said.endswith(place(getattr(task, method)))
+
+
+@pytest.mark.parametrize(
+    ("task", "text"),
+    [
+        (JudgesNan, "the task's reward() is nan at t; rewards must be finite numbers"),
+        (Overdone, "the task's progress is 7 at t; it must be a number from 0 to 1"),
+        (Counts, "the task's subtask is 3; it must be 0 to 0, an index into subtasks(): one"),
+    ],
+)
+def test_environments_reject_the_same_verdicts(
+    tmp_path: Path, task: type[rc.tasks.Task], text: str
+):
+    def said(step: Callable[[], Any]) -> str:
+        with pytest.raises(rc.ArgumentError) as caught:
+            step()
+        return re.sub(r"t = [\d.]+ s", "t", str(caught.value))
+
+    run = run_of(tmp_path / "run", task)
+    run_env = rc.envs.RunEnv(run)
+    run_env.reset(0)
+    at = place(task.judge)
+    assert said(lambda: run_env.act({})) == f"run '{run.run}': {text} {at}"
+    with pytest.raises(rc.Error, match="the episode is over; call Reset"):
+        run_env.act({})
+    config = rc.EnvConfig(
+        robots={"robot": rc.models.robot_file("rc7")}, task=run.task, name="duo", add_floor=True
+    )
+    env = rc.Env(config)
+    env.reset(seed=0)
+    action = {"robot": {"joints": [0] * 7, "gripper": 1}}
+    assert said(lambda: env.step(action)) == f"environment 'duo': {text} {at}"
+    with pytest.raises(rc.Error, match="call reset to go on"):
+        env.step(action)
 
 
 @pytest.mark.parametrize(

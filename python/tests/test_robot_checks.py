@@ -253,14 +253,17 @@ def test_check_and_runs_say_the_same_of_a_group_that_nothing_commands(tmp_path: 
     assert "joint_impedance" not in checked.stderr
     assert "nothing found wrong" not in checked.stdout
     unfit = "has no gripper group"
-    assert "note: no robot for pick tasks: " in checked.stdout
+    assert "note: the experts pick and pick_and_place cannot use this robot: " in checked.stdout
     assert unfit in checked.stdout
     run = write_run(tmp_path, robot=str(robot))
     assert unfit in refused("generate", run)
     loaded = load_robot(robot)
-    reasons = robocell.diagnose.why_no_picks(loaded.robot)
-    assert len(reasons) == 1
-    assert unfit in reasons[0]
+    for kind in ("pick", "pick_and_place"):
+        reasons = robocell.diagnose.why_not(loaded.robot, kind)
+        assert len(reasons) == 1
+        assert unfit in reasons[0]
+    with pytest.raises(robocell.NotFoundError, match=r"no expert 'pik'.*Did you mean 'pick'"):
+        robocell.diagnose.why_not(loaded.robot, "pik")
     config = robocell.RunConfig.load(run)
     config.cameras.streams = []  # which are of rc7's cameras
     robocell.diagnose.check_run(

@@ -167,6 +167,28 @@ env.reset(seed=1)
 vector.reset(seed=1)
 env.core.save("here")
 """,
+    "runs with a task and a sampler of one's own": """
+class Wait(rc.tasks.Task):
+    def prepare(self, spec, rng):
+        ball = rc.SceneObject(name="ball", shape=rc.Shape.SPHERE, size=[.03, 0, 0], mass=.05)
+        ball.rgba, ball.friction = [1, .5, 0, 1], [1, .02, .001]
+        spec.objects.append(ball)
+    def judge(self, scene): return rc.tasks.TaskVerdict()
+    def instruction(self): return "wait"
+    def objects(self): return ["ball"]
+class Mine(rc.tasks.PickTaskSampler):
+    pass
+rc.register_task("wait")(Wait)
+rc.register_sampler("mine")(Mine)
+run = rc.RunConfig.load(leaks.DEMO, ["cameras.streams=[]"])
+mine = rc.RunConfig.load(leaks.DEMO, ["cameras.streams=[]", "sampler=mine"])
+waiting = rc.RunConfig.load(leaks.DEMO, ["cameras.streams=[]", "task={kind: wait}"])
+picking, env = rc.envs.RunEnv(mine), rc.envs.RunEnv(waiting)
+picking.reset(0)
+env.reset(0)
+env.reset(1)
+row, scene = env.row(), env.scene
+""",
     "filters, samplers and solutions": """
 scene = leaks.cell()
 robot = scene.robot("a")

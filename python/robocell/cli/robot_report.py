@@ -12,7 +12,8 @@ from robocell.cli.common import fail, print_wide
 from robocell.cli.robot_picture import draw_robot
 from robocell.cli.robot_scene import RobotScene
 from robocell.cli.robot_table import actuators_table, frames_table, joints_table, summary_lines
-from robocell.diagnose import Severity, check_robot, validate_robot, why_no_picks
+from robocell.diagnose import Severity, check_robot, validate_robot, why_not
+from robocell.tasks import expert_kinds
 
 
 def print_report(
@@ -44,7 +45,7 @@ def print_report(
         draw_robot(loaded, picture)
         print(f"\npicture: {picture}")
     wrong = _wrong(loaded)
-    no_picks = [] if wrong else why_no_picks(loaded.robot)
+    unfit = [] if wrong else _unfit(loaded)
     found = check_robot(loaded.robot, beside_warnings=True)
     notes = [str(finding) for finding in found if finding.severity is Severity.NOTE]
     warnings = [
@@ -52,7 +53,6 @@ def print_report(
         *(str(finding) for finding in found if finding.severity is Severity.WARNING),
     ]
     console.print()
-    unfit = [f"no robot for pick tasks: {reason}" for reason in no_picks]
     for note in [*loaded.scene.notes, *notes, *unfit]:
         console.print(f"note: {note}", markup=False, highlight=False)
     for warning in warnings:
@@ -62,6 +62,19 @@ def print_report(
     if not warnings:
         print("nothing found wrong")
     return warnings
+
+
+def _unfit(loaded: RobotScene) -> list[str]:
+    """Which experts cannot use the robot, by the reason."""
+    experts: dict[str, list[str]] = {}
+    for kind in expert_kinds():
+        for reason in why_not(loaded.robot, kind):
+            experts.setdefault(reason, []).append(kind)
+    return [
+        f"the expert{'s' if len(kinds) > 1 else ''} {' and '.join(kinds)} cannot use this robot: "
+        f"{reason}"
+        for reason, kinds in experts.items()
+    ]
 
 
 def _wrong(loaded: RobotScene) -> str:

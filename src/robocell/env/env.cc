@@ -14,6 +14,7 @@
 #include "robocell/robot/unused_groups.h"
 #include "robocell/robot/validate_config.h"
 #include "robocell/spec/validate.h"
+#include "robocell/task/task_judge.h"
 #include "robocell/task/task_kind.h"
 
 namespace robocell {
@@ -72,6 +73,12 @@ std::shared_ptr<const DeclaresFeatures> Lent(const std::shared_ptr<Task>& task) 
   return {std::shared_ptr<void>(), task.get()};
 }
 
+std::shared_ptr<internal::TaskJudge> JudgeOf(const std::shared_ptr<Task>& task, const Scene& scene,
+                                             std::string place) {
+  if (!task) return nullptr;
+  return std::make_shared<internal::TaskJudge>(*task, scene, std::move(place));
+}
+
 EnvConfig Checked(EnvConfig config) {
   RequireValid(config, "environment '" + config.name + "'");
   return config;
@@ -124,6 +131,7 @@ Env::Env(EnvConfig config, Scene scene, std::optional<int> copy,
       scene_(std::move(scene)),
       variations_(config_, scene_.inner()),
       task_(MakeTask(config_, scene_)),
+      judge_(JudgeOf(task_, scene_.inner(), place())),
       signals_(scene_.inner(), Lent(task_), "task"),
       chosen_(scene_.inner(), RobotsOf(scene_.inner()), config_.features.names),
       layout_(MakeEnvLayout(config_, ArmsOf(config_, scene_), task_.get(), signals_, chosen_)),
@@ -179,7 +187,7 @@ void Env::Reset(const EnvResetOptions& options) {
   variations_.Draw(variation);
   if (const std::string why = MakeStart(seed, options.keyframe, kept); !why.empty())
     throw ArgumentError(NoStart(why));
-  if (task_) task_->Begin(scene_);
+  if (judge_) judge_->Begin();
   collisions_.Forget();
   ticks_ = 0;
   pacer_.Start(0);
@@ -333,7 +341,7 @@ EnvStep Env::Step(std::span<const double> action, const Poll& poll) {
     return out;
   }
   for (size_t i = 0; i < arms_.size(); ++i) motions_[i] = arms_[i].motion();
-  if (task_) Judge(out);  // first: signals may use its result
+  if (judge_) Judge(out);  // first: signals may use its result
   Observe();
   if (config_.sim.realtime) pacer_.Wait(out.time, poll);
   phase_ = Phase::kReady;
@@ -342,14 +350,11 @@ EnvStep Env::Step(std::span<const double> action, const Poll& poll) {
 }
 
 void Env::Judge(EnvStep& out) {
-  const TaskVerdict verdict = task_->Judge(scene_);
+  const TaskVerdict verdict = judge_->Judge();
   out.reward = verdict.reward;
   out.progress = verdict.progress;
   out.subtask = verdict.subtask;
   out.success = verdict.success;
-  if (std::isfinite(out.reward)) return;
-  throw ArgumentError(
-      fmt::format("{}: the reward of task '{}' is {}", place(), config_.task->kind(), out.reward));
 }
 
 void Env::Observe() {

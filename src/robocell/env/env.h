@@ -78,7 +78,8 @@ struct EnvResetOptions {
 
 namespace internal {
 class PreparedObjects;
-}
+class TaskJudge;
+}  // namespace internal
 
 class Env {
  public:
@@ -149,7 +150,10 @@ class Env {
   // here (null without a task) and drops it. Without its task an environment cannot be used any
   // more.
   const std::shared_ptr<Task>& task() const { return task_; }
-  void DropTask() { task_.reset(); }
+  void DropTask() {
+    judge_.reset();
+    task_.reset();
+  }
 
  private:
   enum class Phase { kUnready, kReady, kDiverged, kBroken };
@@ -199,7 +203,8 @@ class Env {
   Scene scene_;  // the only handle: all others here are inner() ones, as collectors rely on
   ObjectVariations variations_;
   std::shared_ptr<Task> task_;
-  DeclaredFeatures signals_;  // of the task
+  std::shared_ptr<internal::TaskJudge> judge_;  // null without a task
+  DeclaredFeatures signals_;                    // of the task
   ChosenFeatures chosen_;
   EnvLayout layout_;
   std::vector<BodyHandle> objects_;  // of layout_.objects

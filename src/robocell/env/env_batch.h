@@ -64,6 +64,8 @@ class EnvBatch {
                         const std::vector<bool>& reset_instead = {},
                         const std::function<void()>& poll = {});
   std::span<const double> observations() const { return observations_; }
+  // Returns the outcome of copy `i` in the last step; the default after its reset.
+  const EnvStep& last_step(int i) const { return step_.steps[i]; }
   // Returns true if a motion led towards the last pose that was commanded to robot `robot` (of
   // layout().robots) of copy `i`.
   bool ik_success(int i, size_t robot) const;

@@ -17,8 +17,8 @@ namespace {
 struct Registry {
   std::mutex mutex;
   std::map<std::string, std::shared_ptr<const ExpertKind>> kinds = {
-      {PickTaskConfig::kKind, MakePickExpert()},
-      {PickAndPlaceTaskConfig::kKind, MakePickAndPlaceExpert()}};
+      {PickTaskConfig::kKind, internal::MakePickExpert()},
+      {PickAndPlaceTaskConfig::kKind, internal::MakePickAndPlaceExpert()}};
 };
 
 Registry& Kinds() {
@@ -59,6 +59,12 @@ std::shared_ptr<const ExpertKind> FindExpertKind(const std::string& kind) {
                       (is_policy ? " Policies (`module:Class`) are run by `robocell evaluate`; to "
                                    "generate with one, register it as an expert"
                                  : ""));
+}
+
+std::vector<std::string> WhyNot(const Robot& robot, const std::string& kind) {
+  Problems problems(robot.config().locations);
+  FindExpertKind(kind)->ValidateRobot(robot, problems);
+  return LinesOf(problems);
 }
 
 std::shared_ptr<const ExpertKind> ExpertKindOf(const RunConfig& run) {

@@ -28,6 +28,9 @@ class ExpertKind {
   // (TaskKind::Contents). Settings that are valid but probably unintended become warnings.
   virtual void Validate(const RunConfig& /*run*/, const Scene& /*scene*/, Robot& /*robot*/,
                         Problems& /*problems*/, std::vector<std::string>& /*warnings*/) const {}
+  // Checks what of this can be known of a robot without a run, one that passed ValidateRobot.
+  // Reports problems at the fields of the robot.
+  virtual void ValidateRobot(const Robot& /*robot*/, Problems& /*problems*/) const {}
 };
 
 // Registers a kind for all threads. Throws ArgumentError for a name that is taken, unless `replace`
@@ -38,6 +41,9 @@ void RegisterExpert(const std::string& kind, std::shared_ptr<const ExpertKind> e
 std::vector<std::string> ExpertKinds();
 // Returns the kind. Throws NotFoundError that lists the kinds.
 std::shared_ptr<const ExpertKind> FindExpertKind(const std::string& kind);
+// Returns why the expert of a kind cannot use a robot, as texts; empty if it can as far as is known
+// without a run. Throws the errors of FindExpertKind.
+std::vector<std::string> WhyNot(const Robot& robot, const std::string& kind);
 // Returns the kind that acts in a run: the one that it names, else its task's. Throws SpecError for
 // a task that names none.
 std::shared_ptr<const ExpertKind> ExpertKindOf(const RunConfig& run);

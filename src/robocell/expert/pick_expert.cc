@@ -20,7 +20,7 @@
 #include "robocell/task/grasp_candidates.h"
 #include "robocell/task/grasp_motion.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // Turns an exception of a check into a problem of the robot.
@@ -141,6 +141,10 @@ class KindOfPicker final : public ExpertKind {
                 std::vector<std::string>& warnings) const override {
     PickRunValidator(run, scene, robot, problems, warnings).Run();
   }
+  void ValidateRobot(const Robot& robot, Problems& problems) const override {
+    ValidatePickRobot(robot, robot.scene().compiled()->spec().options, robot.scene().timestep(),
+                      problems);
+  }
 };
 
 // Formats a length rounded down to the millimetre, so that a field with the printed value is
@@ -165,13 +169,6 @@ bool ValidatePickRobot(const Robot& robot, const SimOptions& options, double tim
   internal::ValidateTakesJointPositions(robot, problems);
   AsProblem(problems, [&] { RequirePickParts(robot, options, timestep); });
   return problems.list().size() == before;
-}
-
-std::vector<std::string> WhyNoPicks(const Robot& robot) {
-  Problems problems(robot.config().locations);
-  ValidatePickRobot(robot, robot.scene().compiled()->spec().options, robot.scene().timestep(),
-                    problems);
-  return LinesOf(problems);
 }
 
 void ValidateReach(const PickRun& task, const BaseRange& base, const Robot& robot,
@@ -217,4 +214,4 @@ void ValidateReach(const PickRun& task, const BaseRange& base, const Robot& robo
                              base.distance[0], base.distance[1], AtMost(farthest), reach));
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -12,7 +12,7 @@
 #include "robocell/spec/problems.h"
 #include "robocell/task/base_placement.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 std::shared_ptr<const ExpertKind> MakePickExpert();
 std::shared_ptr<const ExpertKind> MakePickAndPlaceExpert();
@@ -23,14 +23,10 @@ std::shared_ptr<const ExpertKind> MakePickAndPlaceExpert();
 bool ValidatePickRobot(const Robot& robot, const SimOptions& options, double timestep,
                        Problems& problems);
 
-// Returns the same problems as texts, for a robot without a declared purpose. Empty if pick tasks
-// can use it.
-std::vector<std::string> WhyNoPicks(const Robot& robot);
-
 // Checks whether the places that a pick run proposes for the robot's base can be in its reach at
 // all. Adds problems of start.base_distance, start.base_height_offset and task.lift_height for
 // places and lifts that PickTaskSampler refuses in every start.
 void ValidateReach(const PickRun& task, const BaseRange& base, const Robot& robot,
                    Problems& problems);
 
-}  // namespace robocell
+}  // namespace robocell::internal

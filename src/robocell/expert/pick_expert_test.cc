@@ -7,7 +7,7 @@
 
 #include "robocell/testing/pick_scene.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -46,4 +46,4 @@ TEST(ValidateReach, ALiftThatNoArmHasIsNamed) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

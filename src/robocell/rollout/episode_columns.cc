@@ -5,7 +5,6 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 
 #include "robocell/base/error.h"
@@ -42,7 +41,7 @@ OutcomeColumns::OutcomeColumns(EpisodeSchema& schema, Scene scene, std::vector<s
                                std::vector<std::string> subtasks)
     : scene_(std::move(scene)),
       phases_(phases),
-      subtasks_(subtasks),
+      has_subtasks_(!subtasks.empty()),
       warnings_before_(ReadWarnings(scene_.data())) {
   phase_ =
       AddLabel(schema, {.name = "phase", .type = ColumnType::kInt32, .values = std::move(phases)});
@@ -53,7 +52,7 @@ OutcomeColumns::OutcomeColumns(EpisodeSchema& schema, Scene scene, std::vector<s
                                 .units = "1",
                                 .description = "From 0 at the start to 1 at success, as the task "
                                                "sees it."});
-  if (!subtasks_.empty()) {
+  if (has_subtasks_) {
     subtask_ = AddLabel(schema, {.name = "subtask",
                                  .type = ColumnType::kInt32,
                                  .values = std::move(subtasks),
@@ -115,32 +114,10 @@ void OutcomeColumns::PutPhase(EpisodeWriter& writer, int phase) {
   writer.Put(phase_, static_cast<int32_t>(phase));
 }
 
-void OutcomeColumns::RequireOutcome(const RowOutcome& outcome) const {
-  if (!std::isfinite(outcome.reward)) {
-    throw ArgumentError(
-        fmt::format("the task's reward() is {} at t = {:.3f} s; rewards must be "
-                    "finite numbers",
-                    outcome.reward, scene_.time()));
-  }
-  if (!std::isfinite(outcome.progress)) {
-    throw ArgumentError(
-        fmt::format("the task's progress is {} at t = {:.3f} s; it is a number from 0 to 1",
-                    outcome.progress, scene_.time()));
-  }
-  if (!subtasks_.empty() &&
-      (outcome.subtask < 0 || outcome.subtask >= static_cast<int>(subtasks_.size()))) {
-    throw ArgumentError(
-        fmt::format("the task's subtask is {}; it must be 0 to {}, an index into "
-                    "subtasks(): {}",
-                    outcome.subtask, subtasks_.size() - 1, ListNames(subtasks_)));
-  }
-}
-
 void OutcomeColumns::PutOutcome(EpisodeWriter& writer, const RowOutcome& outcome) {
-  RequireOutcome(outcome);
   writer.Put(reward_, outcome.reward);
   writer.Put(progress_, outcome.progress);
-  if (!subtasks_.empty()) writer.Put(subtask_, static_cast<int32_t>(outcome.subtask));
+  if (has_subtasks_) writer.Put(subtask_, static_cast<int32_t>(outcome.subtask));
   writer.Put(success_, outcome.success);
   writer.Put(terminated_, outcome.terminated);
   writer.Put(truncated_, outcome.truncated);

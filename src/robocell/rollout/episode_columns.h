@@ -30,7 +30,7 @@ class FeatureColumns {
   std::vector<Column> columns_;
 };
 
-// The outcome of an action.
+// The outcome of an action, with a verdict of a TaskJudge (task/task_judge.h).
 struct RowOutcome {
   double reward = 0, progress = 0;
   int subtask = 0;
@@ -51,10 +51,8 @@ class OutcomeColumns {
   // Returns the engine warnings since this object was made; those of making the start do not belong
   // to the episode.
   EngineWarnings warnings() const { return ReadWarnings(scene_.data()) - warnings_before_; }
-  // Throws ArgumentError for an invalid phase of an expert or a task. PutPhase and PutOutcome check
-  // it too.
+  // Throws ArgumentError for an invalid phase of an expert; PutPhase checks it too.
   void RequirePhase(int phase) const;
-  void RequireOutcome(const RowOutcome& outcome) const;
   void PutPhase(EpisodeWriter& writer, int phase);
   void PutOutcome(EpisodeWriter& writer, const RowOutcome& outcome);
   // Writes a row of the control table: the controls of one tick, which act on the engine from
@@ -65,7 +63,8 @@ class OutcomeColumns {
   ColumnId AddLabel(EpisodeSchema& schema, ColumnSpec column);
 
   Scene scene_;
-  std::vector<std::string> phases_, subtasks_;
+  std::vector<std::string> phases_;
+  bool has_subtasks_;
   FeatureSchema labels_;
   ColumnId phase_, reward_, progress_, subtask_, success_, terminated_, truncated_, ik_failed_,
       warnings_;

@@ -64,16 +64,10 @@ TEST(OutcomeColumns, HoldWhatAnActionLedTo) {
                           "truncated", "ik_failed", "engine_warnings"));
 }
 
-TEST(OutcomeColumns, RefuseWhatIsNoOutcome) {
-  Labels labels({"pick"});
-  const auto put = [&](const RowOutcome& outcome) {
-    return [&labels, outcome] { labels.columns.PutOutcome(labels.writer, outcome); };
-  };
+TEST(OutcomeColumns, RefuseWhatIsNoPhase) {
+  Labels labels;
   ExpectThrow<ArgumentError>([&] { labels.columns.PutPhase(labels.writer, 2); },
                              "the expert's phase() is 2; it must be 0 to 1");
-  ExpectThrow<ArgumentError>(put({.reward = std::nan("")}), "the task's reward() is nan");
-  ExpectThrow<ArgumentError>(put({.progress = std::nan("")}), "the task's progress is nan");
-  ExpectThrow<ArgumentError>(put({.subtask = 1}), "the task's subtask is 1; it must be 0 to 0");
 }
 
 }  // namespace

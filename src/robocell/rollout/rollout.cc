@@ -15,6 +15,7 @@
 #include "robocell/rollout/stage_clock.h"
 #include "robocell/spec/yaml.h"
 #include "robocell/task/task_features.h"
+#include "robocell/task/task_judge.h"
 
 namespace robocell::internal {
 namespace {
@@ -23,18 +24,15 @@ namespace {
 class Recording {
  public:
   Recording(const RunConfig& run, const EpisodeStart& start, const std::vector<Robot>& robots,
-            const Expert& expert, const PortableScene& portable, const RolloutOptions& options,
-            RolloutTimes& times)
+            const std::vector<std::string>& phases, const std::vector<std::string>& subtasks,
+            const PortableScene& portable, const RolloutOptions& options, RolloutTimes& times)
       : times_(times),
         simulation_(start.scene),
         generation_(start.scene.generation()),
         features_(FeaturesOfCell(start.scene, robots, start.task, run.features.names)),
         observed_(schema_, features_.observed()),
         commanded_(schema_, features_.commanded()),
-        outcome_(
-            schema_, start.scene,
-            internal::CallHook(expert, "phase_names", [&] { return expert.phase_names(); }),
-            internal::CallHook(*start.task, "subtasks", [&] { return start.task->subtasks(); })),
+        outcome_(schema_, start.scene, phases, subtasks),
         cameras_(schema_, start.scene, run.cameras, options.renderer, run.rates.policy_rate()) {
     const std::vector<double> state = start.scene.state();
     schema_.AddConstant(
@@ -50,7 +48,8 @@ class Recording {
     for (const auto& [name, files] : portable.models) writer_->AddModel(name, files);
   }
 
-  void PutState(const Expert& expert) {
+  // `phase`: returns the expert's, once it is valid.
+  void PutState(const std::function<int()>& phase) {
     if (simulation_.generation() != generation_) {
       throw Error("scene '" + simulation_.name() +
                   "': objects were added or removed while an episode is recorded, whose rows have "
@@ -59,27 +58,21 @@ class Recording {
     {
       const StageClock::Stage stage(clock_, times_.writing);
       observed_.Put(*writer_, features_.ReadState());
-      const int phase = internal::CallHook(expert, "phase", [&] {
-        const int told = expert.phase();
-        outcome_.RequirePhase(told);
-        return told;
-      });
-      outcome_.PutPhase(*writer_, phase);
+      outcome_.PutPhase(*writer_, phase());
     }
     const StageClock::Stage stage(clock_, times_.rendering);
     cameras_.PutFrames(*writer_);
   }
+  void RequirePhase(int phase) const { outcome_.RequirePhase(phase); }
   // Returns what PutState recorded.
   CellRow row() const { return {features_.observed(), features_.state(), cameras_.images()}; }
   void PutControl(const mjModel* model, const mjData* data) {
     const StageClock::Stage stage(clock_, times_.writing);
     outcome_.PutControl(*writer_, data->time, {data->ctrl, static_cast<size_t>(model->nu)});
   }
-  // Writes an outcome that `task` judged.
-  void PutOutcome(const RowOutcome& outcome, const Task& task) {
+  void PutOutcome(const RowOutcome& outcome) {
     const StageClock::Stage stage(clock_, times_.writing);
     commanded_.Put(*writer_, features_.ReadActions());
-    internal::CallHook(task, "judge", [&] { outcome_.RequireOutcome(outcome); });
     outcome_.PutOutcome(*writer_, outcome);
     writer_->EndRow();
   }
@@ -110,6 +103,40 @@ class Recording {
   std::optional<EpisodeWriter> writer_;
 };
 
+// Calls an expert's hooks. After an error that fails the rollout no hook is called any more.
+class ExpertCalls {
+ public:
+  ExpertCalls(Expert& expert, bool errors_fail) : expert_(expert), errors_fail_(errors_fail) {}
+
+  // Returns `otherwise` after an error.
+  template <class Result, class Call>
+  Result operator()(const char* method, Result otherwise, Call&& call) {
+    if (!error_.empty()) return otherwise;
+    try {
+      return internal::CallHook(expert_, method, call);
+    } catch (const HookError& error) {
+      if (!errors_fail_) throw;
+      error_ = PolicyError(error);
+      LogWarn(error_);
+      return otherwise;
+    }
+  }
+  void Do(const char* method, const std::function<void()>& call) {
+    (*this)(method, false, [&] { return call(), true; });
+  }
+  // Returns the error, else why the expert gave up.
+  std::string failure() {
+    const std::string given = (*this)("failure", std::string(), [&] { return expert_.failure(); });
+    return error_.empty() ? given : error_;
+  }
+  bool failed() const { return !error_.empty(); }
+
+ private:
+  Expert& expert_;
+  bool errors_fail_;
+  std::string error_;
+};
+
 std::string Metadata(const RunConfig& run, const EpisodeStart& start, const PortableScene& portable,
                      const RolloutOptions& options) {
   nlohmann::json meta = nlohmann::json::parse(options.metadata_json);
@@ -133,9 +160,9 @@ std::string Metadata(const RunConfig& run, const EpisodeStart& start, const Port
 
 // Returns why a rollout ended without success. Commands that could not be followed explain more
 // than the timeout that they cause.
-std::string WhyFailed(const RolloutResult& result, const Task& task, const Expert& expert,
+std::string WhyFailed(const RolloutResult& result, const Task& task, const std::string& gave_up,
                       bool truncated) {
-  if (!expert.failure().empty() && !truncated) return expert.failure();
+  if (!gave_up.empty() && !truncated) return gave_up;
   if (!result.ik_failures.empty()) return "no IK solution for " + result.ik_failures.begin()->first;
   if (truncated) return "timeout";
   return internal::CallHook(task, "why_not_done", [&] { return task.why_not_done(); });
@@ -159,6 +186,10 @@ std::vector<std::string> Warnings(const EngineWarnings& engine, const RolloutRes
 
 }  // namespace
 
+std::string PolicyError(const HookError& error) {
+  return std::string("policy error: ") + error.what();
+}
+
 RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expert, Rng& rng,
                          const RolloutOptions& given) {
   const SceneUse::Claim claim(start.scene.use(), "RunRollout");
@@ -167,32 +198,40 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
   options.metadata_json = Metadata(run, start, portable, given);
   Stepper stepper(start.scene, RobotsOf(start.scene),
                   {run.rates.control_ticks(), run.rates.sim_steps()});
-  Task& task = *start.task;
-  internal::CallHook(task, "begin", [&] { task.Begin(start.scene); });
-  internal::CallHook(expert, "begin", [&] { expert.Begin(start.scene, rng); });
+  TaskJudge judge(*start.task, start.scene);
+  judge.Begin();
+  ExpertCalls calls(expert, options.expert_errors_fail);
+  calls.Do("begin", [&] { expert.Begin(start.scene, rng); });
   RolloutResult result;
-  Recording recording(run, start, stepper.robots(), expert, portable, options, result.times);
+  const std::vector<std::string> phases =
+      calls("phase_names", std::vector<std::string>(), [&] { return expert.phase_names(); });
+  Recording recording(run, start, stepper.robots(), phases, judge.subtasks(), portable, options,
+                      result.times);
   stepper.set_on_control_tick(
       [&](const mjModel* m, const mjData* d) { recording.PutControl(m, d); });
+  int phase = 0;
   bool terminated = false, truncated = false;
   while (!terminated && !truncated) {
     if (ShouldStop(options.stop)) return result.stopped = true, result;
-    recording.PutState(expert);
+    recording.PutState([&] {
+      return phase = calls("phase", phase, [&] {
+               const int told = expert.phase();
+               recording.RequirePhase(told);
+               return told;
+             });
+    });
     const StageClock::Stage stage(recording.clock(), result.times.acting);
-    internal::CallHook(expert, "see", [&] { expert.See(recording.row()); });
-    StepOutcome outcome = internal::CallHook(
-        expert, "act", [&] { return stepper.Apply(expert.Act(start.scene, rng)); });
+    calls.Do("see", [&] { expert.See(recording.row()); });
+    StepOutcome outcome =
+        calls("act", StepOutcome(), [&] { return stepper.Apply(expert.Act(start.scene, rng)); });
+    if (calls.failed()) outcome = stepper.Apply({});  // all keep their targets
     stepper.Simulate(outcome);
     ++result.rows;
-    const TaskVerdict verdict =
-        outcome.ok() ? internal::CallHook(task, "judge", [&] { return task.Judge(start.scene); })
-                     : TaskVerdict();
-    terminated = internal::CallHook(expert, "done", [&] { return expert.done(); }) ||
-                 !outcome.ok() || (verdict.success && expert.ends_at_success());
+    const TaskVerdict verdict = outcome.ok() ? judge.Judge() : TaskVerdict();
+    terminated = calls("done", true, [&] { return expert.done(); }) || !outcome.ok() ||
+                 (verdict.success && expert.ends_at_success());
     // An expert's failure is not a demonstration, whatever the task's verdict.
-    const bool gave_up = terminated && !internal::CallHook(expert, "failure", [&] {
-                                          return expert.failure();
-                                        }).empty();
+    const bool gave_up = terminated && !calls.failure().empty();
     result.success = verdict.success && !gave_up;
     truncated = !terminated && result.rows >= run.rates.max_steps;
     if (!outcome.ok()) NoteDivergence(outcome.step, options.episode_id, result);
@@ -205,11 +244,10 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
                           .terminated = terminated,
                           .truncated = truncated,
                           .ik_failed = ik_failed,
-                          .warnings = recording.warnings().total()},
-                         task);
+                          .warnings = recording.warnings().total()});
   }
   if (!result.success && result.failure.empty())
-    result.failure = WhyFailed(result, task, expert, truncated);
+    result.failure = WhyFailed(result, *start.task, calls.failure(), truncated);
   if (!result.success && !options.keep_failures) return result;
   if (options.before_commit) options.before_commit();
   recording.Commit({.success = result.success,

@@ -44,7 +44,13 @@ struct RolloutOptions {
   Renderer* renderer = nullptr;  // required if the run has streams
   StopRequest stop = {};
   std::function<void()> before_commit = {};  // an exception leaves nothing on the disk
+  // A HookError of the expert ends the rollout as a failure, whose reason is PolicyError's: for
+  // evaluations. Otherwise it is rethrown, and nothing is kept.
+  bool expert_errors_fail = false;
 };
+
+// Returns the reason of a rollout that an error of its policy or expert ended.
+std::string PolicyError(const HookError& error);
 
 // Commits the episode if it succeeded, or failed and failures are kept; else nothing stays on the
 // disk.

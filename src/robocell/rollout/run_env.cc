@@ -14,6 +14,7 @@
 #include "robocell/scenes/scene_source.h"
 #include "robocell/task/sampler_kind.h"
 #include "robocell/task/task_features.h"
+#include "robocell/task/task_judge.h"
 
 namespace robocell {
 namespace {
@@ -25,16 +26,24 @@ std::string MostOften(const RefusalCounts& reasons) {
   return text;
 }
 
+// A pointer without ownership: the episode's own is the only one (RunEnv::task).
+std::shared_ptr<const Task> Lent(const std::shared_ptr<Task>& task) {
+  return {std::shared_ptr<void>(), task.get()};
+}
+
 // The scene of an episode and everything bound to it.
 struct Running {
-  Running(const RunConfig& run, EpisodeStart from, Renderer* renderer)
+  Running(const RunConfig& run, EpisodeStart from, internal::TaskJudge of_task, Renderer* renderer)
       : start(std::move(from)),
+        judge(std::move(of_task)),
         stepper(start.scene, RobotsOf(start.scene),
                 {run.rates.control_ticks(), run.rates.sim_steps()}),
-        features(FeaturesOfCell(start.scene, stepper.robots(), start.task, run.features.names)),
+        features(
+            FeaturesOfCell(start.scene, stepper.robots(), Lent(start.task), run.features.names)),
         images(start.scene, run.cameras, renderer) {}
 
   EpisodeStart start;
+  internal::TaskJudge judge;
   Stepper stepper;
   CellFeatures features;
   CellImages images;
@@ -73,6 +82,7 @@ void RunEnv::Reset(int index, int first_attempt, const StopRequest& stop) {
   if (index < 0)
     throw ArgumentError(fmt::format("the start of an episode is a number from 0, got {}", index));
   const RunConfig& run = state_->run;
+  if (!state_->sampler) throw Error(fmt::format("run '{}': its environment is gone", run.run));
   if (first_attempt < 0 || first_attempt >= run.max_attempts) {
     throw ArgumentError(fmt::format("run '{}': attempts are numbers from 0 to {}, got {}", run.run,
                                     run.max_attempts - 1, first_attempt));
@@ -90,9 +100,11 @@ void RunEnv::Reset(int index, int first_attempt, const StopRequest& stop) {
       continue;
     }
     BindStart(*sample.start, run);
-    sample.start->task->Begin(sample.start->scene);
+    internal::TaskJudge judge(*sample.start->task, sample.start->scene, "run '" + run.run + "'");
+    judge.Begin();
     state_->running.reset();
-    state_->running.emplace(run, std::move(*sample.start), state_->renderer.get());
+    state_->running.emplace(run, std::move(*sample.start), std::move(judge),
+                            state_->renderer.get());
     return;
   }
   throw Error(fmt::format("run '{}': none of {} attempts at start {} was accepted: {}", run.run,
@@ -118,8 +130,8 @@ RunStep RunEnv::Act(const std::map<std::string, std::vector<double>>& actions) {
   const StepOutcome outcome = episode.stepper.Advance(action);
   episode.seen = false;
   ++episode.rows;
-  const TaskVerdict verdict =
-      outcome.ok() ? episode.start.task->Judge(episode.start.scene) : TaskVerdict();
+  episode.over = true;  // also if the task's verdict is an error
+  const TaskVerdict verdict = outcome.ok() ? episode.judge.Judge() : TaskVerdict();
   RunStep step{.reward = verdict.reward,
                .progress = verdict.progress,
                .subtask = verdict.subtask,
@@ -145,5 +157,16 @@ const FeatureSchema& RunEnv::commanded() const {
   return state_->Episode("the schema").features.commanded();
 }
 const EpisodeStart& RunEnv::start() const { return state_->Episode("the start").start; }
+
+const std::shared_ptr<Task>& RunEnv::task() const {
+  static const std::shared_ptr<Task> none;
+  return state_->running ? state_->running->start.task : none;
+}
+const std::shared_ptr<TaskSampler>& RunEnv::sampler() const { return state_->sampler; }
+
+void RunEnv::Drop() {
+  state_->running.reset();
+  state_->sampler.reset();
+}
 
 }  // namespace robocell

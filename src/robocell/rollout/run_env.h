@@ -58,6 +58,13 @@ class RunEnv {
   const FeatureSchema& commanded() const;
   const EpisodeStart& start() const;
 
+  // For an owner that keeps the task or the sampler as an object of another language: gives access
+  // to the only references from here (null without an episode), and drops them. After that, every
+  // call is an Error.
+  const std::shared_ptr<Task>& task() const;
+  const std::shared_ptr<TaskSampler>& sampler() const;
+  void Drop();
+
  private:
   struct State;
   std::unique_ptr<State> state_;

@@ -29,6 +29,21 @@ double Seconds(std::chrono::steady_clock::time_point since) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - since).count();
 }
 
+// Stands for an expert that could not be made: its rollout ends at once.
+class UnmadeExpert final : public Expert {
+ public:
+  explicit UnmadeExpert(std::string why) : why_(std::move(why)) {}
+  void Begin(const Scene& /*scene*/, Rng& /*rng*/) override {}
+  Action Act(const Scene& /*scene*/, Rng& /*rng*/) override { return {}; }
+  bool done() const override { return true; }
+  std::string failure() const override { return why_; }
+  int phase() const override { return 0; }
+  std::vector<std::string> phase_names() const override { return {}; }
+
+ private:
+  std::string why_;
+};
+
 // Returns true if a run calls code that is not part of robocell.
 bool HasUsersCode(const RunConfig& run, const RunnerParts& parts) {
   return parts.sampler || parts.expert || !run.sampler.empty() || !run.features.names.empty() ||
@@ -59,6 +74,9 @@ struct Runner::State {
   void RequireUnchangedModels();
   internal::RolloutOptions Options(const PlanItem& item, int attempt,
                                    const EarlierAttempts& earlier, const StopRequest& stop);
+  // In evaluations an error of the expert is a failure from this start (kFirst).
+  bool do_expert_errors_fail() const { return run.keep == Keep::kFirst; }
+  std::shared_ptr<Expert> MakeExpert(const EpisodeStart& start) const;
   void Attempt(const PlanItem& item, int attempt, const StopRequest& stop, EarlierAttempts& earlier,
                ItemResult& result);
   // Likewise, but an exception of a user's own code is a failure, unless it is the last of a row.
@@ -128,7 +146,8 @@ internal::RolloutOptions Runner::State::Options(const PlanItem& item, int attemp
           .keep_failures = run.keep != Keep::kSuccesses,
           .renderer = EnsureRenderer(),
           .stop = stop,
-          .before_commit = [this] { RequireUnchangedModels(); }};
+          .before_commit = [this] { RequireUnchangedModels(); },
+          .expert_errors_fail = do_expert_errors_fail()};
 }
 
 Runner::Runner(RunConfig run, RunnerParts parts) : state_(std::make_unique<State>()) {
@@ -241,8 +260,7 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopRequest
   }
   start_accepted = true;
   BindStart(*sample.start, run);
-  const std::shared_ptr<Expert> expert = internal::CallHook(
-      Hooks(), "the expert's constructor", [&] { return parts.expert(run, *sample.start); });
+  const std::shared_ptr<Expert> expert = MakeExpert(*sample.start);
   Rng expert_rng = AttemptStream(run, item, attempt, "expert");
   const internal::RolloutResult rollout = internal::RunRollout(
       run, *sample.start, *expert, expert_rng, Options(item, attempt, earlier, stop));
@@ -252,6 +270,16 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopRequest
   if (!rollout.success) earlier.push_back({sample.object_kind(), false, rollout.failure});
   count_redrawn();
   count_kind();
+}
+
+std::shared_ptr<Expert> Runner::State::MakeExpert(const EpisodeStart& start) const {
+  try {
+    return internal::CallHook(Hooks(), "the expert's constructor",
+                              [&] { return parts.expert(run, start); });
+  } catch (const HookError& error) {
+    if (!do_expert_errors_fail()) throw;
+    return std::make_shared<UnmadeExpert>(internal::PolicyError(error));
+  }
 }
 
 std::string Runner::State::WhatUsersCodeRaised() const {

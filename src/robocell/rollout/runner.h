@@ -62,8 +62,9 @@ struct RunnerParts {
   // Called while an exception is handled: returns a text for an exception that a user's own code
   // raised in another language, "" for all others. The exception ends the attempt like a failure of
   // that name, as a HookError of a user's code does; the third one in a row is rethrown to the
-  // caller of Run. With Keep::kFirst, exceptions of an accepted start are rethrown at once, and so
-  // are errors of the engine and of built-in code.
+  // caller of Run. With Keep::kFirst a HookError of the expert is the failure of its rollout, which
+  // is kept; other exceptions of an accepted start are rethrown at once, and so are errors of the
+  // engine and of built-in code.
   std::function<std::string()> told_of_users = {};
 };
 

@@ -13,6 +13,7 @@
 #include "robocell/base/hook_error.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/dataset_lock.h"
+#include "robocell/data/episode_reader.h"
 #include "robocell/expert/pick_planner.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/menagerie.h"
@@ -153,10 +154,33 @@ TEST(Runner, NoOtherStartTakesThePlaceOfTheFirst) {
   run.output = (folder / "out").string();
   run.keep = Keep::kFirst;
   PrepareDataset(run);
-  int left = 1;
-  ExpectThrow<HookError>([&] { Runner(run, FailingParts(left, true)).Run(MakePlan(run)[0]); },
-                         "in act: out of ideas");
-  EXPECT_EQ(Dataset(run.output).size(), 0u);
+  for (const auto& [throws, text] : {std::pair(true, "policy error: in act: out of ideas"),
+                                     std::pair(false, "policy error: action: no robot 'nobody'")}) {
+    int left = 1;
+    const PlanItem item = MakePlan(run)[throws ? 0 : 1];
+    const ItemResult result = Runner(run, FailingParts(left, throws)).Run(item);
+    EXPECT_TRUE(result.complete && result.committed && !result.success);
+    ASSERT_EQ(result.failures.size(), 1u);
+    EXPECT_THAT(result.failures.begin()->first, ::testing::StartsWith(text));
+    EXPECT_EQ(Episode(folder / "out" / item.id).end_reason(), result.failures.begin()->first);
+  }
+}
+
+TEST(Runner, AnExpertThatCannotBeMadeIsAFailureOfAnEvaluation) {
+  TempDir folder;
+  RunConfig run = Blind("demo.yaml", folder / "out");
+  run.output = (folder / "first").string();
+  run.keep = Keep::kFirst;
+  PrepareDataset(run);
+  Runner runner(run,
+                {.sampler = {},
+                 .expert = [](const RunConfig&, const EpisodeStart&) -> std::shared_ptr<Expert> {
+                   throw std::runtime_error("no weights");
+                 }});
+  const ItemResult result = runner.Run(MakePlan(run)[0]);
+  EXPECT_TRUE(result.complete && result.committed && !result.success);
+  EXPECT_THAT(result.failures, ::testing::ElementsAre(Pair(
+                                   "policy error: in the expert's constructor: no weights", 1)));
 }
 
 // Acts so that the next step of the simulation is a fatal error of the engine.

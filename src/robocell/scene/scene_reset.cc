@@ -126,7 +126,8 @@ StartKeys KeysOfName(const CompiledScene& compiled, const std::string& name,
                      const std::string& context) {
   const int key = FindId(compiled.model(), mjOBJ_KEY, name);
   if (key >= 0) return {.start = key};
-  if (const auto choice = ChoiceOfText(compiled, name)) return KeysOfParts(compiled, *choice, context);
+  if (const auto choice = ChoiceOfText(compiled, name))
+    return KeysOfParts(compiled, *choice, context);
   throw NotFoundError(
       NoSuchName(context, "keyframe", name, ElementNames(compiled.model(), mjOBJ_KEY)) +
       HowToChooseOfPart(compiled, name));

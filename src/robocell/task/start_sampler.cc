@@ -396,22 +396,38 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
 }
 
 TaskStartSampler::TaskStartSampler(const RunConfig& run)
-    : StartSampler(run), kind_(FindTaskKind(run.task.kind())), task_(kind_->Make(run.task)) {}
+    : StartSampler(run), kind_(FindTaskKind(run.task.kind())) {
+  kind_->Make(run.task);  // its errors come before the first start
+}
+
+// Makes one to answer for its fields while no start is under construction.
+Task& TaskStartSampler::task() const {
+  if (!task_) {
+    task_ = internal::CallHook(Hooks(), "the task's constructor",
+                               [&] { return kind_->Make(run().task); });
+  }
+  return *task_;
+}
+
+SampleResult TaskStartSampler::Sample(const SampleRequest& request, Rng& rng) {
+  SampleResult result = StartSampler::Sample(request, rng);
+  task_.reset();
+  return result;
+}
 
 StartContents TaskStartSampler::AddContents(const SampleRequest& request, SceneSpec& spec,
                                             Rng& rng) {
   const size_t before = spec.objects.size();
-  task_ = internal::CallHook(Hooks(), "the task's constructor",  // earlier starts keep theirs
-                             [&] { return kind_->Make(run().task); });
-  internal::CallHook(*task_, "prepare", [&] {
-    task_->PrepareIn([&] { return AnnotationsOf(request.scene); }, spec, rng);
+  task_.reset();
+  internal::CallHook(task(), "prepare", [&] {
+    task().PrepareIn([&] { return AnnotationsOf(request.scene); }, spec, rng);
   });
   StartContents contents;
   for (size_t i = before; i < spec.objects.size(); ++i) {
     contents.objects.push_back(spec.objects[i]);
     contents.kinds.push_back(spec.objects[i].name);
   }
-  internal::CallHook(*task_, "prepare", [&] {
+  internal::CallHook(task(), "prepare", [&] {
     RequireValid(contents.objects, "task '" + run().task.kind() + "': prepare added ");
   });
   return contents;
@@ -434,18 +450,18 @@ void TaskStartSampler::ValidateStarts(std::span<const int> scenes, Problems& pro
   StartSampler::ValidateStarts(scenes, problems);
 }
 
-BaseRange TaskStartSampler::own_base_range() const { return SoundBaseRange(*task_); }
+BaseRange TaskStartSampler::own_base_range() const { return SoundBaseRange(task()); }
 
 Map<ObjectPlace> TaskStartSampler::own_places() const {
-  return internal::CallHook(*task_, "places", [&] { return task_->places(); });
+  return internal::CallHook(task(), "places", [&] { return task().places(); });
 }
 
 BodyPoses TaskStartSampler::TaskStarts(Rng& rng) {
-  return internal::CallHook(*task_, "starts", [&] { return task_->Starts(rng); });
+  return internal::CallHook(task(), "starts", [&] { return task().Starts(rng); });
 }
 
 std::optional<Refusal> TaskStartSampler::ArrangeTask(Scene& scene, Rng& rng) {
-  return internal::CallHook(*task_, "arrange", [&] { return task_->Arrange(scene, rng); });
+  return internal::CallHook(task(), "arrange", [&] { return task().Arrange(scene, rng); });
 }
 
 }  // namespace robocell

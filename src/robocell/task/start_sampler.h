@@ -138,6 +138,7 @@ class TaskStartSampler : public StartSampler {
  public:
   explicit TaskStartSampler(const RunConfig& run);
 
+  SampleResult Sample(const SampleRequest& request, Rng& rng) override;
   StartContents AddContents(const SampleRequest& request, SceneSpec& spec, Rng& rng) override;
   std::shared_ptr<Task> MakeTask(const std::string& target, const std::string& kind,
                                  const std::vector<std::string>& objects) override;
@@ -150,8 +151,11 @@ class TaskStartSampler : public StartSampler {
   std::optional<Refusal> ArrangeTask(Scene& scene, Rng& rng) override;
 
  private:
+  Task& task() const;
+
   std::shared_ptr<const TaskKind> kind_;
-  std::shared_ptr<Task> task_;  // of the start under construction
+  // Of the start under construction. A finished start is the only owner of its task.
+  mutable std::shared_ptr<Task> task_;
 };
 
 }  // namespace robocell

@@ -1,0 +1,40 @@
+// TaskJudge: begins a task's episodes and judges its states. Whatever runs a task goes through it,
+// so that an environment, a run and RunEnv reject the same verdicts with the same error.
+//
+//   TaskJudge judge(*task, scene, "environment 'duo'");
+//   judge.Begin();                                  // after the reset
+//   const TaskVerdict verdict = judge.Judge();      // after each step
+//
+// Errors of these hooks are HookErrors (base/hook_error.h), as is a verdict that is none: a reward
+// that is not finite, progress outside of 0 to 1, or a subtask without a name. The task has to live
+// as long as its judge. One thread at a time.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "robocell/task/task.h"
+
+namespace robocell::internal {
+
+class TaskJudge {
+ public:
+  // `place` begins the messages about verdicts; "" for none.
+  TaskJudge(Task& task, Scene scene, std::string place = "");
+  // Begins an episode. The scene is in its start state.
+  void Begin();
+  TaskVerdict Judge();
+  // Returns the names of the task's subtasks in this episode.
+  const std::vector<std::string>& subtasks();
+
+ private:
+  void Require(const TaskVerdict& verdict);
+
+  Task* task_;
+  Scene scene_;
+  std::string place_;
+  std::optional<std::vector<std::string>> subtasks_;  // once they were needed
+};
+
+}  // namespace robocell::internal
