@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -32,9 +33,30 @@ bool Contains(const std::vector<std::string>& names, const std::string& name) {
   return std::ranges::find(names, name) != names.end();
 }
 
-std::string RefusalText(const Refusal& refusal) {
-  return refusal.detail.empty() ? refusal.reason : refusal.reason + " (" + refusal.detail + ")";
-}
+// The refused starts of a reset, counted as in runs.
+class Refusals {
+ public:
+  void Add(Refusal refusal) {
+    const std::string counted = refusal.counted_as();
+    ++counts_[counted];
+    last_[counted] = std::move(refusal);
+  }
+  // What refuses before the task is asked, or after it.
+  void Add(const std::string& why) { Add(Refusal{.reason = why}.MadeBy(Refusal::kObjectsStage)); }
+  // Returns the text of the last refusal for the most frequent reason.
+  std::string MostOften() const {
+    const auto most = std::ranges::max_element(counts_, std::less<>(),
+                                               [](const auto& each) { return each.second; });
+    const Refusal& last = last_.at(most->first);
+    if (last.stage == Refusal::kObjectsStage)
+      return last.detail.empty() ? last.reason : last.detail;
+    return kRefused + last.reason + (last.detail.empty() ? "" : " (" + last.detail + ")");
+  }
+
+ private:
+  RefusalCounts counts_;
+  std::map<std::string, Refusal> last_;
+};
 
 std::vector<std::string> ObjectsThatMayHang(const EnvConfig& config) {
   std::vector<std::string> names;
@@ -78,14 +100,14 @@ std::string WhyPlaced(const std::vector<std::string>& objects) {
 std::string Env::MakeStart(uint64_t seed, const std::optional<KeyframeChoice>& keyframe,
                            const std::vector<std::vector<double>>& kept_joints) {
   Rng of_task = Rng::Stream(seed, "env task"), of_places = Rng::Stream(seed, "env places");
-  std::map<std::string, int> reasons;
+  Refusals refusals;
   for (int i = 0; i < kMostStarts; ++i) {
     // Called before the reset, which puts bodies there and is one evaluation of the scene.
     BodyPoses starts = task_ ? task_->Starts(of_task) : BodyPoses();
     if (prepared_) {
       const std::string why_not = prepared_->Draw(starts, of_places).why_not;
       if (!why_not.empty()) {
-        ++reasons[why_not];
+        refusals.Add(Refusal{Refusal::kNoFreePlace, why_not}.MadeBy(Refusal::kObjectsStage));
         continue;
       }
     }
@@ -96,23 +118,21 @@ std::string Env::MakeStart(uint64_t seed, const std::optional<KeyframeChoice>& k
       Robot(arms_[k].robot()).SetJointPos(kept_joints[k]);
     for (ArmDriver& arm : arms_) arm.Reset();
     if (task_) {
-      if (const auto refusal = task_->Arrange(scene_, of_task)) {
-        ++reasons[kRefused + RefusalText(*refusal)];
+      if (auto refusal = task_->Arrange(scene_, of_task)) {
+        refusals.Add(std::move(*refusal).MadeBy(Refusal::kTaskStage));
         continue;
       }
     }
     if (prepared_ && !prepared_->Unplaced().empty()) {
       if (!prepared_->has_support()) throw SpecError(NoPlace());
-      ++reasons[Refusal::kNoFreePlace];
+      refusals.Add(Refusal::kNoFreePlace);
       continue;
     }
     const std::string why = start_inspector_ ? start_inspector_->WhyNot() : "";
     if (why.empty()) return "";
-    ++reasons[why];
+    refusals.Add(why);
   }
-  const auto most = std::ranges::max_element(
-      reasons, [](const auto& a, const auto& b) { return a.second < b.second; });
-  return most->first;
+  return refusals.MostOften();
 }
 
 std::string Env::NoStart(const std::string& why) const {

@@ -1,4 +1,5 @@
 // Tests tasks in environments, and restoring saved states.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -399,6 +400,37 @@ TEST_F(EnvTaskTest, ATaskBeginsAnewWhereAStartIsRestored) {
   Env other(config);  // whose task has never begun
   other.SetState(start);
   EXPECT_EQ(MoveTo(other, up, 1).reward, reward);
+}
+
+// Refuses three starts of five for one reason, each with other numbers, and two for another.
+struct PickyConfig {
+  static constexpr const char* kKind = "picky_of_test";
+  static constexpr const char* kTypeName = "PickyConfig";
+  template <class V>
+  static void Fields(V&&) {}
+};
+
+class Picky final : public Task {
+ public:
+  explicit Picky(const PickyConfig&) {}
+  std::optional<Refusal> Arrange(Scene&, Rng&) override {
+    if (++asked_ % 5 < 2) return Refusal{.reason = "too dark"};
+    return Refusal{.reason = "too high", .detail = fmt::format("by {} m", asked_)};
+  }
+  TaskVerdict Judge(const Scene&) override { return {}; }
+  std::string instruction() const override { return "please it"; }
+
+ private:
+  int asked_ = 0;
+};
+
+TEST_F(EnvTaskTest, RefusalsAreCountedByTheirReasonWithoutTheDetail) {
+  RegisterTask<PickyConfig>(std::make_shared<TaskKindOf<PickyConfig, Picky>>());
+  EnvConfig config = Picking();
+  config.task = PickyConfig();
+  ExpectThrow<SpecError>([&] { Env env(config); },
+                         "task 'picky_of_test' found no start in 100 tries: most often its "
+                         "arrange() refused: too high (by 99 m)");
 }
 
 TEST_F(EnvTaskTest, StartsAreSpreadAroundTheObjectsPlaceInTheRootFrame) {

@@ -25,7 +25,6 @@ namespace {
 
 constexpr int kDraws = 60;                  // of places, until all are in reach
 constexpr double kSamePlace = 1e-9;         // metres
-constexpr double kLevel = 0.9998;           // cosine of one degree
 const Eigen::Vector3d kAside(50, 50, -50);  // where objects wait during the search for supports
 
 std::set<std::string> NamesOfConfig(const EnvConfig& config) {
@@ -80,23 +79,6 @@ SaidPlaces OfFreeObjects(SaidPlaces said, const Scene& scene, Problems& problems
   }
   said.places = std::move(kept);
   return said;
-}
-
-// Adds floors: level planes, up to the robot's reach around its base.
-void AddFloors(const Scene& scene, const Eigen::Vector3d& around, double reach,
-               std::vector<Support>& supports) {
-  const mjModel* m = scene.model();
-  const mjData* d = scene.data();
-  for (int g = 0; g < m->ngeom; ++g) {
-    if (m->geom_type[g] != mjGEOM_PLANE || !IsCollisionGeom(m, g)) continue;
-    const Pose plane = Pose::FromTranslationAndMatrix(d->geom_xpos + 3 * g, d->geom_xmat + 9 * g);
-    if (plane.rotation()(2, 2) < kLevel) continue;
-    const auto half = [&](int axis) {  // planes of size 0 are infinite
-      const double size = m->geom_size[3 * g + axis];
-      return size > 0 ? size : std::abs((plane.inverse() * around)[axis]) + reach;
-    };
-    supports.push_back({plane, half(0), half(1), 0, ""});
-  }
 }
 
 // Returns the part of a support in a square around a point; unset if they are apart.
@@ -216,7 +198,7 @@ std::vector<PreparedObjects::Place> PreparedObjects::PlacesOf(const Robot& robot
   const Eigen::Vector3d base = robot.base_in_world().translation();
   const double reach = kReachShare * robot.reach();
   std::vector<Support> all = supports;
-  AddFloors(scene_, base, reach, all);
+  for (const Support& floor : FindFloors(scene_, base, reach)) all.push_back(floor);
   const BaseRange anywhere{.distance = {0, reach}};
   for (const Support& support : all) {
     for (const BaseRange& range : {wanted, anywhere}) {

@@ -25,6 +25,7 @@ namespace {
 
 const std::string kSite = "table_top";
 constexpr double kLevel = 0.9998;     // cosine of one degree
+constexpr double kHalfOfFloor = 0.5;  // most of a floor on which a run puts objects, metres
 constexpr double kOnSurface = 0.005;  // metres between the site and the face it is on
 // The largest motion of a movable support, m, in this many seconds.
 constexpr double kSteady = 0.01, kSteadySeconds = 0.5;
@@ -247,6 +248,23 @@ Support MarkedSupport(const Scene& scene, const std::string& site, const std::st
           MovedBody(m, m->geom_bodyid[box])};
 }
 
+// Returns the middle of the largest free part of a floor; unset without any.
+std::optional<Support> FreeFloor(const Scene& scene) {
+  const mjModel* m = scene.model();
+  std::vector<bool> of_robots(static_cast<size_t>(m->nbody), false);
+  for (const RobotRecord& robot : scene.compiled()->robots()) {
+    const int root = FindId(m, mjOBJ_BODY, robot.base_body);
+    for (int body = 1; root > 0 && body < m->nbody; ++body)
+      of_robots[static_cast<size_t>(body)] =
+          of_robots[static_cast<size_t>(body)] || internal::IsInSubtree(m, body, root);
+  }
+  const std::vector<FloorArea> free = internal::FindFreeFloor(scene, of_robots);
+  if (free.empty()) return std::nullopt;
+  const FloorArea& area = free.front();
+  return Support{area.frame_to_world, std::min(area.half_x, kHalfOfFloor),
+                 std::min(area.half_y, kHalfOfFloor), 0, ""};
+}
+
 }  // namespace
 
 Support FindSupport(const SceneSpec& base) {
@@ -255,13 +273,32 @@ Support FindSupport(const SceneSpec& base) {
   if (site.empty()) {
     const std::vector<SupportFace> faces = LevelFaces(scene).All();
     if (!faces.empty()) return faces.front().face;
+    if (const std::optional<Support> floor = FreeFloor(scene)) return *floor;
     throw NotFoundError(fmt::format(
         "{}: nowhere to put objects: there is no box that stands still with a level upper face of "
-        "at least 0.16 by 0.16 m and 0.3 m of room above it. Add one, or mark where objects are to "
+        "at least 0.16 by 0.16 m and 0.3 m of room above it, and no free floor. Add one, or mark "
+        "where objects are to "
         "stand by a site '{}' on a box",
         Place(base), kSite));
   }
   return MarkedSupport(scene, site, Place(base) + ": site '" + site + "'");
+}
+
+std::vector<Support> FindFloors(const Scene& scene, const Eigen::Vector3d& around, double reach) {
+  const mjModel* m = scene.model();
+  const mjData* d = scene.data();
+  std::vector<Support> floors;
+  for (int g = 0; g < m->ngeom; ++g) {
+    if (m->geom_type[g] != mjGEOM_PLANE || !internal::IsCollisionGeom(m, g)) continue;
+    const Pose plane = Pose::FromTranslationAndMatrix(d->geom_xpos + 3 * g, d->geom_xmat + 9 * g);
+    if (plane.rotation()(2, 2) < kLevel) continue;
+    const auto half = [&](int axis) {  // planes of size 0 are infinite
+      const double size = m->geom_size[3 * g + axis];
+      return size > 0 ? size : std::abs((plane.inverse() * around)[axis]) + reach;
+    };
+    floors.push_back({plane, half(0), half(1), 0, ""});
+  }
+  return floors;
 }
 
 std::vector<SupportFace> FindSupportFaces(const Scene& scene) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <numbers>
 
@@ -147,6 +148,36 @@ TEST(Support, HoldsWhatIsPutOnIt) {
       EXPECT_NEAR(scene.body_pose("box").translation().z(), 0.61, 1e-3);
     }
   }
+}
+
+// The engine is the oracle: the corners of what is found are on the floor and touch nothing else.
+TEST(Support, IsAFreePartOfTheFloorWhereThereIsNoFace) {
+  TempDir folder;
+  AtomicWrite(folder / "hall.xml",
+              "<mujoco><worldbody><geom type='plane' size='0 0 1' pos='0 0 .1'/>"
+              "<geom name='pillar' type='cylinder' size='.4 1' pos='0 0 1'/></worldbody></mujoco>");
+  SceneSpec spec{.name = "s", .timestep = 0.002, .add_floor = false, .add_skybox = false};
+  spec.base = (folder / "hall.xml").string();
+  const Support s = FindSupport(spec);
+  EXPECT_LE(std::max(s.half_x, s.half_y), 0.5) << "in reach of a robot beside it";
+  EXPECT_GE(std::min(s.half_x, s.half_y), 0.25);
+  for (const double x : {-1.0, 1.0}) {
+    for (const double y : {-1.0, 1.0}) {
+      const Eigen::Vector3d at = s.frame_to_world * Eigen::Vector3d(x * s.half_x, y * s.half_y, 0);
+      EXPECT_NEAR(at.z(), 0.1, 1e-9);
+      EXPECT_GT(at.head<2>().norm(), 0.4);
+    }
+  }
+  spec.objects.push_back({.name = "bench",
+                          .shape = Shape::kBox,
+                          .size = Vec3{0.2, 0.3, 0.1},
+                          .rgba = Vec4{1, 1, 1, 1},
+                          .mass = 1,
+                          .friction = Vec3{1, 0.01, 0.001},
+                          .pos = Vec3{2, 0, 0.2},
+                          .fixed = true});
+  EXPECT_NEAR(FindSupport(spec).frame_to_world.translation().z(), 0.3, 1e-9)
+      << "a face comes first";
 }
 
 TEST(Support, IsNoTableThatIsParked) {

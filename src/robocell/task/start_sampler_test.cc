@@ -7,12 +7,14 @@
 #include <cmath>
 
 #include "robocell/base/error.h"
+#include "robocell/base/files.h"
 #include "robocell/base/hook_error.h"
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/scenes/scene_source.h"
 #include "robocell/task/task_kind.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/pick_scene.h"
+#include "robocell/testing/temp_dir.h"
 
 namespace robocell {
 namespace {
@@ -124,6 +126,28 @@ TEST(TaskStartSampler, PutsWhatATaskPreparesOnTheTableAndTheRobotBesideIt) {
     EXPECT_GE(distance, 0.35 - 0.01);
     EXPECT_LE(distance, 0.40 + 0.01);
   }
+}
+
+// An environment puts them there too (PreparedObjects).
+TEST(TaskStartSampler, PutsThemOnABareFloorWhereThereIsNoTable) {
+  const TempDir folder;
+  AtomicWrite(folder / "floor.xml",
+              "<mujoco><worldbody><geom type='plane' size='3 3 .1'/></worldbody></mujoco>");
+  RunConfig run = BlocksRun();
+  run.scenes = FilesScenes{.files = {(folder / "floor.xml").string()}};
+  run.start.base_height_offset = 0;
+  TaskStartSampler sampler(run);
+  for (int episode = 0; episode < 3; ++episode) {
+    const SampleResult result = FirstAccepted(sampler, episode);
+    ASSERT_TRUE(result.start.has_value()) << result.refusal.counted_as() << result.refusal.detail;
+    for (const char* name : {"block_0", "block_1"})
+      EXPECT_NEAR(result.start->scene.body_pose(name).translation().z(), 0.02, 0.002) << name;
+  }
+}
+
+TEST(TaskStartSampler, AStartIsTheOnlyOwnerOfItsTask) {
+  TaskStartSampler sampler(BlocksRun());
+  EXPECT_EQ(FirstAccepted(sampler, 0).start->task.use_count(), 1);
 }
 
 TEST(TaskStartSampler, TheSameRequestGivesTheSameStart) {
