@@ -69,6 +69,7 @@
 #include "robocell/scene/scene_cache.h"
 #include "robocell/scene/scene_use.h"
 #include "robocell/scenes/scene_source.h"
+#include "robocell/scenes/spatial_relation.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/scene_spec.h"
 #include "robocell/spec/yaml.h"
