@@ -45,6 +45,7 @@ int Traverse(PyObject* self, visitproc visit, void* arg) {
   Py_VISIT(Py_TYPE(self));
   if (!nb::inst_ready(self)) return 0;
   const RunEnv& env = *nb::inst_ptr<RunEnv>(self);
+  if (UseByOthers(&env)) return 0;  // its members change without the GIL; its user holds it
   if (env.task().use_count() == 1) Py_VISIT(TargetOf(env.task()));
   if (env.sampler().use_count() == 1) Py_VISIT(TargetOf(env.sampler()));
   return 0;

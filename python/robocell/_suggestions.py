@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable, Sequence
-from fnmatch import fnmatchcase
 
 from robocell._core import NotFoundError
 
@@ -27,7 +27,7 @@ def shortened(names: Sequence[str]) -> str:
 
 
 def is_pattern(name: str) -> bool:
-    """Whether a name stands for all that fit it: "sensors/*"."""
+    """Whether a name stands for all that fit it: "*sensors/*"."""
     return "*" in name
 
 
@@ -39,7 +39,8 @@ def fitting(place: str, names: Iterable[str], known: Sequence[str]) -> list[str]
     """
     found: dict[str, None] = {}
     for name in names:
-        fit = [each for each in known if fnmatchcase(each, name)] if is_pattern(name) else [name]
+        fits = re.compile(".*".join(map(re.escape, name.split("*")))).fullmatch
+        fit = [each for each in known if fits(each)] if is_pattern(name) else [name]
         if not fit:
             raise NotFoundError(f"{place}: nothing fits '{name}'. There are: {', '.join(known)}")
         found.update(dict.fromkeys(fit))

@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from robocell._core import ArgumentError, Pose
+from robocell._core import ArgumentError, Pose, Rng, TaskVerdict
 
 # Of the attributes when the task was bound: name -> JSON.
 _BOUND = "_robocell_bound"
@@ -58,12 +58,15 @@ def memory_of(task: Any) -> npt.NDArray[np.float64]:
     """
     bound: Mapping[str, str] = getattr(task, _BOUND, {})
     changed: dict[str, str] = {}
+    names: dict[int, str] = {}  # of containers and arrays, whose second names would be copies
     for name, value in _attributes(task):
         encoder = _Encoder(task)
         try:
             text = encoder.text(value)
             if bound.get(name) == text or _is_handle(value):
                 continue
+            if type(value) in _SHARED and names.setdefault(id(value), name) != name:
+                raise _UnknownError(f"is the same object as '{names[id(value)]}'")
             if encoder.has_objects_in_containers:
                 raise _UnknownError("holds a container of objects, which robocell cannot keep")
         except _UnknownError as error:
@@ -153,7 +156,9 @@ def _set(owner: Any, name: str, value: Any) -> None:
 def _is_handle(value: Any) -> bool:
     """Whether a value is an object of robocell's, or of a class that derives from one."""
     bases = (base.__module__ for base in type(value).__mro__)
-    return not isinstance(value, Pose) and any(each.split(".")[0] == "robocell" for each in bases)
+    return not isinstance(value, _OWN_VALUES) and any(
+        each.split(".")[0] == "robocell" for each in bases
+    )
 
 
 def _is_own_object(value: Any) -> bool:
@@ -165,6 +170,7 @@ def _is_own_object(value: Any) -> bool:
     return is_python and kind.__basicsize__ <= object.__basicsize__ + room
 
 
+_OWN_VALUES = (Pose, Rng, TaskVerdict)  # robocell's own that are no handles
 _HEAP_TYPE = 1 << 9  # Py_TPFLAGS_HEAPTYPE: not a class of Python's own
 _CONSTANTS = (
     type,
@@ -239,6 +245,7 @@ class _Encoder:
 
 
 _CONTAINERS = (list, tuple, dict, set, frozenset)
+_SHARED = (list, dict, set, np.ndarray)  # what two names of one object may both change
 
 
 def _name_of(value: Any) -> str:

@@ -272,3 +272,89 @@ def test_attributes_are_not_taken_to_a_rig_that_stands_elsewhere():
         moved.set_state(state, frame="root")
     env.close()
     moved.close()
+
+
+def test_a_guarded_step_needs_no_memory():
+    class Random(Pushed):
+        def begin(self, scene):
+            super().begin(scene)
+            self.rng = np.random.default_rng(1)
+
+    env = rc.Env(pushed_config(Random, sim={"on_collision": "guard"}))
+    env.reset(seed=1)
+    assert len(rewards_after(env)) == 3
+    env.close()
+
+
+@pytest.mark.parametrize(
+    ("made", "told"),
+    [
+        (lambda: {"rng": rc.tasks.Rng.stream(1, "x")}, r"'rng' holds a robocell\..*Rng, which"),
+        (lambda: {"best": rc.tasks.TaskVerdict(reward=2)}, r"'best' holds a .*TaskVerdict"),
+        (lambda: dict.fromkeys(("one", "two"), np.zeros(3)), "'two' is the same object as 'one'"),
+    ],
+)
+def test_what_would_be_another_value_after_a_restore_is_refused(made, told: str):
+    class Keeps(Pushed):
+        def begin(self, scene):
+            super().begin(scene)
+            vars(self).update(made())
+
+    env = rc.Env(pushed_config(Keeps))
+    env.reset(seed=1)
+    with pytest.raises(rc.ArgumentError, match=told):
+        env.save("here")
+    env.close()
+
+
+def test_a_task_begins_where_an_environment_is_given_its_first_state():
+    class Holds(Pushed):
+        count = 2
+
+        def begin(self, scene):
+            super().begin(scene)
+            self.cup = scene.robot("robot")  # a handle, which no state has
+            self.names = [f"part {i}" for i in range(Holds.count)]
+
+        def subtasks(self):
+            return self.names
+
+        def judge(self, scene):
+            reward = super().judge(scene).reward + self.cup.tcp_in_world.translation[2]
+            return rc.tasks.TaskVerdict(reward=reward, subtask=len(self.names) - 1)
+
+    env = rc.Env(pushed_config(Holds))
+    env.reset(seed=1)
+    rewards_after(env, 2)
+    state = env.get_state()
+    expected = rewards_after(env)
+    fresh = rc.Env(pushed_config(Holds))
+    fresh.set_state(state)
+    assert rewards_after(fresh) == expected
+    Holds.count = 3
+    env.reset(seed=2)
+    rewards_after(env, 1)
+    longer = env.get_state()
+    fresh.set_state(longer)
+    assert rewards_after(fresh) == rewards_after(env)
+    env.close()
+    fresh.close()
+
+
+def test_an_error_where_a_task_begins_has_its_place():
+    class Raises(Pushed):
+        fails = False
+
+        def begin(self, scene):
+            super().begin(scene)
+            if Raises.fails:
+                raise ValueError("boom")
+
+    env = rc.Env(pushed_config(Raises))
+    env.reset(seed=1)
+    state = env.get_state()
+    Raises.fails = True
+    with pytest.raises(ValueError, match="boom") as caught:
+        env.set_state(state)
+    assert "test_env_state.py" in str(caught.value)
+    env.close()

@@ -100,6 +100,6 @@ def main(app: typer.Typer | None = None) -> None:
 
 
 def _text_of(error: Exception) -> str:
-    from robocell.generate.run_source import told_with_place  # not needed by most commands
+    from robocell.generate.run_source import text_with_place  # not needed by most commands
 
-    return told_with_place(error)
+    return text_with_place(error)

@@ -13,7 +13,7 @@ from robocell._cells import load_cell
 from robocell._own_code import RAISED
 from robocell.cli.common import ExitCode, fail, print_error, print_warning, require_folder
 from robocell.dataset_run import manifest_of_dataset, run_of_dataset
-from robocell.generate.run_source import import_named, is_of_own_code, told_with_place
+from robocell.generate.run_source import import_named, is_of_own_code, text_with_place
 from robocell.generate.totals import counted
 
 
@@ -88,7 +88,7 @@ def replay(
         except RAISED as error:
             if not isinstance(error, robocell.Error) and not is_of_own_code(error):
                 raise
-            print_error(f"{name} cannot be replayed: {told_with_place(error)}")
+            print_error(f"{name} cannot be replayed: {text_with_place(error)}")
             unplayed += 1
         else:
             print(result, flush=True)
@@ -126,7 +126,7 @@ def _environment(name: str) -> robocell.Env:
         config.cameras.streams.clear()
         return robocell.Env(config)
     except RAISED as error:
-        fail(told_with_place(error))
+        fail(text_with_place(error))
 
 
 def _result(

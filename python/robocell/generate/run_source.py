@@ -311,7 +311,7 @@ def ends_with_place(text: str) -> bool:
     return re.search(r" \([^()]+:\d+, in [^()]+\)$", text) is not None
 
 
-def told_with_place(error: BaseException) -> str:
+def text_with_place(error: BaseException) -> str:
     """The text for a user of what a command raised, with the place of their own code, if any."""
     if not is_of_own_code(error):
         return text_of(error)

@@ -305,8 +305,7 @@ StepResult Env::AdvanceGuarded(std::span<const double> action, const EnvState& b
   const StepResult ahead = Advance(poll);
   if (!ahead.ok() || !collided_) return ahead;
   out.collisions = collisions_.found();
-  RecallCell(before);
-  if (task_) task_->Recall(before.task);
+  RecallCell(before);  // the task has not been asked since
   collisions_.Begin();
   cameras_.GoBackToMark();
   held_ = true;
@@ -320,7 +319,7 @@ EnvStep Env::Step(std::span<const double> action, const Poll& poll) {
   EnvStep out;
   collided_ = held_ = false;
   const bool guarded = config_.sim.on_collision == OnCollision::kGuard;
-  const std::optional<EnvState> before = guarded ? std::optional(state()) : std::nullopt;
+  const std::optional<EnvState> before = guarded ? std::optional(CellState()) : std::nullopt;
   for (EnvObserver* observer : *observers_) observer->OnAction(action);
   phase_ = Phase::kBroken;  // until the state is complete
   collisions_.Begin();

@@ -197,6 +197,8 @@ class Env {
   std::string place() const { return "environment '" + config_.name + "'"; }
   // Warns of arms and grippers that no action reaches.
   void RequireDistances(const ArmDriver& arm) const;
+  // Returns the state without the task's memory, which a step that is taken back does not change.
+  EnvState CellState() const;
   void TellUndriven(const Robot& robot) const;
 
   EnvConfig config_;

@@ -157,10 +157,15 @@ EnvState EnvState::FromNumbers(std::span<const double> numbers) {
 }
 
 EnvState Env::state() const {
+  EnvState state = CellState();
+  if (task_) state.task = task_->memory();
+  return state;
+}
+
+EnvState Env::CellState() const {
   RequireReady();
   EnvState state{.root_frame_to_world = config_.root_frame_to_world,
                  .physics = scene_.state(),
-                 .task = task_ ? task_->memory() : std::vector<double>(),
                  .variations = variations_.drawn(),
                  .touching = collisions_.memory(),
                  .ticks = ticks_,
@@ -236,12 +241,17 @@ void Env::SetState(const EnvState& state, StateFrame frame) {
   const SceneUse::Claim claim(scene_.use(), "Env::SetState");
   RequireState(state);
   RequireFrame(state, frame);
+  const bool never_begun = phase_ == Phase::kUnready;
   phase_ = Phase::kBroken;  // until the state is complete
   RecallCell(state);
   if (frame == StateFrame::kRoot) MoveToRoot(state.root_frame_to_world);
   if (task_) {
     // What Begin sets is not all in a task's memory, and this task may never have begun.
-    if (state.ticks == 0) task_->Begin(scene_);
+    if (state.ticks == 0 || never_begun) {
+      judge_->Begin();
+    } else {
+      judge_->ForgetSubtasks();
+    }
     task_->Recall(state.task);
   }
   pacer_.Start(TimeSinceReset());

@@ -6,11 +6,11 @@
 // The velocity v minimises (J v - twist)^T D^-1 (J v - twist) + |v - v_posture|^2 between its
 // bounds, exactly: a joint at its bound leaves its share to the others (P. B. Stark and R. L.
 // Parker, "Bounded-Variable Least-Squares", 1995). Lengths are weighed against angles by the
-// chain's length, unless another one is given; those that slides move always by the chain's. The damping D is negligible, except along directions
-// in which the joints that are not at a bound have come near a singularity, where it grows (A. A.
-// Maciejewski and C. A. Klein, "Numerical Filtering for the Operation of Robotic Manipulators
-// through Kinematically Singular Configurations", 1988): there speeds stay bounded, and the tip
-// lags behind; in all other directions it follows the twist.
+// chain's length, unless another one is given; those that slides move always by the chain's. The
+// damping D is negligible, except along directions in which the joints that are not at a bound have
+// come near a singularity, where it grows (A. A. Maciejewski and C. A. Klein, "Numerical Filtering
+// for the Operation of Robotic Manipulators through Kinematically Singular Configurations", 1988):
+// there speeds stay bounded, and the tip lags behind; in all other directions it follows the twist.
 //
 // No allocation; some microseconds. Throws ArgumentError, with the name, for wrong numbers of
 // values and for values that are not finite or out of range.
@@ -40,8 +40,8 @@ struct DifferentialIkOptions {
   double posture_rate = 1;
   // Joints that do not move.
   LockedJoints locked{};
-  // The metres that count as much as one radian in the difference from the twist: where it cannot be
-  // followed, a small length keeps to its translation. 0: the chain's length.
+  // The metres that count as much as one radian in the difference from the twist: where it cannot
+  // be followed, a small length keeps to its translation. 0: the chain's length.
   double length = 0;
 };
 

@@ -127,7 +127,8 @@ TEST(IkTowards, ARotationAloneLeavesTheTipWhereItIs) {
   for (const double angle : {0.01, 0.05, -0.05}) {
     for (const Eigen::Vector3d& axis : {Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX()}) {
       JointVector q(std::vector<double>{0, 0.3, 0.9, 0, 0, 0});
-      const Eigen::Vector3d start = chain.Fk(q).translation();
+      const Pose first = chain.Fk(q);
+      const Eigen::Vector3d start = first.translation();
       for (int step = 0; step < 20; ++step) {
         const Pose tip = chain.Fk(q);
         const Pose turn = Pose::FromRotvec({0, 0, 0}, angle * axis);
@@ -139,6 +140,9 @@ TEST(IkTowards, ARotationAloneLeavesTheTipWhereItIs) {
         ASSERT_LT((chain.Fk(q).translation() - start).norm(), 0.002)
             << angle << " about " << axis.transpose() << ", step " << step;
       }
+      EXPECT_GT(robocell::AngleBetween(first.quaternion(), chain.Fk(q).quaternion()),
+                0.5 * 20 * std::abs(angle))
+          << angle << " about " << axis.transpose();
     }
   }
 }

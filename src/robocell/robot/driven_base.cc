@@ -78,6 +78,22 @@ struct Push {
   double lever = 0;  // m, mean distance of the contacts from there, weighted by their forces
 };
 
+// Returns true for a body that an active constraint holds on the robot, such as what a suction cup
+// has, or that is the robot's own.
+bool MovesWith(const mjModel* m, const mjData* d, int robot, int root) {
+  if (root == robot) return true;
+  for (int e = 0; e < m->neq; ++e) {
+    const bool is_joined = m->eq_type[e] == mjEQ_WELD || m->eq_type[e] == mjEQ_CONNECT;
+    if (!is_joined || !d->eq_active[e]) continue;
+    const auto root_of = [&](int id) {
+      return m->body_rootid[m->eq_objtype[e] == mjOBJ_SITE ? m->site_bodyid[id] : id];
+    };
+    const int a = root_of(m->eq_obj1id[e]), b = root_of(m->eq_obj2id[e]);
+    if ((a == robot && b == root) || (b == robot && a == root)) return true;
+  }
+  return false;
+}
+
 Push PushOn(const mjModel* m, const mjData* d, int base) {
   const int robot = m->body_rootid[base];
   const Eigen::Map<const Eigen::Vector3d> origin(d->xpos + 3 * static_cast<ptrdiff_t>(base));
@@ -86,8 +102,10 @@ Push PushOn(const mjModel* m, const mjData* d, int base) {
   for (int c = 0; c < d->ncon; ++c) {
     const mjContact& contact = d->contact[c];
     if (contact.geom[0] < 0 || contact.geom[1] < 0) continue;
-    const bool is_first = m->body_rootid[m->geom_bodyid[contact.geom[0]]] == robot;
-    const bool is_second = m->body_rootid[m->geom_bodyid[contact.geom[1]]] == robot;
+    const auto is_moved = [&](int geom) {
+      return MovesWith(m, d, robot, m->body_rootid[m->geom_bodyid[geom]]);
+    };
+    const bool is_first = is_moved(contact.geom[0]), is_second = is_moved(contact.geom[1]);
     if (is_first == is_second) continue;
     mjtNum in_contact[6];
     Eigen::Vector3d force;

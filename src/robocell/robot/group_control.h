@@ -67,8 +67,8 @@ struct GroupControl : SceneObserver {
     controller->Compute(ctrl);
     drive->SetCtrl(ctrl);
   }
-  // Makes filtered and delayed position servos begin as if their target had been `q` for long: otherwise they
-  // would begin at their last target, in another mode or at another place.
+  // Makes filtered and delayed position servos begin as if their target had been `q` for long:
+  // otherwise they would begin at their last target, in another mode or at another place.
   void SettleLags(std::span<const double> q);
   // Forgets the command, and holds the group in place.
   void Reset();

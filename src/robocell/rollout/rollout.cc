@@ -215,9 +215,9 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
     if (ShouldStop(options.stop)) return result.stopped = true, result;
     recording.PutState([&] {
       return phase = calls("phase", phase, [&] {
-               const int told = expert.phase();
-               recording.RequirePhase(told);
-               return told;
+               const int phase_now = expert.phase();
+               recording.RequirePhase(phase_now);
+               return phase_now;
              });
     });
     const StageClock::Stage stage(recording.clock(), result.times.acting);

@@ -43,6 +43,7 @@ void ForgetPastCtrl(const mjModel* model, mjData* data, int actuator, const mjtN
   if (model->actuator_historyadr[actuator] < 0) return;
   const int samples = model->actuator_history[2 * static_cast<ptrdiff_t>(actuator)];
   std::vector<mjtNum> past;
+  past.reserve(static_cast<size_t>(samples) * model->actuator_ctrlnum[actuator]);
   for (int i = 0; i < samples; ++i)
     past.insert(past.end(), ctrl, ctrl + model->actuator_ctrlnum[actuator]);
   mj_initCtrlHistory(model, data, actuator, nullptr, past.data());

@@ -50,7 +50,7 @@ void Scene::State::Show() {
   solver = now.model->opt.solver;
 }
 
-void Scene::State::TellSolver() {
+void Scene::State::WarnOfSolver() {
   solver = now.model->opt.solver;
   if (internal::GuardOf(compiled->spec()) == JacobianGuard::kOff || !NeedsJacobianGuard(now.model))
     return;
@@ -61,6 +61,10 @@ void Scene::State::TellSolver() {
       "opt.jacobian to dense (0) too",
       context, now.model->nv, mj_versionString()));
 }
+
+Scene::Weak::Weak(const Scene& scene)
+    : state_(scene.state_),
+      kept_(scene.kept_ ? std::weak_ptr<Kept>(scene.kept_) : scene.state_->kept) {}
 
 Scene::Scene(std::shared_ptr<State> state, std::shared_ptr<Kept> kept)
     : state_(std::move(state)), now_(&state_->now), kept_(std::move(kept)) {}

@@ -278,7 +278,7 @@ class Scene {
 // Refers to a simulation without keeping it alive. No other scene gets its id while this lives.
 class Scene::Weak {
  public:
-  explicit Weak(const Scene& scene) : state_(scene.state_), kept_(scene.kept_) {}
+  explicit Weak(const Scene& scene);  // also of an inner handle
 
   // Returns the number of handles, without inner() ones; 0 for a destroyed scene.
   size_t handles() const { return static_cast<size_t>(kept_.use_count()); }

@@ -110,7 +110,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kSuffix = ".scene";
 // Changes whenever the same spec compiles to another model than before.
-constexpr const char* kLayout = "8";
+constexpr const char* kLayout = "9";
 
 // Unset if the entry is missing, another process has just pruned it, or it cannot be read. (Copied,
 // not mapped: a disk that fails or a machine that prunes a shared folder would end the process.)

@@ -163,6 +163,23 @@ TEST_F(SceneKeys, OfSeveralRobotsAreComposed) {
   EXPECT_EQ(scene.joint_pos("left_shoulder"), 1) << "the same as one text";
 }
 
+TEST_F(SceneKeys, AsOneTextAreOfThePartWithTheLongestName) {
+  for (const bool longer_first : {true, false}) {
+    spec.robots.clear();
+    for (const bool longer : {longer_first, !longer_first}) {
+      AddArm(kHomeAndRetract, longer ? "l_" : "s_", longer ? 1 : 0);
+      spec.robots.back().name = longer ? "le:ft" : "le";
+    }
+    Scene scene = Scene::Build(spec);
+    scene.Reset({.keyframe = "le:ft: retract"});
+    EXPECT_EQ(scene.joint_pos("l_elbow"), -1.5);
+    EXPECT_EQ(scene.joint_pos("s_elbow"), -0.4);
+    scene.Reset({.keyframe = "le: retract"});
+    EXPECT_EQ(scene.joint_pos("l_elbow"), -0.4);
+    EXPECT_EQ(scene.joint_pos("s_elbow"), -1.5);
+  }
+}
+
 TEST_F(SceneKeys, ThatAreNotThereAreRefusedWithTheNamesThereAre) {
   AddArm(kHomeAndRetract, "left_");
   Scene scene = Scene::Build(spec);

@@ -101,7 +101,7 @@ StartKeys KeysOfParts(const CompiledScene& compiled, const PartKeyframes& choice
 std::optional<PartKeyframes> ChoiceOfText(const CompiledScene& compiled, const std::string& text) {
   size_t colon = text.find(':');
   for (const std::string& part : PartNames(compiled)) {
-    if (text.starts_with(part + ':')) colon = part.size();
+    if (text.starts_with(part + ':')) colon = std::max(colon, part.size());  // the longest
   }
   const size_t key = text.find_first_not_of(' ', colon == std::string::npos ? colon : colon + 1);
   if (colon == std::string::npos || key == std::string::npos) return std::nullopt;

@@ -48,9 +48,9 @@ struct Scene::State {
   // Warns if other code gave the model a solver that is known to be wrong (engine_defects.h) after
   // it was compiled with another one.
   void LookAtSolver() {
-    if (now.model->opt.solver != solver) TellSolver();
+    if (now.model->opt.solver != solver) WarnOfSolver();
   }
-  void TellSolver();
+  void WarnOfSolver();
   void BindPool();
   internal::PooledObject* FindPooled(const std::string& object);
   // Resets the pool to the spec.

@@ -5,7 +5,7 @@
 //   judge.Begin();                                  // after the reset
 //   const TaskVerdict verdict = judge.Judge();      // after each step
 //
-// Errors of these hooks are HookErrors (base/hook_error.h), as is a verdict that is none: a reward
+// Errors of these hooks are HookErrors (base/hook_error.h), as is an invalid verdict: a reward
 // that is not finite, progress outside of 0 to 1, or a subtask without a name. The task has to live
 // as long as its judge. One thread at a time.
 #pragma once
@@ -25,6 +25,8 @@ class TaskJudge {
   // Begins an episode. The scene is in its start state.
   void Begin();
   TaskVerdict Judge();
+  // For a task that is in another episode now.
+  void ForgetSubtasks() { subtasks_.reset(); }
   // Returns the names of the task's subtasks in this episode.
   const std::vector<std::string>& subtasks();
 
