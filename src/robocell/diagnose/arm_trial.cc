@@ -248,21 +248,23 @@ class ArmTrial {
     const double rest = std::min(friction / stiffness, IsSlide(i) ? kShift : kTurn);
     if (rest <= tolerance) return std::nullopt;
     const double gear = Gear(model(), servo);
-    const double damping = Resistance(i) - model()->actuator_biasprm[mjNBIAS * servo + 2] * gear * gear;
+    const double damping =
+        Resistance(i) - model()->actuator_biasprm[mjNBIAS * servo + 2] * gear * gear;
     const double seconds = damping / stiffness * std::log(rest / tolerance);
     if (seconds <= kFollowSeconds) return std::nullopt;
     const double most = stiffness * tolerance;  // of friction that it still overcomes there
     return Miss{
         JointName(i),
         fmt::format("creeps over the last {:.3g} {} for {:.2g} s", rest, Unit(i), seconds), rest,
-        Cause{fmt::format(": its frictionloss of {:.3g} is more than its servo '{}' pushes with when "
-                          "it is {:g} {} away (arrival_tolerance), {:.3g} {} at {:g} {}/{}",
-                          friction, ServoName(servo), tolerance, Unit(i), most, ForceUnit(i),
-                          stiffness, ForceUnit(i), Unit(i)),
-              fmt::format("Lower the frictionloss of the joint, in the model or its edit: "
-                          "[{{joint: '{}', frictionloss: {:g}}}], or give the servo a larger kp",
-                          JointName(i), Rounded(most / 2)),
-              Field()}};
+        Cause{
+            fmt::format(": its frictionloss of {:.3g} is more than its servo '{}' pushes with when "
+                        "it is {:g} {} away (arrival_tolerance), {:.3g} {} at {:g} {}/{}",
+                        friction, ServoName(servo), tolerance, Unit(i), most, ForceUnit(i),
+                        stiffness, ForceUnit(i), Unit(i)),
+            fmt::format("Lower the frictionloss of the joint, in the model or its edit: "
+                        "[{{joint: '{}', frictionloss: {:g}}}], or give the servo a larger kp",
+                        JointName(i), Rounded(most / 2)),
+            Field()}};
   }
 
   // Returns the resistance to a slow motion per speed, N m s/rad or N s/m.
@@ -295,9 +297,9 @@ class ArmTrial {
     const double most = (error.upper - error.lower) / 2;
     Cause cause{": nothing damps it",
                 config().damping ? fmt::format("Raise `damping` ({:g} is set)", *config().damping)
-                : HasOneJoint()
-                    ? fmt::format("Give its servo damping (`damping`, {} s/{})", ForceUnit(i), Unit(i))
-                    : std::string("Give its servo damping"),
+                : HasOneJoint()  ? fmt::format("Give its servo damping (`damping`, {} s/{})",
+                                               ForceUnit(i), Unit(i))
+                                 : std::string("Give its servo damping"),
                 config().damping ? "damping" : Field()};
     const int servo = ServoOf(i);
     if (!HasOneJoint() && servo >= 0) {
@@ -305,9 +307,9 @@ class ArmTrial {
       AddGain("kv", servo, 2 * std::sqrt(std::max(StiffnessOf(servo) * inertia, 0.0)), cause);
       if (config().damping) cause.remedy += ", or leave it out and give each servo its own";
     }
-    return Miss{
-        JointName(i), fmt::format("still swings by {:.3g} {} around its target", most, Unit(i)),
-        most, std::move(cause)};
+    return Miss{JointName(i),
+                fmt::format("still swings by {:.3g} {} around its target", most, Unit(i)), most,
+                std::move(cause)};
   }
 
   // Adds one text for all joints with the same remedy.
@@ -509,8 +511,8 @@ class ArmTrial {
         config().stiffness ? "stiffness" : Field()};
     if (gravity >= kExplains * off * stiffness) {
       enough = Rounded(2 * std::max(stiffness, gravity / tolerances_[i]));
-      cause.why += fmt::format(", and gravity pulls with {:.3g} {} at home ({:g} would do)", gravity,
-                               ForceUnit(i), enough);
+      cause.why += fmt::format(", and gravity pulls with {:.3g} {} at home ({:g} would do)",
+                               gravity, ForceUnit(i), enough);
       if (!compensated()) cause.remedy = "Set `gravcomp: true` or ";
     } else if (damping > kSlow * stiffness &&
                damping * std::abs(data()->qvel[dof]) >= kExplains * off * stiffness) {
@@ -524,7 +526,8 @@ class ArmTrial {
       cause.why += fmt::format(", it pushes with {:.3g} {} and the joint is still {:.3g} {} away",
                                Force(i), ForceUnit(i), off, Unit(i));
       cause.remedy =
-          "Look for what holds it (its limits, spring, frictionloss, equality constraints, margins of "
+          "Look for what holds it (its limits, spring, frictionloss, equality constraints, margins "
+          "of "
           "geoms, other actuators) or ";
     }
     const std::string raise = cause.remedy.empty() ? "Raise" : "raise";
@@ -532,8 +535,8 @@ class ArmTrial {
       cause.remedy += fmt::format("{} `stiffness` ({:g} is set)", raise, *config().stiffness);
       if (!HasOneJoint()) cause.remedy += ", or leave it out and give each servo its own";
     } else if (HasOneJoint()) {
-      cause.remedy +=
-          fmt::format("{} the servos' stiffness (`stiffness`, {}/{})", raise, ForceUnit(i), Unit(i));
+      cause.remedy += fmt::format("{} the servos' stiffness (`stiffness`, {}/{})", raise,
+                                  ForceUnit(i), Unit(i));
     } else {
       cause.remedy += fmt::format("{} the stiffness of its servo", raise);
     }

@@ -56,17 +56,15 @@ class FingerPath {
   }
 
   std::optional<FlatDistance> Run() {
-    const std::vector<double> distances = Along([this] {
-      return FingerDistance(m_, data_.get(), pair_.fingers[0], pair_.fingers[1]);
-    });
+    const std::vector<double> distances = Along(
+        [this] { return FingerDistance(m_, data_.get(), pair_.fingers[0], pair_.fingers[1]); });
     const auto [least, most] = std::minmax_element(distances.begin(), distances.end());
     if (*most - *least < kNoChange) return std::nullopt;
     const FlatPart flat = LongestFlatPart(distances);
     if (flat.share <= kLongPart) return std::nullopt;
     FlatDistance out{.distance = flat.distance, .share = flat.share};
     Place(distances.front() < distances.back() ? 0 : 1);
-    const NearestPoints nearest =
-        NearestOf(m_, data_.get(), pair_.fingers[0], pair_.fingers[1]);
+    const NearestPoints nearest = NearestOf(m_, data_.get(), pair_.fingers[0], pair_.fingers[1]);
     out.points = {Local(0, nearest.first), Local(1, nearest.second)};
     const std::vector<double> apart = Along([&] { return DistanceOf(out.points); });
     const auto [nearer, farther] = std::minmax_element(apart.begin(), apart.end());
@@ -170,7 +168,8 @@ std::string HowToFollow(const CompiledScene& scene, const RobotRecord& robot,
   std::array<std::string, 2> names;
   for (size_t i : {0, 1}) names[i] = OwnName(m, robot, mjOBJ_BODY, pair.fingers[i].body);
   std::string text = fmt::format(
-      "the distance of '{}' and '{}' stays at {:.3g} m for {:.0f} % of their way, where other parts "
+      "the distance of '{}' and '{}' stays at {:.3g} m for {:.0f} % of their way, where other "
+      "parts "
       "of them move, so openings say nothing there. Name as `fingers` the parts that grasp, geoms "
       "or sites",
       names[0], names[1], flat.distance, 100 * flat.share);
@@ -182,9 +181,8 @@ std::string HowToFollow(const CompiledScene& scene, const RobotRecord& robot,
   }
   if (sites[0].edit.empty() || sites[1].edit.empty())
     return text + fmt::format(" ({}; {})", sites[0].text, sites[1].text);
-  return text + fmt::format(
-                    ": fingers: [{{site: {}_tip}}, {{site: {}_tip}}] with edits: [{}, {}]",
-                    names[0], names[1], sites[0].edit, sites[1].edit);
+  return text + fmt::format(": fingers: [{{site: {}_tip}}, {{site: {}_tip}}] with edits: [{}, {}]",
+                            names[0], names[1], sites[0].edit, sites[1].edit);
 }
 
 std::optional<PressedFingers> FindPressedFingers(const mjModel* m, const mjData* d,
@@ -232,8 +230,9 @@ std::string HowToPressLess(const mjModel* m, const RobotRecord& robot,
     text += fmt::format("Lower the force (edits: [{}]), or give", fmt::join(edits, ", "));
   else
     text += "Give";
-  return text + fmt::format(" both a stiffer contact in the model (solref=\"{:g} 1\" of their geoms)",
-                            2 * m->opt.timestep);
+  return text +
+         fmt::format(" both a stiffer contact in the model (solref=\"{:g} 1\" of their geoms)",
+                     2 * m->opt.timestep);
 }
 
 }  // namespace robocell::internal

@@ -26,7 +26,7 @@ constexpr double kOpenFrom = 0.9;      // opening above which a gripper counts a
 constexpr double kLeastTravel = 1e-4;  // metres; fingers that move less do not move
 constexpr double kJammed = 0.8;        // of the travel; differences of slow fingers are smaller
 constexpr double kMeetsFrom = 0.2;     // of the way from closed to open: earlier is not checked
-constexpr double kSluggish = 1;  // s; no gripper needs longer to move by 1 - 1/e of its way
+constexpr double kSluggish = 1;        // s; no gripper needs longer to move by 1 - 1/e of its way
 constexpr double kParted = 0.02;       // of the travel from which on fingers are separate
 constexpr double kSqueeze = 0.05;  // the openings in which fingers that met are pressed together
 

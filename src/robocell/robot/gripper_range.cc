@@ -379,8 +379,8 @@ SettledFingers SettleFingers(const Scene& scene, const GripperParts& parts,
           PassedFingers(m, parts, before, now, ctrl[1]).Text(RecordOf(scene, parts));
       if (!passed.empty()) LogWarn(passed);
       settled.flat = FindFlatDistance(m, parts.pair, before, now);
-      settled.pressed = FindPressedFingers(
-          m, d, parts.pair, std::abs(settled.distances[1] - settled.distances[0]));
+      settled.pressed = FindPressedFingers(m, d, parts.pair,
+                                           std::abs(settled.distances[1] - settled.distances[0]));
       for (const int a : ActuatorsOf(m, parts)) settled.pushed.push_back(d->actuator_force[a]);
     });
     return Packed(settled);
