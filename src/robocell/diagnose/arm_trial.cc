@@ -2,6 +2,7 @@
 // of each joint. A file and its model can be correct and the servos still be too weak, too slow or
 // blocked. Takes a few seconds for each joint that does not follow, and less for the others.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
@@ -16,6 +17,7 @@
 #include "robocell/mujoco/tree.h"
 #include "robocell/robot/arm_group.h"
 #include "robocell/robot/arrival.h"
+#include "robocell/robot/joint_resistance.h"
 #include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/hold_ctrl.h"
 #include "robocell/spec/problems.h"
@@ -44,6 +46,9 @@ struct Cause {
   std::string why, remedy;
   std::string field;         // of the robot's file
   bool in_warnings = false;  // the scene's
+  // A gain of one servo that would do, appended to the remedy as an edit; "" for none.
+  std::string actuator = "", gain = "";  // "kp" or "kv"
+  double value = 0;
 };
 
 struct Miss {
@@ -75,6 +80,7 @@ class ArmTrial {
     for (const std::string& name : arm.joint_names())
       joints_.push_back(FindId(model(), mjOBJ_JOINT, name));
     tolerances_ = HeldWithin(robot, arm);
+    arrived_ = ArrivalTolerances(robot, arm.name());
   }
 
   void Run() {
@@ -89,6 +95,9 @@ class ArmTrial {
   const RobotConfig& config() const { return robot_.config(); }
   std::string Field() const { return "move_groups." + arm_.name(); }
   bool IsSlide(size_t i) const { return *Unit(i) == 'm'; }
+  // `stiffness` and `damping` set all servos of a robot. With one joint that is what it needs; a
+  // value for one of several makes others too stiff, too slow or too weak.
+  bool HasOneJoint() const { return joints_.size() == 1; }
   const char* Unit(size_t i) const {
     return model()->jnt_type[joints_[i]] == mjJNT_SLIDE ? "m" : "rad";
   }
@@ -164,6 +173,7 @@ class ArmTrial {
   // Unset if the joint follows in one direction: the other may be blocked.
   std::optional<Miss> TryJoint(size_t i) {
     if (const std::optional<Miss> stuck = Stuck(i)) return stuck;
+    if (const std::optional<Miss> creeping = Creeps(i)) return creeping;
     const Interval limits = arm_.joint_pos_limits()[i];
     const double up = limits.upper - home_[i], down = home_[i] - limits.lower;
     const double most = *Unit(i) == 'm' ? kShift : kTurn;
@@ -227,16 +237,79 @@ class ArmTrial {
               Field()}};
   }
 
+  // Near its target a servo pushes with less than the friction of its joint, which is soft in the
+  // engine: the joint creeps the rest of each motion, with the time constant of the friction's slope
+  // over the servo's stiffness. Unset if it arrives in time.
+  std::optional<Miss> Creeps(size_t i) const {
+    const int servo = ServoOf(i), dof = model()->jnt_dofadr[joints_[i]];
+    const double friction = model()->dof_frictionloss[dof];
+    if (servo < 0 || friction <= 0) return std::nullopt;
+    const double stiffness = StiffnessOf(servo), tolerance = arrived_[i];
+    const double rest = std::min(friction / stiffness, IsSlide(i) ? kShift : kTurn);
+    if (rest <= tolerance) return std::nullopt;
+    const double gear = Gear(model(), servo);
+    const double damping =
+        Resistance(i) - model()->actuator_biasprm[mjNBIAS * servo + 2] * gear * gear;
+    const double seconds = damping / stiffness * std::log(rest / tolerance);
+    if (seconds <= kFollowSeconds) return std::nullopt;
+    const double most = stiffness * tolerance;  // of friction that it still overcomes there
+    return Miss{
+        JointName(i),
+        fmt::format("creeps over the last {:.3g} {} for {:.2g} s", rest, Unit(i), seconds), rest,
+        Cause{
+            fmt::format(": its frictionloss of {:.3g} is more than its servo '{}' pushes with when "
+                        "it is {:g} {} away (arrival_tolerance), {:.3g} {} at {:g} {}/{}",
+                        friction, ServoName(servo), tolerance, Unit(i), most, ForceUnit(i),
+                        stiffness, ForceUnit(i), Unit(i)),
+            fmt::format("Lower the frictionloss of the joint, in the model or its edit: "
+                        "[{{joint: '{}', frictionloss: {:g}}}], or give the servo a larger kp",
+                        JointName(i), Rounded(most / 2)),
+            Field()}};
+  }
+
+  // Returns the resistance to a slow motion per speed, N m s/rad or N s/m.
+  double Resistance(size_t i) const {
+    constexpr double kSlowly = 1e-6;  // rad/s or m/s
+    const std::vector<int> joint = {joints_[i]};
+    const double q = home_[i], speed = kSlowly, back = -kSlowly;
+    double ahead = 0, behind = 0;
+    AddJointResistance(model(), joint, {&q, 1}, {&speed, 1}, {&ahead, 1});
+    AddJointResistance(model(), joint, {&q, 1}, {&back, 1}, {&behind, 1});
+    return (ahead - behind) / (2 * kSlowly);
+  }
+
+  // Returns N/m or N m/rad of the joint.
+  double StiffnessOf(int servo) const {
+    const double gear = Gear(model(), servo);
+    return -model()->actuator_biasprm[mjNBIAS * servo + 1] * gear * gear;
+  }
+
+  // Adds an edit that gives a servo the stiffness or damping `value` of its joint.
+  void AddGain(const char* gain, int servo, double value, Cause& cause) const {
+    const double gear = Gear(model(), servo);
+    cause.actuator = ServoName(servo);
+    cause.gain = gain;
+    cause.value = Rounded(value / (gear * gear));
+  }
+
   // It passes its target again and again.
   Miss Swings(size_t i, const Interval& error) const {
     const double most = (error.upper - error.lower) / 2;
-    return Miss{
-        JointName(i), fmt::format("still swings by {:.3g} {} around its target", most, Unit(i)),
-        most,
-        Cause{": nothing damps it",
-              config().damping ? fmt::format("Raise `damping` ({:g} is set)", *config().damping)
-                               : "Give its servo damping (`damping`, N m s/rad)",
-              config().damping ? "damping" : Field()}};
+    Cause cause{": nothing damps it",
+                config().damping ? fmt::format("Raise `damping` ({:g} is set)", *config().damping)
+                : HasOneJoint()  ? fmt::format("Give its servo damping (`damping`, {} s/{})",
+                                               ForceUnit(i), Unit(i))
+                                 : std::string("Give its servo damping"),
+                config().damping ? "damping" : Field()};
+    const int servo = ServoOf(i);
+    if (!HasOneJoint() && servo >= 0) {
+      const double inertia = model()->dof_M0[model()->jnt_dofadr[joints_[i]]];
+      AddGain("kv", servo, 2 * std::sqrt(std::max(StiffnessOf(servo) * inertia, 0.0)), cause);
+      if (config().damping) cause.remedy += ", or leave it out and give each servo its own";
+    }
+    return Miss{JointName(i),
+                fmt::format("still swings by {:.3g} {} around its target", most, Unit(i)), most,
+                std::move(cause)};
   }
 
   // Adds one text for all joints with the same remedy.
@@ -244,16 +317,23 @@ class ArmTrial {
     while (!misses.empty()) {
       const Miss worst = misses.front();
       std::string others;
+      std::vector<std::string> edits;
       std::erase_if(misses, [&](const Miss& miss) {
         const bool same = miss.cause.remedy == worst.cause.remedy;
         if (same && miss.joint != worst.joint)
           others += fmt::format("{}'{}' {}", others.empty() ? "" : ", ", miss.joint, miss.how);
+        if (same && !miss.cause.gain.empty()) {
+          edits.push_back(fmt::format("{{actuator: '{}', {}: {:g}}}", miss.cause.actuator,
+                                      miss.cause.gain, miss.cause.value));
+        }
         return same;
       });
+      const std::string edit =
+          edits.empty() ? "" : fmt::format(" (edits: [{}])", fmt::join(edits, ", "));
       findings_.WarnAbout(
           worst.cause.field,
-          fmt::format("joint '{}' {}{}{}{}. {}", worst.joint, worst.how, when, worst.cause.why,
-                      others.empty() ? "" : "; likewise " + others, worst.cause.remedy));
+          fmt::format("joint '{}' {}{}{}{}. {}{}", worst.joint, worst.how, when, worst.cause.why,
+                      others.empty() ? "" : "; likewise " + others, worst.cause.remedy, edit));
     }
   }
 
@@ -367,18 +447,19 @@ class ArmTrial {
   std::optional<Cause> Sluggish(size_t i, int servo) const {
     const int dof = model()->jnt_dofadr[joints_[i]];
     const double gear = Gear(model(), servo);
-    const double stiffness = -model()->actuator_biasprm[mjNBIAS * servo + 1] * gear * gear;
+    const double stiffness = StiffnessOf(servo);
     const double passive = model()->dof_damping[dof], armature = model()->dof_armature[dof];
     const double own = -model()->actuator_biasprm[mjNBIAS * servo + 2] * gear * gear;
     if (own > kTypingError * stiffness && !config().damping) {
-      return Cause{fmt::format(": the kv of its servo '{}', {:.3g}, is too large for its stiffness "
-                               "of {:g} {}/{}, so that it takes {:.3g} s",
-                               ServoName(servo), own / (gear * gear), stiffness, ForceUnit(i),
-                               Unit(i), own / stiffness),
-                   fmt::format("Lower it in the model to {:g}, or write `damping: {:g}`",
-                               Rounded(kSlow / 4 * stiffness / (gear * gear)),
-                               Rounded(kSlow / 4 * stiffness)),
-                   Field()};
+      Cause cause{fmt::format(": the kv of its servo '{}', {:.3g}, is too large for its stiffness "
+                              "of {:g} {}/{}, so that it takes {:.3g} s",
+                              ServoName(servo), own / (gear * gear), stiffness, ForceUnit(i),
+                              Unit(i), own / stiffness),
+                  fmt::format("Lower it in the model to {:g}",
+                              Rounded(kSlow / 4 * stiffness / (gear * gear))),
+                  Field()};
+      AddGain("kv", servo, kSlow / 4 * stiffness, cause);
+      return cause;
     }
     if (passive > kHopeless * stiffness) {
       return Cause{
@@ -422,34 +503,44 @@ class ArmTrial {
     const int dof = model()->jnt_dofadr[joints_[i]];
     const mjtNum* bias = model()->actuator_biasprm + mjNBIAS * servo;
     const double gear = Gear(model(), servo);
-    const double stiffness = -bias[1] * gear * gear;
+    const double stiffness = StiffnessOf(servo);
     const double damping = -bias[2] * gear * gear + model()->dof_damping[dof];
+    double enough = 0;  // unknown
     Cause cause{
         fmt::format(": its servo's stiffness is {:g} {}/{}", stiffness, ForceUnit(i), Unit(i)), "",
         config().stiffness ? "stiffness" : Field()};
     if (gravity >= kExplains * off * stiffness) {
-      cause.why +=
-          fmt::format(", and gravity pulls with {:.3g} {} at home ({:g} would do)", gravity,
-                      ForceUnit(i), Rounded(2 * std::max(stiffness, gravity / tolerances_[i])));
+      enough = Rounded(2 * std::max(stiffness, gravity / tolerances_[i]));
+      cause.why += fmt::format(", and gravity pulls with {:.3g} {} at home ({:g} would do)",
+                               gravity, ForceUnit(i), enough);
       if (!compensated()) cause.remedy = "Set `gravcomp: true` or ";
     } else if (damping > kSlow * stiffness &&
                damping * std::abs(data()->qvel[dof]) >= kExplains * off * stiffness) {
+      enough = Rounded(2 * damping / kSlow);
       cause.why +=
           fmt::format(" against a damping of {:g}, so that it takes {:g} s ({:g} would do)",
-                      Rounded(damping), Rounded(damping / stiffness), Rounded(2 * damping / kSlow));
+                      Rounded(damping), Rounded(damping / stiffness), enough);
       if (config().damping)
         cause.remedy = fmt::format("Lower `damping` ({:g} is set) or ", *config().damping);
     } else {
       cause.why += fmt::format(", it pushes with {:.3g} {} and the joint is still {:.3g} {} away",
                                Force(i), ForceUnit(i), off, Unit(i));
       cause.remedy =
-          "Look for what holds it (its limits, frictionloss, equality constraints, margins of "
+          "Look for what holds it (its limits, spring, frictionloss, equality constraints, margins "
+          "of "
           "geoms, other actuators) or ";
     }
     const std::string raise = cause.remedy.empty() ? "Raise" : "raise";
-    cause.remedy += config().stiffness
-                        ? fmt::format("{} `stiffness` ({:g} is set)", raise, *config().stiffness)
-                        : fmt::format("{} the servos' stiffness (`stiffness`, N m/rad)", raise);
+    if (config().stiffness) {
+      cause.remedy += fmt::format("{} `stiffness` ({:g} is set)", raise, *config().stiffness);
+      if (!HasOneJoint()) cause.remedy += ", or leave it out and give each servo its own";
+    } else if (HasOneJoint()) {
+      cause.remedy += fmt::format("{} the servos' stiffness (`stiffness`, {}/{})", raise,
+                                  ForceUnit(i), Unit(i));
+    } else {
+      cause.remedy += fmt::format("{} the stiffness of its servo", raise);
+    }
+    if (!HasOneJoint() && enough > 0) AddGain("kp", servo, enough, cause);
     return cause;
   }
 
@@ -466,7 +557,8 @@ class ArmTrial {
   bool beside_warnings_;
   Findings& findings_;
   std::vector<int> joints_;
-  std::vector<double> tolerances_;  // within which each joint has arrived, rad or m
+  std::vector<double> tolerances_;  // that the trial grants each joint, rad or m
+  std::vector<double> arrived_;     // within which a step of an environment has arrived
   std::vector<double> home_;
   std::vector<std::string> touching_;
   std::string diverged_;

@@ -1,4 +1,5 @@
 // Tests arms that do not hold home or do not follow, reported with the reason.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -131,15 +132,75 @@ TEST_F(ArmTrials, AServoThatTheSceneWarnsOfIsToldOnce) {
 // Neither gravity nor damping: the finding has the measurement, and no useless advice.
 TEST_F(ArmTrials, AServoThatSomethingElseHoldsIsToldWithWhatIsMeasured) {
   EXPECT_THAT(
-      Doubts("kp='500' kv='50'", "gravcomp: true\n", "",
-             "frictionloss='60' solimpfriction='0.999 0.999 0.001'"),
-      ElementsAre(AllOf(HasSubstr("joint 'hip' moves "),
-                        HasSubstr(": its servo's stiffness is 500 N m/rad, it pushes with "),
-                        HasSubstr(" N m and the joint is still 0.0"),
-                        HasSubstr(" rad away. Look for what holds it (its limits, frictionloss, "
-                                  "equality constraints, margins of geoms, other actuators) or "
-                                  "raise the servos' stiffness"),
-                        Not(HasSubstr("would do")))));
+      Doubts("kp='500' kv='50'", "gravcomp: true\n", "", "stiffness='500'"),
+      ElementsAre(AllOf(
+          HasSubstr("joint 'hip' moves "),
+          HasSubstr(": its servo's stiffness is 500 N m/rad, it pushes with "),
+          HasSubstr(" N m and the joint is still 0.0"),
+          HasSubstr(" rad away. Look for what holds it (its limits, spring, "
+                    "frictionloss, equality constraints, margins of geoms, other actuators) or "
+                    "raise the servos' stiffness"),
+          Not(HasSubstr("would do")))));
+}
+
+// A light hinge on a heavy slide: what one needs is wrong for the other.
+class UnlikeJoints : public ::testing::Test {
+ protected:
+  struct Joints {
+    const char *lift = "", *lift_servo = "kp='8000' kv='600'";
+    const char *turn = "", *turn_servo = "kp='100' kv='6'";
+    const char* fields = "gravcomp: true\n";
+  };
+  std::vector<std::string> Doubts(const Joints& joints, const std::string& edits = "") {
+    const std::string model = folder_.Write(
+        "gantry", fmt::format(R"(<compiler angle="radian"/><worldbody><body name="post" pos="0 0 1">
+<geom size="0.02" pos="0 0 -0.9"/><body name="lift"><joint name="lift" type="slide" axis="0 0 1"
+range="-0.5 0.5" {}/><geom type="box" size="0.05 0.05 0.05" mass="5"/><body name="wrist"
+pos="0 0 -0.1"><joint name="turn" axis="0 0 1" range="-2 2" armature="0.01" {}/>
+<geom type="box" size="0.03 0.02 0.01" mass="0.4"/><site name="tip"/></body></body></body>
+</worldbody><actuator><position name="lifter" joint="lift" {}/><position name="turner" joint="turn"
+{}/></actuator>)",
+                              joints.lift, joints.turn, joints.lift_servo, joints.turn_servo));
+    const std::string file = (folder_.path() / "gantry.yaml").string();
+    AtomicWrite(file, "name: gantry\nmodel: " + model +
+                          "\nmove_groups:\n  arm: {kind: arm, joints: [lift, turn], leaf: {site: "
+                          "tip}}\n" +
+                          joints.fields + edits);
+    return LinesOfRobot(RobotAlone(RobotConfig::Load(file)));
+  }
+  // Expects one finding whose advice is `edit`, and none after following it.
+  void ExpectRemedy(const Joints& joints, const std::string& what, const std::string& edit) {
+    EXPECT_THAT(Doubts(joints), ElementsAre(AllOf(HasSubstr(what), HasSubstr(": [" + edit + "]"))));
+    EXPECT_THAT(Doubts(joints, "edits: [" + edit + "]\n"), IsEmpty()) << edit;
+  }
+  ModelFolder folder_;
+};
+
+TEST_F(UnlikeJoints, AreEachToldTheGainOfTheirOwnServo) {
+  EXPECT_THAT(Doubts({}), IsEmpty());
+  ExpectRemedy(
+      {.lift_servo = "kp='300' kv='600'", .fields = ""},
+      "its servo's stiffness is 300 N/m, and gravity pulls with 53 N at home (110000 would "
+      "do). Set `gravcomp: true` or raise the stiffness of its servo (edits",
+      "{actuator: 'lifter', kp: 110000}");
+  ExpectRemedy({.lift_servo = "kp='8000' kv='1e7'"},
+               "the kv of its servo 'lifter', 1e+07, is too large for its stiffness of 8000 N/m",
+               "{actuator: 'lifter', kv: 800}");
+  ExpectRemedy(
+      {.turn_servo = "kp='100' kv='250'"},
+      "its servo's stiffness is 100 N m/rad against a damping of 250, so that it takes 2.5 s "
+      "(1300 would do). Raise the stiffness of its servo (edits",
+      "{actuator: 'turner', kp: 1300}");
+  ExpectRemedy({.turn_servo = "kp='100'"}, "nothing damps it. Give its servo damping (edits",
+               "{actuator: 'turner', kv: 2}");
+}
+
+TEST_F(UnlikeJoints, FrictionThatAJointCreepsAgainstIsTold) {
+  ExpectRemedy({.lift = "frictionloss='300'", .lift_servo = "kp='8000' kv='1000'"},
+               "its frictionloss of 300 is more than its servo 'lifter' pushes with when it is "
+               "0.0002 m away (arrival_tolerance), 1.6 N at 8000 N/m",
+               "{joint: 'lift', frictionloss: 0.8}");
+  EXPECT_THAT(Doubts({.lift = "frictionloss='1'", .turn = "frictionloss='0.1'"}), IsEmpty());
 }
 
 TEST_F(ArmTrials, AnArmOfTorquesIsHeldOnly) {

@@ -13,6 +13,18 @@
 namespace robocell::internal {
 namespace {
 
+void WarnOfMeasurement(const ActuatedGripper& gripper, const std::string& name, bool at_hinge,
+                       Findings& findings) {
+  try {
+    GripperRange range = gripper.Measure();
+    if (at_hinge) range.flat.reset();  // the same, with less advice
+    for (const std::string& doubt : gripper.Doubts(range))
+      findings.WarnAbout("move_groups." + name + ".fingers", doubt);
+  } catch (const Error&) {
+    // Reported by the code that needs the distances.
+  }
+}
+
 // A gripper's opening is the distance of its fingers.
 void WarnOfHinges(const Robot& robot, Findings& findings) {
   const CompiledScene& compiled = *robot.scene().compiled();
@@ -24,9 +36,12 @@ void WarnOfHinges(const Robot& robot, Findings& findings) {
     const FingerPair pair{.hand = gripper->hand_body(),
                           .fingers = {gripper->finger(0), gripper->finger(1)}};
     const std::optional<Jaw> jaw = FindJaw(m, pair);
-    if (!jaw || !IsMeasuredAtItsHinge(m, qpos, pair, *jaw)) continue;
-    findings.WarnAbout("move_groups." + name + ".fingers",
-                       HowToNameTips(compiled, compiled.robot(robot.name()), pair, *jaw));
+    const bool at_hinge = jaw && IsMeasuredAtItsHinge(m, qpos, pair, *jaw);
+    if (at_hinge) {
+      findings.WarnAbout("move_groups." + name + ".fingers",
+                         HowToNameTips(compiled, compiled.robot(robot.name()), pair, *jaw));
+    }
+    WarnOfMeasurement(*gripper, name, at_hinge, findings);
   }
 }
 

@@ -15,7 +15,6 @@
 namespace robocell::internal {
 namespace {
 
-constexpr double kFarthest = 1.0;   // metres; no gripper opens wider
 constexpr int kLooksAtAJaw = 16;    // over its range
 constexpr double kNearHinge = 0.4;  // of the jaw's length
 
@@ -121,28 +120,6 @@ std::vector<int> SideOf(const mjModel* m, int hand, int body) {
   return geoms;
 }
 
-// The nearest point of a finger to another.
-struct NearestPoint {
-  double distance = kFarthest;
-  mjtNum point[3] = {};
-};
-
-NearestPoint NearestOf(const mjModel* m, mjData* d, const Finger& of, const Finger& to) {
-  NearestPoint nearest;
-  Guarded("distance of the fingers", d, [&] {
-    for (const int g : of.geoms) {
-      for (const int h : to.geoms) {
-        mjtNum points[6];
-        const double distance = mj_geomDistance(m, d, g, h, nearest.distance, points);
-        if (distance >= nearest.distance) continue;
-        nearest.distance = distance;
-        std::copy_n(points, 3, nearest.point);
-      }
-    }
-  });
-  return nearest;
-}
-
 // Returns the distance from a hinge's axis in metres.
 double FromAxis(const mjData* d, int joint, const mjtNum* point) {
   mjtNum arm[3], across[3];
@@ -203,10 +180,10 @@ bool IsMeasuredAtItsHinge(const mjModel* m, std::span<const double> qpos, const 
   for (int i = 0; i <= kLooksAtAJaw; ++i) {
     angle = from + (to - from) * i / kLooksAtAJaw;
     Guarded("finding where a jaw is measured", d, [&] { mj_kinematics(m, d); });
-    const NearestPoint nearest = NearestOf(m, d, moving, fixed);
+    const NearestPoints nearest = NearestOf(m, d, moving, fixed);
     if (nearest.distance <= widest) continue;
     widest = nearest.distance;
-    lever = FromAxis(d, jaw.joint, nearest.point);
+    lever = FromAxis(d, jaw.joint, nearest.first);
   }
   double length = 0;
   for (const int g : moving.geoms)
@@ -224,6 +201,23 @@ std::string HowToNameTips(const CompiledScene& scene, const RobotRecord& robot,
       "tips are apart: name the tips of both as `fingers`, geoms or sites ({})",
       name(jaw.index), name(1 - jaw.index),
       HowToAddSite(scene, robot, name(jaw.index), "tip", "[...]").text);
+}
+
+NearestPoints NearestOf(const mjModel* m, mjData* d, const Finger& a, const Finger& b) {
+  NearestPoints nearest;
+  Guarded("distance of the fingers", d, [&] {
+    for (const int g : a.geoms) {
+      for (const int h : b.geoms) {
+        mjtNum points[6];
+        const double distance = mj_geomDistance(m, d, g, h, nearest.distance, points);
+        if (distance >= nearest.distance) continue;
+        nearest.distance = distance;
+        std::copy_n(points, 3, nearest.first);
+        std::copy_n(points + 3, 3, nearest.second);
+      }
+    }
+  });
+  return nearest;
 }
 
 double FingerDistance(const mjModel* m, mjData* d, const Finger& a, const Finger& b) {

@@ -57,6 +57,16 @@ bool IsMeasuredAtItsHinge(const mjModel* model, std::span<const double> qpos,
 std::string HowToNameTips(const CompiledScene& scene, const RobotRecord& robot,
                           const FingerPair& pair, const Jaw& jaw);
 
+// The nearest points of two fingers, in the world. The distance is negative if they overlap, and 1
+// for fingers that are farther apart, whose points are not looked for.
+struct NearestPoints {
+  double distance = 1;
+  double first[3] = {}, second[3] = {};
+};
+
+// Needs data at position stage. No allocation.
+NearestPoints NearestOf(const mjModel* model, mjData* data, const Finger& a, const Finger& b);
+
 // Returns metres; 0 if they overlap. Needs data at position stage. No allocation.
 double FingerDistance(const mjModel* model, mjData* data, const Finger& a, const Finger& b);
 

@@ -8,9 +8,12 @@
 #include <set>
 
 #include "robocell/base/error.h"
+#include "robocell/base/log.h"
 #include "robocell/base/suggestions.h"
+#include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/robot/measurement_cache.h"
 #include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/element_lookup.h"
 #include "robocell/scene/servo_stability.h"
@@ -23,6 +26,7 @@ constexpr double kOpenFrom = 0.9;      // opening above which a gripper counts a
 constexpr double kLeastTravel = 1e-4;  // metres; fingers that move less do not move
 constexpr double kJammed = 0.8;        // of the travel; differences of slow fingers are smaller
 constexpr double kMeetsFrom = 0.2;     // of the way from closed to open: earlier is not checked
+constexpr double kSluggish = 1;        // s; no gripper needs longer to move by 1 - 1/e of its way
 constexpr double kParted = 0.02;       // of the travel from which on fingers are separate
 constexpr double kSqueeze = 0.05;  // the openings in which fingers that met are pressed together
 
@@ -178,15 +182,32 @@ void ActuatedGripper::ResolveFingers() const {
 }
 
 const GripperRange& ActuatedGripper::Measured() const {
-  if (!measured_) measured_ = Measure();
+  if (measured_) return *measured_;
+  measured_ = Measure();
+  const CompiledScene& compiled = *core().scene().compiled();
+  CachedMeasurement(compiled, "warnings of " + core().place(), [&] {  // once for a model
+    for (const std::string& doubt : Doubts(*measured_)) LogWarn(core().place() + ": " + doubt);
+    return std::vector<double>{};
+  });
   return *measured_;
 }
 
+std::vector<std::string> ActuatedGripper::Doubts(const GripperRange& range) const {
+  std::vector<std::string> doubts;
+  const CompiledScene& compiled = *core().scene().compiled();
+  const RobotRecord& robot = compiled.robot(core().names().robot);
+  if (range.flat) doubts.push_back(HowToFollow(compiled, robot, Parts().pair, *range.flat));
+  if (range.pressed) {
+    doubts.push_back(HowToPressLess(core().model(), robot, *range.pressed,
+                                    ActuatorsOf(core().model(), Parts()), range.pushed));
+  }
+  return doubts;
+}
+
 // The error of a model that diverges, or does not come to rest, names the gripper's owner.
-std::array<double, 2> ActuatedGripper::Settled(
-    const std::array<std::vector<double>, 2>& ctrl) const {
+SettledFingers ActuatedGripper::Settled(const std::array<std::vector<double>, 2>& ctrl) const {
   try {
-    return SettledFingerDistances(core().scene(), Parts(), ctrl);
+    return SettleFingers(core().scene(), Parts(), ctrl);
   } catch (const EngineError& error) {
     throw EngineError(core().place() + ": " + error.what() + "." + WhyUnstable(core().scene()));
   } catch (const ArgumentError& error) {
@@ -236,7 +257,7 @@ void ActuatedGripper::Orient(std::vector<GripperCtrl>& ends) const {
     std::array<std::vector<double>, 2> alone = {home, home};
     alone[0][i] = ends[i].open;
     alone[1][i] = ends[i].closed;
-    const auto [at_open, at_closed] = Settled(alone);
+    const auto [at_open, at_closed] = Settled(alone).distances;
     if (std::abs(at_open - at_closed) < kLeastTravel) {
       idle.push_back(i);
       continue;
@@ -267,6 +288,7 @@ std::string ActuatedGripper::WhyTheyStay(const std::array<std::vector<double>, 2
 }
 
 std::string ActuatedGripper::WhyTheyJam(const std::array<std::vector<double>, 2>& ctrl) const {
+  if (std::string sluggish = WhySluggish(); !sluggish.empty()) return sluggish;
   const std::vector<std::string> touching = TouchingFingers(core().scene(), Parts(), ctrl);
   if (touching.empty()) return "Nothing touches them: is the actuator too weak to move them?";
   return fmt::format(
@@ -276,13 +298,33 @@ std::string ActuatedGripper::WhyTheyJam(const std::array<std::vector<double>, 2>
       ListNames(touching, 6));
 }
 
+std::string ActuatedGripper::WhySluggish() const {
+  const mjModel* m = core().model();
+  const RobotRecord& robot = core().scene().compiled()->robot(core().names().robot);
+  for (const std::string& name : actuator_names()) {
+    const int a = RequireId(m, mjOBJ_ACTUATOR, name, "");
+    if (!IsPositionServo(m, a)) continue;
+    const double kp = -m->actuator_biasprm[mjNBIAS * a + 1];
+    const double kv = -m->actuator_biasprm[mjNBIAS * a + 2];
+    if (kp <= 0 || kv <= kSluggish * kp) continue;
+    return fmt::format(
+        "The kv of its servo '{0}', {1:.3g}, is too large for its kp of {2:g}, so that it takes "
+        "{3:.3g} s. Lower it in the model, or by edits: [{{actuator: '{0}', kv: {4}}}]",
+        name.starts_with(robot.prefix) ? name.substr(robot.prefix.size()) : name, kv, kp, kv / kp,
+        RoundedGain(kp / 10));
+  }
+  return "";
+}
+
 GripperRange ActuatedGripper::Measure() const {
   std::vector<GripperCtrl> ends = Ends();
   const std::vector<double> open = ValuesOf(ends, &GripperCtrl::open);
   const std::vector<double> closed = ValuesOf(ends, &GripperCtrl::closed);
-  const auto [at_open, at_closed] = Settled({open, closed});
+  const SettledFingers closing = Settled({open, closed});
+  const auto [at_open, at_closed] = closing.distances;
   // In the reverse order: then the first starts from home, and the second after it.
-  const auto [closed_first, open_after] = Settled({closed, open});
+  const SettledFingers opening = Settled({closed, open});
+  const auto [closed_first, open_after] = opening.distances;
   const auto ends_of_travel = std::minmax({at_open, at_closed, closed_first, open_after});
   const double travel = ends_of_travel.second - ends_of_travel.first;
   if (travel < kLeastTravel) {
@@ -302,7 +344,11 @@ GripperRange ActuatedGripper::Measure() const {
   };
   jams(open, at_open, open_after, closed);
   jams(closed, closed_first, at_closed, open);
-  GripperRange range{ends, {at_closed, at_open}};
+  GripperRange range{.ctrl = ends, .distance = {at_closed, at_open}};
+  const SettledFingers& closes = at_open > at_closed ? closing : opening;
+  range.flat = closes.flat;
+  range.pressed = closes.pressed;
+  range.pushed = closes.pushed;
   if (at_open <= at_closed && !config_.ctrl) {
     std::for_each(range.ctrl.begin(), range.ctrl.end(), Swap);
     std::swap(range.distance.closed, range.distance.open);
@@ -332,7 +378,7 @@ double ActuatedGripper::MeetingShare(const std::vector<GripperCtrl>& ends,
   const auto together = [&](double share) {
     std::vector<double> ctrl;
     for (const GripperCtrl& end : ends) ctrl.push_back(At(end, share));
-    return Settled({open, ctrl})[1] <= parted;
+    return Settled({open, ctrl}).distances[1] <= parted;
   };
   if (!together(kMeetsFrom)) return 0;
   double least = kMeetsFrom, most = 1;

@@ -55,13 +55,17 @@ class ActuatedGripper : public JointGroupOf<GripperGroup> {
   std::string WhyTheyStay(const std::array<std::vector<double>, 2>& ctrl, double distance) const;
   std::string WhyTheyJam(const std::array<std::vector<double>, 2>& ctrl) const;
   std::string WhyNoOpening() const;
+  // Names servos whose kv is so large that they hardly move the fingers, with an edit; "" for none.
+  std::string WhySluggish() const;
+  // Returns what a measurement shows to be wrong with the fingers, each with the edit that helps.
+  std::vector<std::string> Doubts(const GripperRange& range) const;
 
  private:
   const GripperParts& Parts() const;
   void ResolveFingers() const;
   // Throws ArgumentError about a field of its configuration, with its place in the robot's file.
   [[noreturn]] void Fail(const char* field, const std::string& message) const;
-  std::array<double, 2> Settled(const std::array<std::vector<double>, 2>& ctrl) const;
+  SettledFingers Settled(const std::array<std::vector<double>, 2>& ctrl) const;
   // Returns the control ends of each actuator, before measuring shows whether all are swapped.
   std::vector<GripperCtrl> Ends() const;
   // Determines for several actuators which end of each opens the fingers farther, with the others

@@ -303,6 +303,20 @@ TEST(Gripper, SaysWhenItsFingersDoNotComeBack) {
   }
 }
 
+// No force helps against it.
+TEST(Gripper, FingersThatTheKvOfTheirServoHoldsAreToldIt) {
+  RobotConfig config = Rc7();
+  GripperConfig(config).distance.reset();
+  config.edits.push_back({.actuator = ElementRef{.name = "gripper"}, .kv = 4e9});
+  const std::string message = ExpectThrow<ArgumentError>(
+      [&] { RobotAlone(config).gripper().opening(); },
+      "The kv of its servo 'gripper', 4e+09, is too large for its kp of ");
+  const size_t from = message.find("edits: [{actuator: 'gripper', kv: ");
+  ASSERT_NE(from, std::string::npos) << message;
+  config.edits.back().kv = std::stod(message.substr(from + 34));
+  EXPECT_GT(RobotAlone(config).gripper().inter_finger_dist_range().upper, 0.05);
+}
+
 // At home a ball of the upper arm is at the place of the palm, and stops both fingers.
 TEST(Gripper, FingersThatDoNotComeBackAreToldWithWhatTouchesThem) {
   const std::string ball = R"(<geom name="ball" type="sphere" size=".034" pos="-.0779 0 .4842"

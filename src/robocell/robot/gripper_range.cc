@@ -279,12 +279,54 @@ void AddTouching(const mjModel* m, const mjData* d, int hand, std::vector<std::s
   }
 }
 
+// Measurements are kept as numbers.
+std::vector<double> Packed(const SettledFingers& settled) {
+  const FlatDistance flat = settled.flat.value_or(FlatDistance{});
+  const PressedFingers pressed = settled.pressed.value_or(PressedFingers{});
+  std::vector<double> out = {settled.distances[0],
+                             settled.distances[1],
+                             settled.flat ? 1.0 : 0.0,
+                             flat.distance,
+                             flat.share,
+                             flat.points_follow ? 1.0 : 0.0,
+                             settled.pressed ? 1.0 : 0.0,
+                             static_cast<double>(pressed.geoms[0]),
+                             static_cast<double>(pressed.geoms[1]),
+                             pressed.depth};
+  for (const auto& point : flat.points) out.insert(out.end(), point.begin(), point.end());
+  out.insert(out.end(), settled.pushed.begin(), settled.pushed.end());
+  return out;
+}
+
+SettledFingers Unpacked(const std::vector<double>& from) {
+  constexpr size_t kPoints = 10, kForces = 16;
+  SettledFingers out{.distances = {from[0], from[1]}};
+  if (from[2] != 0) {
+    out.flat = FlatDistance{from[3], from[4], from[5] != 0};
+    for (size_t i = 0; i < 6; ++i) out.flat->points[i / 3][i % 3] = from[kPoints + i];
+  }
+  if (from[6] != 0)
+    out.pressed = PressedFingers{{static_cast<int>(from[7]), static_cast<int>(from[8])}, from[9]};
+  out.pushed.assign(from.begin() + kForces, from.end());
+  return out;
+}
+
 std::string FingerName(const Finger& finger) {
   return fmt::format("site {} body {} geoms {}", finger.site, finger.body,
                      fmt::join(finger.geoms, " "));
 }
 
 }  // namespace
+
+std::vector<int> ActuatorsOf(const mjModel* m, const GripperParts& parts) {
+  std::vector<int> actuators;
+  for (const int address : parts.ctrl_addresses) {
+    for (int a = 0; a < m->nactuator; ++a) {
+      if (m->actuator_ctrlnum[a] > 0 && m->actuator_ctrladr[a] == address) actuators.push_back(a);
+    }
+  }
+  return actuators;
+}
 
 std::vector<std::string> TouchingFingers(const Scene& scene, const GripperParts& parts,
                                          const std::array<std::vector<double>, 2>& ctrl) {
@@ -316,28 +358,33 @@ std::string CtrlText(const std::vector<double>& ctrl) {
   return fmt::format("[{}]", fmt::join(ctrl, ", "));
 }
 
-std::array<double, 2> SettledFingerDistances(const Scene& scene, const GripperParts& parts,
-                                             const std::array<std::vector<double>, 2>& ctrl) {
+SettledFingers SettleFingers(const Scene& scene, const GripperParts& parts,
+                             const std::array<std::vector<double>, 2>& ctrl) {
   const std::string what = fmt::format(
       "fingers of body {}: {}, {}; controls {}: {}, {}", parts.robot_body,
       FingerName(parts.pair.fingers[0]), FingerName(parts.pair.fingers[1]),
       fmt::join(parts.ctrl_addresses, " "), fmt::join(ctrl[0], " "), fmt::join(ctrl[1], " "));
-  const std::vector<double> distances = CachedMeasurement(*scene.compiled(), what, [&] {
-    std::vector<double> ends;
+  return Unpacked(CachedMeasurement(*scene.compiled(), what, [&] {
+    SettledFingers settled;
     std::vector<mjtNum> before;
     LookAtEnds(scene, parts, ctrl, [&](const mjModel* m, const mjData* d, double distance) {
       const std::span<const mjtNum> now(d->qpos, static_cast<size_t>(m->nq));
-      if (!ends.empty()) {
-        const std::string passed =
-            PassedFingers(m, parts, before, now, ctrl[1]).Text(RecordOf(scene, parts));
-        if (!passed.empty()) LogWarn(passed);
+      if (before.empty()) {
+        settled.distances[0] = distance;
+        before.assign(now.begin(), now.end());
+        return;
       }
-      before.assign(now.begin(), now.end());
-      ends.push_back(distance);
+      settled.distances[1] = distance;
+      const std::string passed =
+          PassedFingers(m, parts, before, now, ctrl[1]).Text(RecordOf(scene, parts));
+      if (!passed.empty()) LogWarn(passed);
+      settled.flat = FindFlatDistance(m, parts.pair, before, now);
+      settled.pressed = FindPressedFingers(m, d, parts.pair,
+                                           std::abs(settled.distances[1] - settled.distances[0]));
+      for (const int a : ActuatorsOf(m, parts)) settled.pushed.push_back(d->actuator_force[a]);
     });
-    return ends;
-  });
-  return {distances[0], distances[1]};
+    return Packed(settled);
+  }));
 }
 
 std::array<double, 2> SettledJointValues(const Scene& scene, const GripperParts& parts,

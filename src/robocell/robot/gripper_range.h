@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "robocell/robot/finger.h"
+#include "robocell/robot/finger_path.h"
 #include "robocell/scene/scene.h"
 #include "robocell/spec/robot_config.h"
 
@@ -19,6 +20,9 @@ struct GripperRange {
   // Fingers may meet before the controls are at `closed`: up to this share from closed (0) to open
   // (1) they stay together. 0 if that is less than a fifth of the way.
   double meets = 0;
+  std::optional<FlatDistance> flat;
+  std::optional<PressedFingers> pressed;
+  std::vector<double> pushed;  // forces of the actuators while they press
 };
 
 // The moving and the measured parts, as ids in the scene's present model.
@@ -27,6 +31,9 @@ struct GripperParts {
   std::vector<int> ctrl_addresses;
   FingerPair pair;
 };
+
+// Returns the actuators of the controls.
+std::vector<int> ActuatorsOf(const mjModel* model, const GripperParts& parts);
 
 // Returns the finger distances (m) after the fingers came to rest with the controls (one for each
 // of ctrl_addresses; NaN leaves that of home) at the first values, and then at the second. At rest
@@ -39,8 +46,14 @@ struct GripperParts {
 // Throws EngineError if the copy diverges, and ArgumentError if the fingers are not at rest after
 // 20 s. Takes milliseconds to a second, for large models, and longer for slow fingers; it runs once
 // for all scenes on a frozen one.
-std::array<double, 2> SettledFingerDistances(const Scene& scene, const GripperParts& parts,
-                                             const std::array<std::vector<double>, 2>& ctrl);
+struct SettledFingers {
+  std::array<double, 2> distances = {};
+  std::optional<FlatDistance> flat;       // on the way from the first controls to the second
+  std::optional<PressedFingers> pressed;  // at the second
+  std::vector<double> pushed;             // forces of the actuators there
+};
+SettledFingers SettleFingers(const Scene& scene, const GripperParts& parts,
+                             const std::array<std::vector<double>, 2>& ctrl);
 
 // The value of a joint at the same two ends. The same errors.
 std::array<double, 2> SettledJointValues(const Scene& scene, const GripperParts& parts,
