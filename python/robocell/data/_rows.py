@@ -24,8 +24,8 @@ def rows(
 
     Args:
         dataset: A dataset, one of its slices, or a folder.
-        names: Columns of the table `steps`. "*" stands for any part of a name: "*sensors/*" is every
-            sensor that all episodes have, in the order of the first.
+        names: Columns of the table `steps`. "*" stands for any part of a name: "*sensors/*" is
+            every sensor that all episodes have, in the order of the first.
         horizon: Number of rows per item, each row with those that follow it, for learning chunks
             of actions; the last row of an episode stands in for rows beyond it.
 
