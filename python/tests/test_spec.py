@@ -137,6 +137,9 @@ class TestValues:
                 real: float = np.float32(0.5)
                 flag: bool = np.True_
 
+            def __init__(self, fields):
+                super().__init__()
+
         config = rc.EnvConfig(task={"kind": "corrected_numbers"})
         assert (config.task.whole, config.task.real, config.task.flag) == (3, 0.5, True)
 

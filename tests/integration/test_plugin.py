@@ -175,7 +175,10 @@ def test_a_run_file_may_name_a_library(plugin: Path, run_file: Path, tmp_path: P
 
 def test_what_is_no_plugin_is_refused(run_file: Path, tmp_path: Path):
     (tmp_path / "text.so").write_text("not a library")
-    for library, reason in (("text.so", "cannot load plugin"), ("gone.so", "No such file")):
+    for library, reason in (
+        ("text.so", "cannot load plugin"),
+        ("gone.so", "there is no such file"),
+    ):
         said = refusal(
             "generate", run_file, "--import", tmp_path / library, "--output", tmp_path / "out"
         )

@@ -250,7 +250,7 @@ def test_a_dataset_replays_its_own_actions(dataset: Path, tmp_path: Path):
         for name in ("robots/rc7/arm/qpos", "objects/target/pose"):
             assert np.array_equal(episode[name][:rows], again[name])
     said = refusal("evaluate", DEMO, "--policy", "replay", "-o", tmp_path / "none")
-    assert "needs a dataset whose actions it takes" in said
+    assert "takes the actions of a dataset" in said
     said = robocell_command(
         *("evaluate", dataset, "--policy", "replay", "--seed", "5", "-n", "1"),
         *("-o", tmp_path / "other"),

@@ -61,9 +61,12 @@ def test_killed_workers_lose_nothing_and_double_nothing(tmp_path: Path, calm: St
     out, said = command.communicate(timeout=240)
     killer.join()
     events = [json.loads(line) for line in out.splitlines()]
-    if command.returncode != 0:  # one item may have been hit three times: the next run makes it
+    # One item may have been hit three times, or three workers in a row that were just starting: the
+    # next run makes the rest.
+    if command.returncode != 0:
         assert command.returncode == 1, said
-        assert any(event["event"] == "unmade" for event in events)
+        ends = {event["event"] for event in events} & {"unmade", "stopping"}
+        assert ends == {"unmade"} or "before it could take an item" in said
     assert any("killed by SIGKILL" in event.get("reason", "") for event in events)
     stormy.finish()
     assert stormy.contents() == calm.contents()

@@ -14,6 +14,7 @@
 #include "robocell/env/number_list.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/task/task_judge.h"
 
 namespace robocell {
 namespace {
