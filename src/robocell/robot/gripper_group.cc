@@ -211,7 +211,9 @@ SettledFingers ActuatedGripper::Settled(const std::array<std::vector<double>, 2>
   } catch (const EngineError& error) {
     throw EngineError(core().place() + ": " + error.what() + "." + WhyUnstable(core().scene()));
   } catch (const ArgumentError& error) {
-    Fail("fingers", error.what() + WhyUnstable(core().scene()) + WhyNoOpening());
+    std::string sluggish = WhySluggish();
+    if (!sluggish.empty()) sluggish.insert(0, 1, ' ');
+    Fail("fingers", error.what() + WhyUnstable(core().scene()) + sluggish + WhyNoOpening());
   }
 }
 

@@ -307,10 +307,10 @@ TEST(Gripper, SaysWhenItsFingersDoNotComeBack) {
 TEST(Gripper, FingersThatTheKvOfTheirServoHoldsAreToldIt) {
   RobotConfig config = Rc7();
   GripperConfig(config).distance.reset();
-  config.edits.push_back({.actuator = ElementRef{.name = "gripper"}, .kv = 4e9});
+  config.edits.push_back({.actuator = ElementRef{.name = "gripper"}, .kv = 4e6});
   const std::string message = ExpectThrow<ArgumentError>(
       [&] { RobotAlone(config).gripper().opening(); },
-      "The kv of its servo 'gripper', 4e+09, is too large for its kp of ");
+      "The kv of its servo 'gripper', 4e+06, is too large for its kp of ");
   const size_t from = message.find("edits: [{actuator: 'gripper', kv: ");
   ASSERT_NE(from, std::string::npos) << message;
   config.edits.back().kv = std::stod(message.substr(from + 34));
