@@ -107,7 +107,7 @@ def run_metadata(dataset: Dataset) -> dict[str, Any]:
             f"'{folder}' was recorded from {what}, not made by a run, so there is no run to go on "
             "with; robocell.envs.from_dataset makes the environment of a recorded one"
         )
-    return metadata  # type: ignore[no-any-return]
+    return metadata
 
 
 def run_of_dataset(source: str | Path) -> RunConfig:
