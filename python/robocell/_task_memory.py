@@ -29,7 +29,7 @@ import numpy.typing as npt
 
 from robocell._core import ArgumentError, Pose, Rng, TaskVerdict
 
-# Of the attributes when the task was bound: name -> JSON.
+# The attribute that holds the others as they were when the task was bound: name -> JSON.
 _BOUND = "_robocell_bound"
 
 _BYTES_PER_NUMBER = 6  # doubles hold 48-bit integers exactly

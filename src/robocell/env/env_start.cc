@@ -41,7 +41,7 @@ class Refusals {
     ++counts_[counted];
     last_[counted] = std::move(refusal);
   }
-  // What refuses before the task is asked, or after it.
+  // Counts a refusal for which the task was not asked.
   void Add(const std::string& why) { Add(Refusal{.reason = why}.MadeBy(Refusal::kObjectsStage)); }
   // Returns the text of the last refusal for the most frequent reason.
   std::string MostOften() const {

@@ -82,6 +82,7 @@ struct Push {
 // has, or that is the robot's own.
 bool MovesWith(const mjModel* m, const mjData* d, int robot, int root) {
   if (root == robot) return true;
+  if (m->body_weldid[root] == 0) return false;  // the world, and what is fixed in it
   for (int e = 0; e < m->neq; ++e) {
     const bool is_joined = m->eq_type[e] == mjEQ_WELD || m->eq_type[e] == mjEQ_CONNECT;
     if (!is_joined || !d->eq_active[e]) continue;
